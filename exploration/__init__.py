@@ -1,0 +1,1 @@
+"""Sensing, devices, control and planning: how an object is touched."""

@@ -1,0 +1,1 @@
+"""Servo laws, trackers and exploratory procedures."""

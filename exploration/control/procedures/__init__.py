@@ -1,0 +1,1 @@
+"""Small guarded motions that each return evidence."""

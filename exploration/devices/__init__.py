@@ -1,0 +1,1 @@
+"""Arrays and stages: simulated, recorded, on a wire."""

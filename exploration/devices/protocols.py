@@ -1,0 +1,74 @@
+"""The two protocols that simulator, recording and hardware share.
+
+Time passes while a frame is read: `read` returns when the array's next frame is complete, and the stage
+moves meanwhile as it was last told.  A control loop is ``frame = sensor.read(); stage.move(law(frame))``.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from exploration.sensing.frame import TaxelArray, TaxelFrame
+from primitives.arrays import Floats
+
+
+@dataclass(frozen=True)
+class StageLimits:
+    """What a stage can do; every controller stays below it."""
+
+    speed: float = 150.0  # [mm/s]
+    acceleration: float = 2000.0  # [mm/s^2]
+    turn_speed: float = 2.0  # [rad/s]
+    turn_acceleration: float = 30.0  # [rad/s^2]
+
+
+class TactileSensor(Protocol):
+    """A tactile array on a stage."""
+
+    @property
+    def array(self) -> TaxelArray:
+        """Its layout."""
+        ...
+
+    @property
+    def flange_from_sensor(self) -> Floats:
+        """(4, 4) where it is mounted."""
+        ...
+
+    @property
+    def period(self) -> float:
+        """Seconds from one frame to the next."""
+        ...
+
+    def read(self) -> TaxelFrame:
+        """The next frame; raises `PalpateError` when none comes."""
+        ...
+
+
+class MotionStage(Protocol):
+    """Something that moves an array about."""
+
+    @property
+    def limits(self) -> StageLimits:
+        """What it can do."""
+        ...
+
+    def pose(self) -> Floats:
+        """(4, 4) world_from_flange, where it is now, as its own encoders say."""
+        ...
+
+    def move(self, twist: Floats) -> None:
+        """Follow a (6,) twist (v [mm/s], w [rad/s]) in the flange frame until told otherwise."""
+        ...
+
+    def go_to(self, world_from_flange: Floats) -> None:
+        """Start a straight move to a pose at the stage's limits; `moving` tells when it has ended."""
+        ...
+
+    @property
+    def moving(self) -> bool:
+        """Whether a `go_to` is under way."""
+        ...
+
+    def stop(self) -> None:
+        """Come to rest at the acceleration limit."""
+        ...

@@ -1,0 +1,1 @@
+"""What is known so far, and which touch comes next."""

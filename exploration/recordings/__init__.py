@@ -1,0 +1,1 @@
+"""Recordings, written as they happen and replayed as devices."""

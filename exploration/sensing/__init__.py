@@ -1,0 +1,1 @@
+"""Frames, sensor physics, edges, lines and contacts."""

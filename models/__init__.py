@@ -1,0 +1,1 @@
+"""The CSG modeler and the CAD library."""

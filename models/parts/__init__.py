@@ -1,0 +1,1 @@
+"""Example parts, a few lines of CSG each."""

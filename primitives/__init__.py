@@ -1,0 +1,1 @@
+"""Geometry, evidence, curvature and fits: what every other package stands on."""

@@ -1,0 +1,121 @@
+"""What touch yields: contacts, edge traces and swept free space, in the world frame.
+
+Evidence has a producer (`exploration`) and a consumer (`recognition`), so its types live below both.
+All lengths are in mm, all angles in rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from primitives.arrays import Bools, Floats, Ints, frozen
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """A table of touched surface points; every column has n rows and is read-only."""
+
+    points: Floats  # (n, 3) [mm]
+    normals: Floats  # (n, 3) outward unit normals; nan where none was felt
+    sigma: Floats  # (n,) [mm] standard deviation of the point along the normal
+    normal_sigma: Floats  # (n,) [rad] standard deviation of the normal's direction, per tangent axis
+    touch: Ints  # (n,) which touch made it (guarded approach until contact breaks)
+    stroke: Ints  # (n,) which stroke; contacts of one stroke lie on one smooth surface
+    sensor: Ints  # (n,) index of the array on the stage
+    body: Ints  # (n,) which body; 0 where there is one
+
+    @staticmethod
+    def of(
+        points: ArrayLike,
+        normals: ArrayLike | None = None,
+        sigma: ArrayLike = 0.05,
+        normal_sigma: ArrayLike = 0.02,
+        touch: ArrayLike = 0,
+        stroke: ArrayLike = 0,
+        sensor: ArrayLike = 0,
+        body: ArrayLike = 0,
+    ) -> Contacts:
+        """A table from points, with scalars spread over the rows."""
+        p = np.asarray(points, dtype=float).reshape(-1, 3)
+        n = len(p)
+        felt = np.full((n, 3), np.nan) if normals is None else np.asarray(normals, dtype=float).reshape(-1, 3)
+        return Contacts(
+            frozen(p),
+            frozen(felt),
+            frozen(np.broadcast_to(np.asarray(sigma, dtype=float), (n,))),
+            frozen(np.broadcast_to(np.asarray(normal_sigma, dtype=float), (n,))),
+            frozen(np.broadcast_to(touch, (n,)), np.int64),
+            frozen(np.broadcast_to(stroke, (n,)), np.int64),
+            frozen(np.broadcast_to(sensor, (n,)), np.int64),
+            frozen(np.broadcast_to(body, (n,)), np.int64),
+        )
+
+    @staticmethod
+    def concatenate(tables: Sequence[Contacts]) -> Contacts:
+        """All rows of all tables, in order."""
+        if not tables:
+            return Contacts.of(np.empty((0, 3)))
+        return Contacts(
+            frozen(np.concatenate([t.points for t in tables])),
+            frozen(np.concatenate([t.normals for t in tables])),
+            frozen(np.concatenate([t.sigma for t in tables])),
+            frozen(np.concatenate([t.normal_sigma for t in tables])),
+            frozen(np.concatenate([t.touch for t in tables]), np.int64),
+            frozen(np.concatenate([t.stroke for t in tables]), np.int64),
+            frozen(np.concatenate([t.sensor for t in tables]), np.int64),
+            frozen(np.concatenate([t.body for t in tables]), np.int64),
+        )
+
+    def select(self, rows: Bools | Ints) -> Contacts:
+        """The rows of a mask or an index."""
+        return Contacts(
+            frozen(self.points[rows]),
+            frozen(self.normals[rows]),
+            frozen(self.sigma[rows]),
+            frozen(self.normal_sigma[rows]),
+            frozen(self.touch[rows], np.int64),
+            frozen(self.stroke[rows], np.int64),
+            frozen(self.sensor[rows], np.int64),
+            frozen(self.body[rows], np.int64),
+        )
+
+    @property
+    def has_normal(self) -> Bools:
+        """(n,) whether a normal was felt."""
+        return np.asarray(np.isfinite(self.normals).all(axis=1))
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@dataclass(frozen=True)
+class EdgeTrace:
+    """Where a tracked edge ran: points along one smooth edge, with the normals of the face tracked from."""
+
+    points: Floats  # (n, 3) [mm], in the order of travel
+    tangents: Floats  # (n, 3) unit directions of travel
+    normals: Floats  # (n, 3) outward normals of the face that the edge was tracked from
+    sigma: Floats  # (n,) [mm] across the edge, in the face's tangent plane
+    closed: bool  # whether the trace returned to its start
+    touch: int
+    stroke: int
+
+
+@dataclass(frozen=True)
+class FreeSpace:
+    """Boxes that pad and housing swept without contact: no material is inside them."""
+
+    poses: Floats  # (n, 4, 4) world_from_box
+    half_extents: Floats  # (n, 3) [mm]
+
+    def contains(self, points: Floats, margin: float = 0.0) -> Bools:
+        """(m,) whether each of (m, 3) points lies in a box shrunk by `margin` [mm]."""
+        inside = np.zeros(len(points), dtype=bool)
+        for pose, half in zip(self.poses, self.half_extents, strict=True):
+            local = (points - pose[:3, 3]) @ pose[:3, :3]
+            inside |= (np.abs(local) <= half - margin).all(axis=1)
+        return inside

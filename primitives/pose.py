@@ -1,0 +1,156 @@
+"""Rigid motions as (..., 4, 4) float64 arrays, in mm and rad.
+
+Names cancel: ``world_from_taxel = world_from_sensor @ sensor_from_taxel``.  A twist is (v, w), linear part
+first; `exp` and `log` are the closed forms of SE(3) (Murray, Li and Sastry 1994, section 2.3) with series
+where the angle is small.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from primitives.arrays import Floats
+
+_SMALL_ANGLE = 1e-6  # [rad] below this the series is exact to double precision
+
+
+def pose(rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> Floats:
+    """A pose from a (..., 3, 3) rotation and a (..., 3) translation [mm]; each is the identity if absent."""
+    r = np.eye(3) if rotation is None else np.asarray(rotation, dtype=float)
+    t = np.zeros(3) if translation is None else np.asarray(translation, dtype=float)
+    shape = np.broadcast_shapes(r.shape[:-2], t.shape[:-1])
+    out = np.zeros((*shape, 4, 4))
+    out[..., :3, :3] = r
+    out[..., :3, 3] = t
+    out[..., 3, 3] = 1.0
+    return out
+
+
+def inverse(a_from_b: Floats) -> Floats:
+    """b_from_a."""
+    r = np.swapaxes(a_from_b[..., :3, :3], -1, -2)
+    return pose(r, -(r @ a_from_b[..., :3, 3, None])[..., 0])
+
+
+def transform_points(a_from_b: Floats, points_b: Floats) -> Floats:
+    """(..., n, 3) points of frame b in frame a."""
+    moved: Floats = points_b @ np.swapaxes(a_from_b[..., :3, :3], -1, -2) + a_from_b[..., None, :3, 3]
+    return moved
+
+
+def rotate(a_from_b: Floats, vectors_b: Floats) -> Floats:
+    """(..., n, 3) directions of frame b in frame a."""
+    turned: Floats = vectors_b @ np.swapaxes(a_from_b[..., :3, :3], -1, -2)
+    return turned
+
+
+def hat(w: Floats) -> Floats:
+    """The (..., 3, 3) skew matrix with hat(w) @ x == cross(w, x)."""
+    out = np.zeros((*w.shape[:-1], 3, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -w[..., 2], w[..., 1], -w[..., 0]
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = w[..., 2], -w[..., 1], w[..., 0]
+    return out
+
+
+def rotation_exp(w: ArrayLike) -> Floats:
+    """Rodrigues: the (..., 3, 3) rotation about w by |w| rad."""
+    v = np.asarray(w, dtype=float)
+    angle = np.linalg.norm(v, axis=-1)[..., None, None]
+    k = hat(v)
+    small = angle < _SMALL_ANGLE
+    safe = np.where(small, 1.0, angle)
+    a = np.where(small, 1.0 - angle**2 / 6.0, np.sin(safe) / safe)
+    b = np.where(small, 0.5 - angle**2 / 24.0, (1.0 - np.cos(safe)) / safe**2)
+    out: Floats = np.eye(3) + a * k + b * (k @ k)
+    return out
+
+
+def rotation_log(rotation: Floats) -> Floats:
+    """The (..., 3) rotation vector, of length in [0, pi]."""
+    q = quaternion_wxyz(rotation)
+    vector = q[..., 1:]
+    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, q[..., :1])
+    scale = np.where(sine < _SMALL_ANGLE, 2.0, angle / np.where(sine < _SMALL_ANGLE, 1.0, sine))
+    out: Floats = scale * vector
+    return out
+
+
+def exp(twist: ArrayLike) -> Floats:
+    """The pose reached by following a (..., 6) twist (v [mm], w [rad]) for unit time."""
+    x = np.asarray(twist, dtype=float)
+    v, w = x[..., :3], x[..., 3:]
+    return pose(rotation_exp(w), (_left_jacobian(w) @ v[..., None])[..., 0])
+
+
+def log(a_from_b: Floats) -> Floats:
+    """The (..., 6) twist whose `exp` is the pose."""
+    w = rotation_log(a_from_b[..., :3, :3])
+    v = np.linalg.solve(_left_jacobian(w), a_from_b[..., :3, 3, None])[..., 0]
+    return np.concatenate([v, w], axis=-1)
+
+
+def _left_jacobian(w: Floats) -> Floats:
+    angle = np.linalg.norm(w, axis=-1)[..., None, None]
+    k = hat(w)
+    small = angle < 1e-4
+    safe = np.where(small, 1.0, angle)
+    a = np.where(small, 0.5 - angle**2 / 24.0, (1.0 - np.cos(safe)) / safe**2)
+    b = np.where(small, 1.0 / 6.0 - angle**2 / 120.0, (safe - np.sin(safe)) / safe**3)
+    out: Floats = np.eye(3) + a * k + b * (k @ k)
+    return out
+
+
+def frame_along(normal: ArrayLike, x_hint: ArrayLike | None = None) -> Floats:
+    """A (3, 3) rotation whose z column is `normal` and whose x column is nearest to `x_hint`."""
+    z = np.asarray(normal, dtype=float)
+    z = z / np.linalg.norm(z)
+    hint = np.asarray(x_hint, dtype=float) if x_hint is not None else np.eye(3)[np.argmin(np.abs(z))]
+    x = hint - (hint @ z) * z
+    if np.linalg.norm(x) < 1e-9 * max(1.0, float(np.linalg.norm(hint))):
+        x = np.eye(3)[np.argmin(np.abs(z))]
+        x = x - (x @ z) * z
+    x = x / np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def quaternion_wxyz(rotation: Floats) -> Floats:
+    """(..., 4) unit quaternions with w >= 0 of (..., 3, 3) rotations or (..., 4, 4) poses."""
+    r = rotation[..., :3, :3]
+    trace = np.trace(r, axis1=-2, axis2=-1)
+    candidates = np.stack([trace, r[..., 0, 0], r[..., 1, 1], r[..., 2, 2]], axis=-1)
+    best = np.argmax(candidates, axis=-1)
+    d = np.stack([r[..., 2, 1] - r[..., 1, 2], r[..., 0, 2] - r[..., 2, 0], r[..., 1, 0] - r[..., 0, 1]], -1)
+    s = r + np.swapaxes(r, -1, -2)
+    rows = np.stack(
+        [
+            np.concatenate([(1.0 + trace)[..., None], d], axis=-1),
+            np.stack([d[..., 0], 1 + 2 * r[..., 0, 0] - trace, s[..., 0, 1], s[..., 0, 2]], axis=-1),
+            np.stack([d[..., 1], s[..., 0, 1], 1 + 2 * r[..., 1, 1] - trace, s[..., 1, 2]], axis=-1),
+            np.stack([d[..., 2], s[..., 0, 2], s[..., 1, 2], 1 + 2 * r[..., 2, 2] - trace], axis=-1),
+        ],
+        axis=-2,
+    )
+    q = np.take_along_axis(rows, best[..., None, None], axis=-2)[..., 0, :]
+    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    out: Floats = np.where(q[..., :1] < 0, -q, q)
+    return out
+
+
+def from_quaternion(wxyz: ArrayLike, translation: ArrayLike | None = None) -> Floats:
+    """The pose of a (..., 4) quaternion, normalized first, and a (..., 3) translation [mm]."""
+    q = np.asarray(wxyz, dtype=float)
+    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    k = hat(q[..., 1:])
+    return pose(np.eye(3) + 2.0 * q[..., :1, None] * k + 2.0 * (k @ k), translation)
+
+
+def random_rotation(rng: np.random.Generator) -> Floats:
+    """A (3, 3) rotation, uniform over SO(3)."""
+    return from_quaternion(rng.standard_normal(4))[:3, :3]
+
+
+def turn_about(point: ArrayLike, axis: ArrayLike, angle: float) -> Floats:
+    """The pose that turns the world by `angle` [rad] about a line through `point` [mm] along unit `axis`."""
+    p = np.asarray(point, dtype=float)
+    r = rotation_exp(np.asarray(axis, dtype=float) * angle)
+    return pose(r, p - r @ p)

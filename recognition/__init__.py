@@ -1,0 +1,1 @@
+"""Assemble, match, decide, report: what was touched, and the command line."""

@@ -1,0 +1,1 @@
+"""From a patch graph to a boundary and a CSG tree."""

@@ -1,0 +1,1 @@
+"""Run and report pages: one self-contained file each."""
