@@ -21,6 +21,16 @@ class StageLimits:
     turn_acceleration: float = 30.0  # [rad/s^2]
 
 
+@dataclass(frozen=True)
+class StageEvent:
+    """Something that must not happen, as the stage's drives notice it."""
+
+    kind: str  # "collision" of a housing, "overpress" of a skin, or a drive's own alarm
+    time: float  # [s] on the device's clock
+    amount: float  # [mm] overlap, or indentation beyond the skin's thickness
+    source: str  # the array or axis concerned
+
+
 class TactileSensor(Protocol):
     """A tactile array on a stage."""
 
@@ -71,4 +81,8 @@ class MotionStage(Protocol):
 
     def stop(self) -> None:
         """Come to rest at the acceleration limit."""
+        ...
+
+    def events(self) -> tuple[StageEvent, ...]:
+        """What its drives have noticed since last asked; empty when all is well."""
         ...

@@ -1,0 +1,211 @@
+"""A simulated stage: a double integrator in the world frame, within speed and acceleration limits.
+
+A twist is followed by changing the velocity at the acceleration limit until it is reached.  `go_to` first
+brakes, then runs a straight line and a slerp on one trapezoid s(t) that keeps the speed and acceleration of
+both within limits.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.devices.protocols import StageEvent, StageLimits
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+from primitives.pose import exp, inverse, log, pose, rotation_exp, rotation_log
+
+_STEP = 0.001  # [s] longest integration step
+
+
+@dataclass(frozen=True)
+class PoseNoise:
+    """Errors of the stage's encoders, 1 sigma per axis."""
+
+    white: float = 0.0  # [mm] fresh on every reading
+    contact: float = 0.0  # [mm] one draw for each contact
+    white_turn: float = 0.0  # [rad]
+    contact_turn: float = 0.0  # [rad]
+
+    def draw(self, linear: float, angular: float, rng: np.random.Generator) -> Floats:
+        """A small (4, 4) motion."""
+        return exp(rng.standard_normal(6) * np.repeat([linear, angular], 3))
+
+
+@dataclass(frozen=True)
+class _Move:
+    """A trapezoid from one pose to another; `began` is None until the stage has come to rest."""
+
+    start: Floats
+    line: Floats  # (3,) [mm]
+    turn: Floats  # (3,) [rad] in the world frame
+    began: float
+    speed: float  # [1/s] of s in 0..1
+    acceleration: float  # [1/s^2]
+
+    def s(self, time: float) -> tuple[float, float]:
+        """Progress and its rate."""
+        t = time - self.began
+        ramp = min(self.speed / self.acceleration, float(np.sqrt(1.0 / self.acceleration)))
+        top = ramp * self.acceleration
+        total = ramp + 1.0 / top
+        if t >= total:
+            return 1.0, 0.0
+        if t < ramp:
+            return self.acceleration * t * t / 2, self.acceleration * t
+        if t > total - ramp:
+            left = total - t
+            return 1.0 - self.acceleration * left * left / 2, self.acceleration * left
+        return top * (t - ramp / 2), top
+
+    def at(self, time: float) -> tuple[Floats, Floats]:
+        """Pose and (6,) world velocity."""
+        s, rate = self.s(time)
+        where = pose(rotation_exp(s * self.turn) @ self.start[:3, :3], self.start[:3, 3] + s * self.line)
+        return where, rate * np.concatenate([self.line, self.turn])
+
+
+class SimulatedStage:
+    """A stage on a simulated clock; only the arrays that it carries advance it."""
+
+    def __init__(
+        self,
+        start: Floats,
+        rng: np.random.Generator,
+        limits: StageLimits | None = None,
+        noise: PoseNoise | None = None,
+        latency: float = 0.0,
+    ) -> None:
+        self._limits = limits or StageLimits()
+        self._noise = noise or PoseNoise()
+        self._rng = rng
+        self._latency = latency
+        self._time = 0.0
+        self._true = np.array(start, dtype=float)
+        self._velocity = np.zeros(6)
+        self._twist = np.zeros(6)
+        self._goal: Floats | None = None
+        self._move: _Move | None = None
+        self._commands: deque[tuple[float, str, Floats]] = deque()
+        self._trail: deque[tuple[float, Floats]] = deque([(0.0, self._true)], maxlen=128)
+        self._bias = np.eye(4)
+        self._events: list[StageEvent] = []
+
+    @property
+    def limits(self) -> StageLimits:
+        """What it can do."""
+        return self._limits
+
+    @property
+    def moving(self) -> bool:
+        """Whether a `go_to` is under way."""
+        pending = bool(self._commands) and self._commands[-1][1] == "go_to"
+        return pending or self._goal is not None or self._move is not None
+
+    def pose(self) -> Floats:
+        """(4, 4) world_from_flange as the encoders say."""
+        n = self._noise
+        where = self._true @ self._bias
+        return where @ n.draw(n.white, n.white_turn, self._rng) if n.white or n.white_turn else where
+
+    def move(self, twist: Floats) -> None:
+        """Follow a (6,) twist in the flange frame until told otherwise."""
+        wanted = np.array(twist, dtype=float)
+        if wanted.shape != (6,) or not np.isfinite(wanted).all():
+            raise PalpateError(f"a twist is six finite numbers (mm/s, rad/s), not {twist!r}")
+        self._commands.append((self._time + self._latency, "move", wanted))
+        self._obey()
+
+    def go_to(self, world_from_flange: Floats) -> None:
+        """Start a straight move to a pose."""
+        goal = np.array(world_from_flange, dtype=float)
+        if goal.shape != (4, 4) or not np.isfinite(goal).all():
+            raise PalpateError("a goal is a finite 4x4 pose")
+        self._commands.append((self._time + self._latency, "go_to", goal))
+        self._obey()
+
+    def stop(self) -> None:
+        """Come to rest at the acceleration limit."""
+        self.move(np.zeros(6))
+
+    def events(self) -> tuple[StageEvent, ...]:
+        """What the drives have noticed since last asked."""
+        found, self._events = tuple(self._events), []
+        return found
+
+    def _obey(self) -> None:
+        while self._commands and self._commands[0][0] <= self._time + 1e-12:
+            _, kind, value = self._commands.popleft()
+            self._move = None
+            self._twist = value if kind == "move" else np.zeros(6)
+            self._goal = value if kind == "go_to" else None
+
+    def _advance(self, until: float) -> None:
+        while self._time < until - 1e-12:
+            self._obey()
+            step = min(_STEP, until - self._time)
+            self._integrate(step)
+            self._trail.append((self._time, self._true))
+
+    def _integrate(self, dt: float) -> None:
+        if self._goal is not None and not self._velocity.any():
+            self._plan(self._goal)
+        self._time += dt
+        if self._move is not None:
+            self._true, self._velocity = self._move.at(self._time)
+            if self._move.s(self._time)[0] >= 1.0:
+                self._move, self._velocity = None, np.zeros(6)
+            return
+        wanted = np.concatenate([self._true[:3, :3] @ self._twist[:3], self._true[:3, :3] @ self._twist[3:]])
+        before = self._velocity
+        lim = self._limits
+        v = _towards(before[:3], _shortened(wanted[:3], lim.speed), lim.acceleration * dt)
+        w = _towards(before[3:], _shortened(wanted[3:], lim.turn_speed), lim.turn_acceleration * dt)
+        self._velocity = np.concatenate([v, w])
+        mean = (before + self._velocity) / 2
+        if mean.any():
+            where = self._true.copy()
+            where[:3, :3] = rotation_exp(mean[3:] * dt) @ where[:3, :3]
+            where[:3, 3] += mean[:3] * dt
+            self._true = where
+
+    def _plan(self, goal: Floats) -> None:
+        self._goal = None
+        line = goal[:3, 3] - self._true[:3, 3]
+        turn = rotation_log(goal[:3, :3] @ self._true[:3, :3].T)
+        length, angle = float(np.linalg.norm(line)), float(np.linalg.norm(turn))
+        if length < 1e-9 and angle < 1e-12:
+            return
+        lim = self._limits
+        speed = min(lim.speed / max(length, 1e-12), lim.turn_speed / max(angle, 1e-12))
+        acceleration = min(lim.acceleration / max(length, 1e-12), lim.turn_acceleration / max(angle, 1e-12))
+        self._move = _Move(self._true, line, turn, self._time, speed, acceleration)
+
+    def _at(self, time: float) -> Floats:
+        """True pose at a recent time."""
+        later = self._trail[-1]
+        if time >= later[0]:
+            return later[1]
+        for earlier in reversed(self._trail):
+            if earlier[0] <= time:
+                share = (time - earlier[0]) / (later[0] - earlier[0])
+                return np.asarray(earlier[1] @ exp(share * log(inverse(earlier[1]) @ later[1])))
+            later = earlier
+        return later[1]
+
+    def _touch(self) -> None:
+        """A contact begins: draw its constant error."""
+        n = self._noise
+        if n.contact or n.contact_turn:
+            self._bias = n.draw(n.contact, n.contact_turn, self._rng)
+
+
+def _towards(now: Floats, wanted: Floats, most: float) -> Floats:
+    change = wanted - now
+    size = float(np.linalg.norm(change))
+    return wanted if size <= most else np.asarray(now + change * (most / size))
+
+
+def _shortened(vector: Floats, most: float) -> Floats:
+    size = float(np.linalg.norm(vector))
+    return vector if size <= most else np.asarray(vector * (most / size))

@@ -1,0 +1,56 @@
+"""From raw counts to indentation, by what the user of a real array knows of it.
+
+depth = (counts - zero) / gain / stiffness, with sigma = noise / gain / stiffness, infinite at dead taxels.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.sensing.frame import TactileImage, TaxelArray, TaxelFrame
+from exploration.sensing.spec import SensorSpec
+from primitives.arrays import Bools, Floats, frozen
+from primitives.errors import PalpateError
+
+_QUANTIZATION = 1.0 / 12.0  # [counts^2] variance of rounding
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What turns counts into indentation."""
+
+    zero: Floats  # (rows, columns) [counts] of an untouched taxel
+    gain: Floats  # (rows, columns) [counts / (N/mm^2)]
+    dead: Bools  # (rows, columns)
+    spread: float  # [mm] standard deviation of the rubber's point spread
+    stiffness: float  # [N/mm^3]
+    noise: float  # [counts] 1 sigma of a reading
+
+    @staticmethod
+    def nominal(spec: SensorSpec) -> "Calibration":
+        """From the data sheet alone: gain spread and dead taxels of the unit are not known."""
+        shape = spec.array.shape
+        noise = spec.electronics.noise * spec.electronics.plateau
+        return Calibration(
+            frozen(np.full(shape, spec.electronics.offset)),
+            frozen(np.full(shape, spec.counts_per_pressure)),
+            frozen(np.zeros(shape), np.bool_),
+            spec.elastomer.spread,
+            spec.elastomer.stiffness,
+            float(np.sqrt(noise**2 + _QUANTIZATION)),
+        )
+
+
+def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> TactileImage:
+    """The indentation image of a frame."""
+    if frame.counts.shape != array.shape or calibration.zero.shape != array.shape:
+        raise PalpateError(
+            f"frame {frame.counts.shape}, calibration {calibration.zero.shape} and array {array.name} "
+            f"{array.shape} differ in shape: use the calibration made for this array"
+        )
+    per_count = 1.0 / (calibration.gain * calibration.stiffness)
+    depth = np.where(calibration.dead, 0.0, (frame.counts - calibration.zero) * per_count)
+    sigma = np.where(calibration.dead, np.inf, calibration.noise * per_count)
+    return TactileImage(
+        array, frozen(depth), frozen(sigma), calibration.spread, calibration.stiffness, frame.time
+    )

@@ -1,0 +1,90 @@
+"""The skin as a grid of cells, and how its rubber spreads pressure onto the taxels.
+
+A cell holds the indentation as Legendre coefficients up to total degree two (mean, tilts, bends; `MODES`),
+so the place of an edge in a cell is not lost in the rubber.  The spread is separable: with the
+Gaussian G of standard deviation sigma, the response of taxel c to mode i of cell k along one axis is
+
+    S_i[c, k] = 1/w_c  int_taxel dx  int_cell P_i(u(y)) G(x - y) dy ,
+
+with mirror images of G at the skin's two ends: what presses on the rubber is carried by what lies under it,
+so a uniform press reads the same on every taxel (our derivation).  Without spread the cells under the taxels
+are the taxels.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.special import ndtr
+
+from exploration.sensing.spec import SensorSpec
+from primitives.arrays import Floats, frozen
+
+MODES = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))  # degree in x, degree in y
+
+
+@dataclass(frozen=True)
+class Skin:
+    """Cells of the skin, in the sensor frame, and the spread along both axes."""
+
+    x_edges: Floats  # (C + 1,) [mm]
+    y_edges: Floats  # (R + 1,) [mm]
+    columns: slice  # the cells under taxels
+    rows: slice
+    spread_x: Floats  # (3, columns, C) for degrees 0, 1, 2
+    spread_y: Floats  # (3, rows, R)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(R, C) cells."""
+        return len(self.y_edges) - 1, len(self.x_edges) - 1
+
+    @property
+    def areas(self) -> Floats:
+        """(R, C) [mm^2]."""
+        return np.outer(np.diff(self.y_edges), np.diff(self.x_edges))
+
+
+@lru_cache(maxsize=32)
+def skin_of(spec: SensorSpec) -> Skin:
+    """The cells of a sensor's skin: one under each taxel, and the margin in cells of at most one pitch."""
+    x_edges, columns = _edges(spec.array.columns, spec.array.pitch[0], spec.elastomer.margin)
+    y_edges, rows = _edges(spec.array.rows, spec.array.pitch[1], spec.elastomer.margin)
+    sigma = spec.elastomer.spread
+    return Skin(
+        frozen(x_edges),
+        frozen(y_edges),
+        columns,
+        rows,
+        frozen(_spread(x_edges, columns, sigma)),
+        frozen(_spread(y_edges, rows, sigma)),
+    )
+
+
+def _edges(count: int, pitch: float, margin: float) -> tuple[Floats, slice]:
+    inner = (np.arange(count + 1) - count / 2) * pitch
+    rings = int(np.ceil(margin / pitch - 1e-9))
+    ring = np.linspace(0.0, margin, rings + 1)[1:]
+    return np.concatenate([inner[0] - ring[::-1], inner, inner[-1] + ring]), slice(rings, rings + count)
+
+
+def _spread(edges: Floats, taxels: slice, sigma: float) -> Floats:
+    """(3, taxels, cells): the exact integral over the taxel, Gauss-Legendre over the cell."""
+    cells = len(edges) - 1
+    lo, hi = edges[:-1][taxels], edges[1:][taxels]
+    if sigma == 0.0:
+        out = np.zeros((3, len(lo), cells))
+        out[0, :, taxels] = np.eye(len(lo))
+        return out
+    width = np.diff(edges)
+    parts = max(1, int(np.ceil(float(width.max()) / sigma)))
+    node, weight = np.polynomial.legendre.leggauss(12)
+    u = np.concatenate([(2 * k + 1 + node) / parts - 1 for k in range(parts)])
+    w = np.tile(weight / (2 * parts), parts)
+    y = (edges[:-1] + edges[1:])[:, None] / 2 + width[:, None] / 2 * u
+    seen = np.zeros((len(lo), *y.shape))
+    for image in (y, 2 * edges[0] - y, 2 * edges[-1] - y):
+        seen += ndtr((hi[:, None, None] - image) / sigma) - ndtr((lo[:, None, None] - image) / sigma)
+    seen /= (hi - lo)[:, None, None]
+    modes = np.stack([np.ones_like(u), u, (3 * u**2 - 1) / 2])
+    return np.asarray(np.einsum("tkq,mq,q,k->mtk", seen, modes, w, width))
