@@ -1,0 +1,17 @@
+"""What a run tells whoever watches it; the watcher draws, the run never does."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a run stands; counts are since it began."""
+
+    phase: str  # "exploring", "reconstructing", "writing"
+    touches: int = 0
+    strokes: int = 0
+    frames: int = 0
+    travel: float = 0.0  # [mm]
+    device_time: float = 0.0  # [s]
+    open: int = 0  # frontier items that exploration still has to close
+    note: str = ""  # the last move, in a few words
