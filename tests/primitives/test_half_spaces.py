@@ -36,7 +36,7 @@ def test_samples_stand_for_the_area_of_a_block_in_any_pose():
     for _ in range(5):
         world = pose(random_rotation(rng), rng.uniform(-30, 30, 3))
         body = HalfSpaces.of([s.transformed(world) for s in block()])
-        samples = body.sample_boundary(BOX, 2.0)
+        samples = body.sample_boundary(BOX, 0.5)
         area = np.bincount(samples.face, samples.area)
         assert area == pytest.approx([600, 600, 800, 800, 1200, 1200], rel=0.04)
         assert np.abs(body.signed_distance(samples.points)).max() < 1e-9
