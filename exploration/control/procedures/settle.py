@@ -1,0 +1,79 @@
+"""Settle: roll the pad until it lies on the surface (Stansfield's *contact*: null the moments).
+
+A first contact may be a vertex under the middle of the pad or a face under its rim.  Turning about the contact,
+so that the slope at the pad's center vanishes, rolls the pad off vertices and edges until it lies flush on a face
+or tangent to a curved one.  Balanced on something sharp, where no slope shows, it is moved aside and rolls on.
+
+Property class: structural (surface normal).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exploration.control.feel import Felt, feel
+from exploration.control.servo import ServoGains, hybrid_twist
+from exploration.devices.guard import Guard
+
+
+@dataclass(frozen=True)
+class SettleConfig:
+    """When the pad counts as settled, and how long it may take."""
+
+    slope: float = 0.012  # [mm/mm] at the pad's center
+    depth: float = 0.08  # [mm] of press error
+    ticks: int = 8  # in a row within both
+    patience: int = 1400  # ticks
+    light_press: float = 0.3  # [mm] while still rolling
+    sharp: float = 0.06  # [1/mm] a contact at least this curved is rolled off, if it can be
+    shift: float = 7.0  # [mm] by which a balanced pad is moved aside
+    shifts: int = 3  # as often, before what is felt is taken to be that narrow
+    reach: float = 4.0  # [mm] that a lost contact is followed forward
+    smoothing: float = 0.3  # share of the newest slope in the running mean
+
+
+@dataclass(frozen=True)
+class Unsettled:
+    """The pad never came to lie; false in a condition."""
+
+    reason: str
+
+    def __bool__(self) -> bool:
+        return False
+
+
+def settle(
+    guard: Guard, gains: ServoGains = ServoGains(), config: SettleConfig = SettleConfig()
+) -> Felt | Unsettled:
+    """Roll from any first contact to a flush one, at the nominal press."""
+    light = replace(gains, press=config.light_press)
+    followed, quiet, shifts = 0.0, 0, 0
+    aside, slope = np.zeros(2), None
+    seen = guard.hold()
+    for _ in range(config.patience):
+        felt = feel(seen.image)
+        if not felt:
+            followed += light.press_speed * guard.period
+            if followed > config.reach:
+                return Unsettled("contact was lost and not found again ahead")
+            seen = guard.move(np.array([0.0, 0.0, light.press_speed, 0.0, 0.0, 0.0]))
+            continue
+        slope = felt.slope if slope is None else slope + config.smoothing * (felt.slope - slope)
+        level = float(np.hypot(*slope)) < config.slope
+        now = gains if level else light
+        quiet = quiet + 1 if level and abs(felt.depth - now.press) < config.depth else 0
+        if quiet >= config.ticks:
+            if felt.curvature[0] < config.sharp or shifts == config.shifts:
+                return felt
+            aside, shifts, quiet = _across(felt) * config.shift, shifts + 1, 0
+        step = np.clip(aside, -15.0 * guard.period, 15.0 * guard.period)
+        aside = aside - step
+        seen = guard.move(hybrid_twist(felt.depth, slope, felt.centroid, step / guard.period, gains=now))
+    return Unsettled(f"no level contact within {config.patience} ticks")
+
+
+def _across(felt: Felt) -> np.ndarray:
+    """The direction across the sharp contact: that in which its mask is thinnest."""
+    rows, columns = np.nonzero(felt.mask)
+    spread = np.cov(np.stack([columns, rows]).astype(float)) if len(rows) > 2 else np.eye(2)
+    return np.asarray(np.linalg.eigh(spread)[1][:, 0])

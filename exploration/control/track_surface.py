@@ -1,0 +1,163 @@
+"""Surface tracking: slide along a surface at constant force until an edge comes near.
+
+Every tick: feel depth and slope, look for a line ahead, and command
+``v = heading * speed`` in the pad's plane with the hybrid law for the rest.  The heading is fixed in the sensor
+frame, so on a curved surface the pad follows a geodesic.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from exploration.control.feel import feel
+from exploration.control.servo import ServoGains, hybrid_twist
+from exploration.control.sighting import Sighting, sight
+from exploration.devices.guard import Guard, Observation
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.hough import find_lines
+from exploration.sensing.line import Line
+from exploration.sensing.local_surface import LocalSurface, NoSurface
+from exploration.sensing.touch import Touch, contacts_of, perceive
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
+
+Ended = Literal["edge", "length", "closed", "lost"]
+
+
+@dataclass(frozen=True)
+class StrokeConfig:
+    """How a surface is stroked."""
+
+    speed: float = 30.0  # [mm/s]
+    spacing: float = 3.0  # [mm] between the frames that are kept as contacts
+    stop_share: float = 0.4  # an edge this share of the half pad ahead of the center ends the stroke
+    confirm: int = 3  # frames in a row that must show the edge
+    closing: float = 3.0  # [mm] from its start, a stroke has gone round
+    least_round: float = 25.0  # [mm] of travel before that can be
+    lost: int = 12  # frames without contact
+
+
+@dataclass(frozen=True)
+class TrustConfig:
+    """Which frames are good enough to become contacts; the rest only steer."""
+
+    misfit: float = 1.8  # chi2 per degree of freedom of the local surface
+    taxels: int = 8  # in contact
+    flat_taxels: int = 20  # in contact, where the surface is taken for flat
+    curvature: float = 0.15  # [1/mm] beyond which the rubber blurs too much
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """What one stroke yielded."""
+
+    contacts: Contacts
+    cells: Floats  # (n, 3) [mm] world points under the touched taxels
+    edges: tuple[Sighting, ...]  # as last seen
+    ended: Ended
+    travel: float  # [mm]
+
+
+def follow_surface(
+    guard: Guard,
+    heading: Floats,
+    length: float,
+    touch: int,
+    stroke: int,
+    gains: ServoGains = ServoGains(),
+    config: StrokeConfig = StrokeConfig(),
+) -> Stroke:
+    """Stroke up to `length` [mm] along a (2,) unit `heading` in the pad's plane."""
+    kept: list[Contacts] = []
+    cells: list[Floats] = []
+    start = guard.world_from_sensor
+    at, travel, since, missing, confirmed = start, 0.0, np.inf, 0, 0
+    ended: Ended = "length"
+    seen = guard.hold()
+    while travel < length:
+        felt = feel(seen.image)
+        if not felt:
+            missing += 1
+            if missing > config.lost:
+                ended = "lost"
+                break
+            seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
+            continue
+        missing = 0
+        lines = find_lines(seen.image, 3)
+        confirmed = confirmed + 1 if edge_near(lines, heading, seen.image, config) else 0
+        if confirmed >= config.confirm:
+            ended = "edge"
+            break
+        if since >= config.spacing:
+            since = 0.0
+            keep(seen, touch, stroke, kept, cells)
+        if travel > config.least_round and _returned(at, start, config):
+            ended = "closed"
+            break
+        slow = 0.5 if confirmed else 1.0
+        seen = guard.move(
+            hybrid_twist(felt.depth, felt.slope, felt.centroid, heading * config.speed * slow, gains=gains)
+        )
+        step = float(np.linalg.norm(seen.world_from_sensor[:3, 3] - at[:3, 3]))
+        at, travel, since = seen.world_from_sensor, travel + step, since + step
+    return Stroke(
+        Contacts.concatenate(kept),
+        np.concatenate(cells) if cells else np.empty((0, 3)),
+        tuple(sight(line, seen) for line in find_lines(seen.image, 3)) if ended != "lost" else (),
+        ended,
+        travel,
+    )
+
+
+def edge_near(lines: tuple[Line, ...], heading: Floats, image: TactileImage, config: StrokeConfig) -> bool:
+    """Whether a line with the material behind it lies close ahead of the pad's center."""
+    half = 0.5 * float(np.abs(heading) @ np.asarray(image.array.size))
+    for line in lines:
+        facing = -float(line.inward @ heading)
+        if facing > 0.4:
+            ahead = float(line.distance(np.zeros((1, 2)))[0]) / facing
+            if ahead < config.stop_share * half:
+                return True
+    return False
+
+
+def keep(
+    seen: Observation,
+    touch: int,
+    stroke: int,
+    kept: list[Contacts],
+    cells: list[Floats],
+    trust: TrustConfig = TrustConfig(),
+) -> None:
+    """Turn a frame into contacts and touched cells, where it shows a smooth surface."""
+    what = perceive(seen.image)
+    if isinstance(what.surface, NoSurface) or not _trusted(what, what.surface, trust):
+        return
+    found = contacts_of(what, seen.image, seen.world_from_sensor, touch, stroke, seen.sensor)
+    if not len(found):
+        return
+    kept.append(found)
+    rows, columns = np.nonzero(what.surface.mask)
+    xy = np.stack([seen.image.array.x[columns], seen.image.array.y[rows]], axis=1)
+    local = np.column_stack([xy, -what.surface.depth_at(xy)])
+    cells.append(se3.transform_points(seen.world_from_sensor, local))
+
+
+def _trusted(what: Touch, surface: LocalSurface, trust: TrustConfig) -> bool:
+    """Beside an edge a curvature cannot be told from the edge's own blur, so only flat patches count there."""
+    if surface.curved:
+        sharp = float(np.abs(surface.principal[0]).max()) > trust.curvature
+        return not what.lines and not sharp and _fits(surface, trust, trust.taxels)
+    return _fits(surface, trust, trust.flat_taxels)
+
+
+def _fits(surface: LocalSurface, trust: TrustConfig, taxels: int) -> bool:
+    return surface.chi2 < trust.misfit * surface.dof and int(surface.mask.sum()) >= taxels
+
+
+def _returned(at: Floats, start: Floats, config: StrokeConfig) -> bool:
+    near = float(np.linalg.norm(at[:3, 3] - start[:3, 3])) < config.closing
+    return near and float(at[:3, 2] @ start[:3, 2]) > 0.9

@@ -1,0 +1,186 @@
+"""The guard: every tick of every controller passes through it.
+
+It turns sensor-frame twists into stage commands, keeps force, indentation and travel below their limits,
+counts what exploration costs, and shows each observation to whoever records or watches.  Controllers see
+`Observation`s and nothing else of the devices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.devices.protocols import MotionStage, TactileSensor
+from exploration.sensing.calibration import Calibration, correct
+from exploration.sensing.frame import TactileImage, TaxelFrame
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+
+
+@dataclass(frozen=True)
+class GuardLimits:
+    """Beyond these the guard stops the stage, whatever the controller asked for."""
+
+    force: float = 60.0  # [N]
+    depth: float = 1.6  # [mm] greatest indentation of any taxel, as a mean over its neighborhood
+    reach: tuple[float, ...] = (
+        -600.0,
+        -600.0,
+        -600.0,
+        600.0,
+        600.0,
+        600.0,
+    )  # [mm] box of the sensor's origin
+
+
+@dataclass(frozen=True)
+class Observation:
+    """One tick as a controller sees it."""
+
+    time: float  # [s]
+    frame: TaxelFrame
+    image: TactileImage
+    world_from_sensor: Floats  # (4, 4)
+    force: float  # [N] sum over the taxels, along the sensor's -z
+    sensor: int  # index of the array on the stage
+
+
+@dataclass
+class Cost:
+    """What exploration has cost so far; always reported together."""
+
+    touches: int = 0
+    strokes: int = 0
+    frames: int = 0
+    travel: float = 0.0  # [mm] of the sensor's origin
+    seconds: float = 0.0  # [s] on the device's clock
+
+
+class OverPress(PalpateError):
+    """A limit of force or indentation was passed; the stage has been stopped and backed off."""
+
+
+class Collision(PalpateError):
+    """Something other than the skin touched the object; the stage has been stopped and backed off."""
+
+
+class Guard:
+    """One array on one stage, kept within limits."""
+
+    def __init__(
+        self,
+        stage: MotionStage,
+        sensors: Sequence[TactileSensor],
+        calibrations: Sequence[Calibration],
+        limits: GuardLimits = GuardLimits(),
+        observers: Sequence[Callable[[Observation], None]] = (),
+    ) -> None:
+        self.stage = stage
+        self.sensors = tuple(sensors)
+        self.calibrations = tuple(calibrations)
+        self.limits = limits
+        self.observers = tuple(observers)
+        self.active = 0
+        self.cost = Cost()
+        self._last: Observation | None = None
+
+    @property
+    def sensor(self) -> TactileSensor:
+        """The array in use."""
+        return self.sensors[self.active]
+
+    @property
+    def period(self) -> float:
+        """Seconds a tick."""
+        return self.sensor.period
+
+    @property
+    def world_from_sensor(self) -> Floats:
+        """(4, 4) where the array in use is now."""
+        return self.stage.pose() @ self.sensor.flange_from_sensor
+
+    def move(self, twist: Floats) -> Observation:
+        """Follow a (6,) sensor-frame twist (v [mm/s], w [rad/s]) for one tick."""
+        self.stage.move(_flange_twist(twist, self.sensor.flange_from_sensor))
+        return self.observe()
+
+    def hold(self, ticks: int = 1) -> Observation:
+        """Stand still for some ticks, at least one."""
+        seen = self.move(np.zeros(6))
+        for _ in range(ticks - 1):
+            seen = self.move(np.zeros(6))
+        return seen
+
+    def go_to(
+        self, world_from_sensor: Floats, until: Callable[[Observation], bool] | None = None
+    ) -> Observation | None:
+        """Move straight to a pose; the observation that met `until`, or None once arrived."""
+        self.stage.go_to(world_from_sensor @ se3.inverse(self.sensor.flange_from_sensor))
+        while self.stage.moving:
+            seen = self.observe()
+            if until is not None and until(seen):
+                self.stage.stop()
+                return seen
+        return None
+
+    def observe(self) -> Observation:
+        """Read the next frame, count its cost, show it around, and enforce the limits."""
+        frame = self.sensor.read()
+        image = correct(frame, self.calibrations[self.active], self.sensor.array)
+        area = self.sensor.array.pitch[0] * self.sensor.array.pitch[1]
+        live = np.isfinite(image.sigma)
+        force = float(image.stiffness * area * image.depth[live].sum())
+        seen = Observation(frame.time, frame, image, self.world_from_sensor, force, self.active)
+        self._count(seen)
+        for observer in self.observers:
+            observer(seen)
+        self._enforce(seen, live)
+        return seen
+
+    def _count(self, seen: Observation) -> None:
+        self.cost.frames += 1
+        if self._last is not None:
+            step = seen.world_from_sensor[:3, 3] - self._last.world_from_sensor[:3, 3]
+            self.cost.travel += float(np.linalg.norm(step))
+            self.cost.seconds += seen.time - self._last.time
+        self._last = seen
+
+    def _enforce(self, seen: Observation, live: np.ndarray) -> None:
+        depth = np.where(live, seen.image.depth, 0.0)
+        if seen.force > self.limits.force or _neighborhood_peak(depth) > self.limits.depth:
+            self._back_off()
+            raise OverPress(
+                f"pressed to {seen.force:.1f} N, {depth.max():.2f} mm; lower the press or the speed"
+            )
+        low, high = self.limits.reach[:3], self.limits.reach[3:]
+        at = seen.world_from_sensor[:3, 3]
+        if (at < low).any() or (at > high).any():
+            self.stage.stop()
+            raise PalpateError(
+                f"the stage would leave its travel at {np.round(at, 1).tolist()} mm; widen reach"
+            )
+
+    def _back_off(self, distance: float = 5.0) -> None:
+        self.stage.stop()
+        retreat = self.world_from_sensor @ se3.pose(translation=[0.0, 0.0, -distance])
+        self.stage.go_to(retreat @ se3.inverse(self.sensor.flange_from_sensor))
+        while self.stage.moving:
+            self.sensor.read()
+
+
+def _flange_twist(twist: Floats, flange_from_sensor: Floats) -> Floats:
+    """The same motion seen from the flange: w turns with the frame, v gains the lever arm's part."""
+    r, p = flange_from_sensor[:3, :3], flange_from_sensor[:3, 3]
+    w = r @ twist[3:]
+    return np.concatenate([r @ twist[:3] + np.cross(p, w), w])
+
+
+def _neighborhood_peak(depth: Floats) -> float:
+    """The greatest mean over 2 x 2 taxels, so that one noisy taxel stops nothing."""
+    if min(depth.shape) < 2:
+        return float(depth.max(initial=0.0))
+    mean = 0.25 * (depth[1:, 1:] + depth[:-1, 1:] + depth[1:, :-1] + depth[:-1, :-1])
+    return float(mean.max())

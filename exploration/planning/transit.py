@@ -1,0 +1,95 @@
+"""Ways through free space around a convex object, from its supporting planes.
+
+Every contact (point, outward normal) of a convex object is a supporting plane: all material lies behind it, so
+the open half-space in front is free.  Two such half-spaces that are not opposite share a free wedge, and a path
+through it never meets the object (our derivation).  The faces of the workspace box are supporting planes too.
+"""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from primitives import pose as se3
+from primitives.arrays import Floats
+
+
+@dataclass(frozen=True)
+class TransitConfig:
+    """How far the array keeps away while it travels."""
+
+    clearance: float = 62.0  # [mm] of the sensor's origin; covers pad and housing at any attitude
+    wedge: float = -0.5  # least cosine between two normals whose shared wedge is used directly
+
+
+@dataclass(frozen=True)
+class Support:
+    """A supporting plane."""
+
+    point: Floats  # (3,) [mm]
+    normal: Floats  # (3,) outward
+
+
+def box_supports(box: Floats) -> list[Support]:
+    """The six faces of a (6,) workspace box x0, y0, z0, x1, y1, z1."""
+    low, high = box[:3], box[3:]
+    axes = np.eye(3)
+    return [Support(low, -axis) for axis in axes] + [Support(high, axis) for axis in axes]
+
+
+def way(
+    start: Floats,
+    near: Support,
+    goal: Floats,
+    far: Support,
+    supports: list[Support],
+    config: TransitConfig = TransitConfig(),
+) -> list[Floats]:
+    """Poses (4, 4) from `start`, in front of `near`, to `goal`, in front of `far`; the shortest over one stop."""
+    stops: list[Support | None] = [None, *supports]
+    ways = [_via(start, near, stop, goal, far, config) for stop in stops]
+    usable = [w for w in ways if w]
+    return min(usable, key=lambda w: _length(start, w))
+
+
+def _via(
+    start: Floats, near: Support, stop: Support | None, goal: Floats, far: Support, config: TransitConfig
+) -> list[Floats]:
+    legs = [near, far] if stop is None else [near, stop, far]
+    if any(a.normal @ b.normal < config.wedge for a, b in itertools.pairwise(legs)):
+        return []
+    at = start[:3, 3] + near.normal * max(0.0, config.clearance - (start[:3, 3] - near.point) @ near.normal)
+    points = [at]
+    for a, b in itertools.pairwise(legs):
+        points.append(_into_wedge(points[-1], a, b, config.clearance))
+    above = goal[:3, 3] + far.normal * max(0.0, config.clearance - (goal[:3, 3] - far.point) @ far.normal)
+    points.append(above)
+    turns = np.linspace(0.0, 1.0, len(points))
+    turn = se3.rotation_log(goal[:3, :3] @ start[:3, :3].T)
+    poses = [
+        se3.pose(se3.rotation_exp(turn * share) @ start[:3, :3], point)
+        for share, point in zip(turns, points, strict=True)
+    ]
+    return [*poses, goal]
+
+
+def _into_wedge(point: Floats, a: Support, b: Support, clearance: float) -> Floats:
+    """The nearest point to `point`, itself in front of `a`, that is `clearance` in front of both planes."""
+    short = clearance - (point - b.point) @ b.normal
+    if short <= 0.0:
+        return point
+    straight: Floats = point + short * b.normal
+    if (straight - a.point) @ a.normal >= clearance:
+        return straight
+    normals = np.stack([a.normal, b.normal])
+    need = np.array([clearance - (point - a.point) @ a.normal, short])
+    step: Floats = point + normals.T @ np.linalg.solve(normals @ normals.T, need)
+    return step
+
+
+def _length(start: Floats, poses: list[Floats]) -> float:
+    """Path length [mm], with turning counted at 60 mm a radian."""
+    path = [start, *poses]
+    steps = sum(float(np.linalg.norm(b[:3, 3] - a[:3, 3])) for a, b in itertools.pairwise(path))
+    turn = float(np.linalg.norm(se3.rotation_log(start[:3, :3].T @ poses[-1][:3, :3])))
+    return steps + 60.0 * turn
