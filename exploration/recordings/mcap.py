@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import base64
 import json
-import struct
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -27,11 +26,9 @@ from types import TracebackType
 from typing import Any, BinaryIO
 
 import numpy as np
-from mcap.exceptions import McapError
 from mcap.records import Channel, Message
-from mcap.stream_reader import CRCValidationError, StreamReader
+from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
-from zstandard import ZstdError
 
 from exploration.recordings.schemas import SCHEMAS
 from exploration.sensing.frame import TaxelFrame
@@ -194,10 +191,13 @@ def _items(file: BinaryIO) -> Iterator[RecordedFrame | RecordedEvent]:
 
 
 def _whole_records(file: BinaryIO) -> Iterator[object]:
-    try:
-        yield from StreamReader(file, validate_crcs=True).records
-    except (McapError, CRCValidationError, ZstdError, struct.error, UnicodeDecodeError, MemoryError):
-        return  # the tail that a kill cut off
+    records = iter(StreamReader(file, validate_crcs=True).records)
+    while True:
+        try:
+            record = next(records)
+        except Exception:  # what a cut or damaged tail makes the parser raise has no one type
+            return
+        yield record
 
 
 def _assembled(key: tuple[str, int, int], found: Mapping[str, Any]) -> RecordedFrame:

@@ -1,0 +1,51 @@
+# Every target starts from nothing: it makes .venv, installs into it, and writes nowhere else.
+VENV := .venv
+BIN := $(VENV)/bin
+SOURCES := $(shell find primitives models exploration recognition -name '*.py' -o -name '*.toml')
+export PIP_NO_CACHE_DIR := 1
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: demo test bench lint clean
+
+demo: $(VENV)/.kernels
+	$(BIN)/palpate explore block --out runs/demo --overwrite
+
+test: $(VENV)/.dev $(VENV)/.kernels
+	$(BIN)/python -m pytest -n 2 -rs
+
+bench: $(VENV)/.bench $(VENV)/.kernels
+	$(BIN)/python tests/bench
+
+lint: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info
+
+$(VENV)/.made:
+	@python=; for p in python3 python3.13 python3.12 python3.11; do \
+	  if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null; \
+	  then python=$$p; break; fi; done; \
+	if [ -z "$$python" ]; then \
+	  echo "palpate needs Python 3.11, 3.12 or 3.13 with its venv module (Debian: apt-get install python3-venv)" >&2; \
+	  exit 1; fi; \
+	echo "making $(VENV) with $$($$python --version)"; $$python -m venv $(VENV)
+	@touch $@
+
+$(VENV)/.installed: pyproject.toml | $(VENV)/.made
+	$(BIN)/python -m pip install --quiet -e .
+	@touch $@
+
+$(VENV)/.dev: pyproject.toml | $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet -e '.[dev]'
+	@touch $@
+
+$(VENV)/.bench: pyproject.toml | $(VENV)/.dev
+	$(BIN)/python -m pip install --quiet -e '.[dev,bench]'
+	@touch $@
+
+$(VENV)/.kernels: $(SOURCES) | $(VENV)/.installed
+	$(BIN)/python -m recognition.warm
+	@touch $@
