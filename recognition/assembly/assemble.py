@@ -1,0 +1,145 @@
+"""Fitted faces -> the body that they bound, as a short tree of named primitives.
+
+The faces' planes, cylinders, cones and spheres are regularized together, tested for closure, and those that
+touch the body are named: the body is the intersection of the insides of its convex surfaces, less the holes.
+Concave boundaries made of several surfaces need cells that are labelled solid or free, which this is the first
+case of: one cell, inside everything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from models.csg import Csg
+from models.solid import Solid
+from primitives.arrays import Floats, frozen
+from primitives.evidence import Contacts
+from primitives.fit import Fit
+from primitives.shapes import Plane, Shape
+from recognition.assembly.closure import ClosureOptions, NotClosed, hull
+from recognition.assembly.pieces import Piece, pieces
+from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
+
+
+class FittedFace(Protocol):
+    """A face as exploration leaves it."""
+
+    @property
+    def fit(self) -> Fit:
+        """Its surface."""
+        ...
+
+    @property
+    def contacts(self) -> Contacts:
+        """The evidence for it."""
+        ...
+
+
+@dataclass(frozen=True)
+class AssemblyOptions:
+    """How faces become a body."""
+
+    regularity: RegularityOptions = field(default_factory=RegularityOptions)
+    closure: ClosureOptions = field(default_factory=ClosureOptions)
+    facet: float = 0.005  # [mm] between the mesh and the surfaces
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A closed body and where it came from."""
+
+    fits: tuple[Fit, ...]  # as measured, planes turned outward
+    regularized: Regularized  # jointly adjusted; `shapes[i]` belongs to fit i
+    surface_of_fit: tuple[int | None, ...]  # fit that speaks for fit i (itself, or the first that coincides)
+    pieces: tuple[Piece, ...]  # their surfaces are indices of fits
+    tree: Csg  # in the world
+    solid: Solid  # of the tree
+    warnings: tuple[str, ...]
+
+    def __bool__(self) -> bool:
+        return True
+
+    def shape(self, fit: int) -> Shape:
+        """The adjusted shape of a fit."""
+        return self.regularized.shapes[fit]
+
+    @property
+    def dropped(self) -> tuple[int, ...]:
+        """Fits whose surface does not touch the body."""
+        return tuple(i for i, s in enumerate(self.surface_of_fit) if s is None)
+
+
+def assemble(
+    faces: Sequence[FittedFace], box: Floats, options: AssemblyOptions | None = None
+) -> Assembly | NotClosed:
+    """The body inside all faces, or where they leave the (2, 3) workspace `box` [mm] open."""
+    options = options or AssemblyOptions()
+    fits = tuple(outward(f.fit) for f in faces)
+    toroidal = [i for i, f in enumerate(fits) if f.kind == "torus"]
+    if toroidal:
+        return NotClosed("a torus face is not yet built into a body", tuple(toroidal))
+    regularized = regularize(fits, options.regularity)
+    speaker = _speakers(len(fits), regularized)
+    distinct = sorted(set(speaker))
+    shells = [i for i in distinct if fits[i].convex]
+    holes = [i for i in distinct if not fits[i].convex]
+    found = hull([regularized.shapes[i] for i in shells], box, options.closure)
+    if isinstance(found, NotClosed):
+        return replace(found, open_faces=tuple(shells[k] for k in found.open_faces))
+    kept = [i for i, a in zip(shells, found.area, strict=True) if a > 0] + holes
+    area = {i: float(a) for i, a in zip(shells, found.area, strict=True)}
+    named = pieces(
+        [regularized.shapes[i] for i in kept],
+        [fits[i].convex for i in kept],
+        np.array([area.get(i, 0.0) for i in kept]),
+        found.corners,
+    )
+    named = tuple(_renumbered(p, kept) for p in named)
+    tree = tree_of(named)
+    surface_of_fit = tuple(s if s in kept else None for s in speaker)
+    warnings = tuple(
+        f"face {i} ({fits[i].kind}, {len(faces[i].contacts)} contacts) does not touch the body; left out"
+        for i, s in enumerate(surface_of_fit)
+        if s is None
+    )
+    solid = Solid.from_csg(tree, options.facet)
+    return Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
+
+
+def tree_of(named: Sequence[Piece]) -> Csg:
+    """The intersection of the pieces, less those to subtract."""
+    tree = named[0].placed
+    for piece in named[1:]:
+        tree = tree - piece.placed if piece.operation == "subtract" else tree & piece.placed
+    return tree
+
+
+def outward(fit: Fit) -> Fit:
+    """The same fit, with a plane's normal turned away from the material."""
+    if fit.convex or not isinstance(fit.shape, Plane):
+        return fit
+    turned = Plane(fit.shape.origin, -fit.shape.normal)
+    flip = np.zeros((3, 3))
+    flip[0, 0] = -1.0
+    flip[1:, 1:] = -turned.frame[:, :2].T @ fit.shape.frame[:, :2]
+    return replace(fit, shape=turned, covariance=frozen(flip @ fit.covariance @ flip.T), convex=True)
+
+
+def _speakers(count: int, regularized: Regularized) -> list[int]:
+    speaker = list(range(count))
+    for relation in regularized.relations:
+        if relation.kind == "coincident":
+            low, high = sorted((speaker[relation.a], speaker[relation.b]))
+            speaker = [low if s == high else s for s in speaker]
+    return speaker
+
+
+def _renumbered(piece: Piece, numbers: Sequence[int]) -> Piece:
+    ends = tuple(
+        (None if a is None else numbers[a], None if b is None else numbers[b]) for a, b in piece.ends
+    )
+    return replace(piece, body=None if piece.body is None else numbers[piece.body], ends=ends)

@@ -1,0 +1,241 @@
+"""Relations that a designer meant, accepted only where the measured uncertainty allows them.
+
+The fitted shapes s_i are retracted by one stacked step x, of prior x ~ N(0, P).  A relation is a constraint
+h(x) = 0, for example n_a . n_b = 0.  Given the relations accepted before it, it costs (our derivation; a Kalman
+update with a perfect measurement, as in Simon 2010, "Kalman filtering with state constraints")
+
+    chi2 = h' (H P H')^-1 h,    H = dh/dx,
+
+and is refused where chi2 exceeds its quantile.  At the end x is polished by Gauss-Newton onto all accepted
+constraints, and its covariance is P conditioned on them, so that sizes which span two faces gain from both.
+A misalignment that was really measured is kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.stats import chi2 as chi2_law
+
+from primitives.arrays import Floats, frozen
+from primitives.fit import Fit
+from primitives.pose import frame_along
+from primitives.shapes import Plane, Shape, Sphere
+
+
+@dataclass(frozen=True)
+class RegularityOptions:
+    """What may be regularized."""
+
+    significance: float = 1e-3  # a true relation is refused this often
+    reach: float = 0.1  # [rad] and share of size: never bend by more, however uncertain the fit
+    floor: float = 1e-4  # [rad] and, tenfold, [mm]: errors that no covariance knows of
+    implied: float = 3e-5  # [rad, mm] a relation met this well follows from those before it
+    iterations: int = 8
+
+
+@dataclass(frozen=True)
+class Relation:
+    """One accepted relation between two faces."""
+
+    kind: str  # "coincident", "parallel", "perpendicular" or "coaxial"
+    a: int
+    b: int
+    chi2: float  # what it cost, on top of those accepted before
+
+
+@dataclass(frozen=True)
+class Regularized:
+    """Shapes adjusted jointly; the fits keep the values as measured."""
+
+    shapes: tuple[Shape, ...]
+    covariance: Floats  # (d, d) of the stacked steps of the fits' own `retract`
+    slices: tuple[slice, ...]  # of each shape in the stacked step
+    relations: tuple[Relation, ...]
+    step: Floats  # (d,) by which the fits were adjusted
+
+    def covariance_of(self, i: int) -> Floats:
+        """(dof, dof) of shape i."""
+        return np.asarray(self.covariance[self.slices[i], self.slices[i]])
+
+
+Constraint = Callable[[Shape, Shape], Floats]
+
+
+def regularize(fits: Sequence[Fit], options: RegularityOptions | None = None) -> Regularized:
+    """Accept what the covariances allow, likeliest first, and adjust all shapes to it."""
+    state = _State([f.shape for f in fits], [f.covariance for f in fits], options or RegularityOptions())
+    for stage in (_coincident, _parallel, _perpendicular, _coaxial):
+        for kind, a, b, constraint in _by_cost(state, stage(state)):
+            state.consider(kind, a, b, constraint)
+    state.polish()
+    return Regularized(
+        tuple(state.shapes()), frozen(state.posterior), state.slices, tuple(state.relations), frozen(state.x)
+    )
+
+
+Proposal = tuple[str, int, int, Constraint]
+
+
+class _State:
+    """The stacked step, its covariance given what is accepted, and the accepted constraints."""
+
+    def __init__(self, base: list[Shape], covariances: list[Floats], options: RegularityOptions) -> None:
+        self.base, self.options = base, options
+        ends = np.cumsum([0, *(s.dof for s in base)])
+        self.slices = tuple(slice(int(i), int(j)) for i, j in pairwise(ends))
+        floors = [_floor(s, options.floor) for s in base]
+        blocks = [c + np.diag(f**2) for c, f in zip(covariances, floors, strict=True)]
+        self.prior: Floats = np.asarray(block_diag(*blocks)) if blocks else np.empty((0, 0))
+        self.posterior = self.prior
+        self.x = np.zeros(int(ends[-1]))
+        self.accepted: list[tuple[int, int, Constraint]] = []
+        self.relations: list[Relation] = []
+
+    def shapes(self) -> list[Shape]:
+        return [s.retract(self.x[part]) for s, part in zip(self.base, self.slices, strict=True)]
+
+    def value_and_slope(self, a: int, b: int, constraint: Constraint) -> tuple[Floats, Floats]:
+        """The values h and their (k, d) derivative by central differences."""
+        shapes = {i: self.base[i].retract(self.x[self.slices[i]]) for i in (a, b)}
+        value = constraint(shapes[a], shapes[b])
+        slope = np.zeros((len(value), len(self.x)))
+        for i in (a, b):
+            part = self.x[self.slices[i]]
+            for j in range(len(part)):
+                nudge = np.zeros(len(part))
+                nudge[j] = 1e-6
+                plus, minus = (self.base[i].retract(part + s * nudge) for s in (1, -1))
+                high = constraint(plus, shapes[b]) if i == a else constraint(shapes[a], plus)
+                low = constraint(minus, shapes[b]) if i == a else constraint(shapes[a], minus)
+                slope[:, self.slices[i].start + j] = (high - low) / 2e-6
+        return value, slope
+
+    def cost(self, value: Floats, slope: Floats) -> float:
+        spread = slope @ self.posterior @ slope.T + self.options.implied**2 * np.eye(len(value))
+        return float(value @ np.linalg.solve(spread, value))
+
+    def consider(self, kind: str, a: int, b: int, constraint: Constraint) -> None:
+        value, slope = self.value_and_slope(a, b, constraint)
+        if np.abs(value).max() <= self.options.implied:
+            self.relations.append(Relation(kind, a, b, 0.0))
+            self.accepted.append((a, b, constraint))
+            return
+        cost = self.cost(value, slope)
+        if cost > chi2_law.isf(self.options.significance, len(value)):
+            return
+        self.relations.append(Relation(kind, a, b, cost))
+        self.accepted.append((a, b, constraint))
+        gain = self.posterior @ slope.T @ _pseudo_inverse(slope @ self.posterior @ slope.T)
+        self.x = self.x - gain @ value
+        self.posterior = self.posterior - gain @ slope @ self.posterior
+
+    def polish(self) -> None:
+        """Gauss-Newton, x = P H' (H P H')^+ (H x - h), until x is the least step that meets all."""
+        for _ in range(self.options.iterations if self.accepted else 0):
+            pairs = [self.value_and_slope(*c) for c in self.accepted]
+            value, slope = np.concatenate([p[0] for p in pairs]), np.concatenate([p[1] for p in pairs])
+            gain = self.prior @ slope.T @ _pseudo_inverse(slope @ self.prior @ slope.T)
+            moved: Floats = gain @ (slope @ self.x - value)
+            done = float(np.abs(moved - self.x).max()) < 1e-12
+            self.x = moved
+            self.posterior = self.prior - gain @ slope @ self.prior
+            if done:
+                break
+
+
+def _pseudo_inverse(matrix: Floats) -> Floats:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    return np.asarray(np.linalg.pinv(matrix * np.outer(scale, scale), rcond=1e-9) * np.outer(scale, scale))
+
+
+def _floor(shape: Shape, angle: float) -> Floats:
+    lengths = np.full(shape.dof, 10.0 * angle)
+    first = len(shape.translations)
+    lengths[first : first + shape.tilts] = angle
+    if shape.kind == "cone":
+        lengths[-1] = angle
+    return lengths
+
+
+def _by_cost(state: _State, proposals: list[Proposal]) -> list[Proposal]:
+    costs = [state.cost(*state.value_and_slope(a, b, c)) for _, a, b, c in proposals]
+    return [proposals[i] for i in np.argsort(costs, kind="stable")]
+
+
+def _pairs(state: _State) -> list[tuple[int, int, Shape, Shape]]:
+    shapes = state.shapes()
+    return [(i, j, shapes[i], shapes[j]) for i in range(len(shapes)) for j in range(i + 1, len(shapes))]
+
+
+def _coincident(state: _State) -> list[Proposal]:
+    reach = state.options.reach
+    out: list[Proposal] = []
+    for i, j, a, b in _pairs(state):
+        if a.kind != b.kind:
+            continue
+        if isinstance(a, Plane) and float(a.direction @ b.direction) < 1.0 - reach:
+            continue
+        if abs(float(a.direction @ b.direction)) < 1.0 - reach:
+            continue
+        if any(abs(p - q) > reach * p for p, q in zip(a.sizes, b.sizes, strict=True)):
+            continue
+        out.append(("coincident", i, j, lambda p, q: p.local(q)))  # type: ignore[arg-type]
+    return out
+
+
+def _parallel(state: _State) -> list[Proposal]:
+    out: list[Proposal] = []
+    for i, j, a, b in _pairs(state):
+        if a.tilts and b.tilts and np.linalg.norm(np.cross(a.direction, b.direction)) < state.options.reach:
+            out.append(("parallel", i, j, _aligned(frame_along(a.direction)[:, :2])))
+    return out
+
+
+def _perpendicular(state: _State) -> list[Proposal]:
+    def upright(a: Shape, b: Shape) -> Floats:
+        return np.array([a.direction @ b.direction])
+
+    reach = state.options.reach
+    return [
+        ("perpendicular", i, j, upright)
+        for i, j, a, b in _pairs(state)
+        if a.tilts and b.tilts and abs(float(a.direction @ b.direction)) < reach
+    ]
+
+
+def _coaxial(state: _State) -> list[Proposal]:
+    parallel = {(r.a, r.b) for r in state.relations if r.kind == "parallel"}
+    out: list[Proposal] = []
+    for i, j, a, b in _pairs(state):
+        if isinstance(a, Plane) or isinstance(b, Plane) or (isinstance(a, Sphere) and isinstance(b, Sphere)):
+            continue
+        if not (isinstance(a, Sphere) or isinstance(b, Sphere) or (i, j) in parallel):
+            continue
+        axis = b if isinstance(a, Sphere) else a
+        across = frame_along(axis.direction)[:, :2]
+        out.append(("coaxial", i, j, _on_axis(across, axis_first=axis is a)))
+    return out
+
+
+def _aligned(across: Floats) -> Constraint:
+    def constraint(a: Shape, b: Shape) -> Floats:
+        out: Floats = np.cross(a.direction, b.direction) @ across
+        return out
+
+    return constraint
+
+
+def _on_axis(across: Floats, axis_first: bool) -> Constraint:
+    def constraint(a: Shape, b: Shape) -> Floats:
+        axis, other = (a, b) if axis_first else (b, a)
+        offset = other.anchor - axis.anchor
+        offset = offset - (offset @ axis.direction) * axis.direction
+        out: Floats = offset @ across
+        return out
+
+    return constraint
