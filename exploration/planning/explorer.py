@@ -1,0 +1,406 @@
+"""Explore a convex object until its boundary is closed.
+
+Find it, lie flush on it, stroke the face under the pad to its edges, roll over every edge to the face behind it,
+touch what the faces so far predict and nothing has touched, and trace every edge.  Each of those is a move; the
+frontier says what is open, and the cheapest open thing comes next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from exploration.control.dwell import dwell
+from exploration.control.feel import feel
+from exploration.control.procedures.approach import ApproachConfig, advance, approach, retreat
+from exploration.control.procedures.settle import settle
+from exploration.control.sighting import Sighting, sight
+from exploration.control.track_edge import follow_edge
+from exploration.control.track_surface import Stroke, follow_surface, keep
+from exploration.devices.guard import Collision, Guard, OverPress
+from exploration.planning.frontier import Frontier, OpenEdge, Predicted
+from exploration.planning.search import sweeps
+from exploration.planning.touched import Touched
+from exploration.planning.transit import Support, box_supports, way
+from exploration.sensing.hough import find_lines
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.evidence import Contacts, EdgeTrace
+from primitives.fit import Fit
+from primitives.patch_graph import PatchGraph
+
+
+@dataclass(frozen=True)
+class ExplorerConfig:
+    """Distances and limits of exploration."""
+
+    feature: float = 10.0  # [mm] the smallest feature that must not be missed
+    max_touches: int = 500
+    longest: float = 400.0  # [mm] of one stroke
+    least_line: float = 4.0  # [mm] of a line that counts as an edge
+    explained: float = 0.8  # [mm] from a known face, an edge seen needs no crossing
+    roll: tuple[float, ...] = (60.0, 95.0, 30.0)  # [deg] attitudes from which an edge is crossed, in turn
+    overlap: float = 5.0  # [mm] of the pad that reaches back over the edge
+    tries: int = 2  # at the same open thing
+
+
+@dataclass
+class Findings:
+    """What exploration has so far; read it whenever the generator yields."""
+
+    graph: PatchGraph = field(default_factory=PatchGraph)
+    traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
+    ended: str = ""
+    open: int = 0  # things still open, when last counted
+    note: str = ""
+    warnings: list[str] = field(default_factory=list)
+
+
+class Explorer:
+    """One exploration: a generator of moves over a guard."""
+
+    def __init__(
+        self,
+        guard: Guard,
+        box: Floats,
+        config: ExplorerConfig = ExplorerConfig(),
+        announce: Callable[[str, dict[str, object]], None] = lambda kind, detail: None,
+    ) -> None:
+        self.guard, self.box, self.config, self.announce = guard, box, config, announce
+        self.found = Findings()
+        self.touched = Touched()
+        self._here = Support(np.array([0.0, 0.0, box[5]]), np.array([0.0, 0.0, 1.0]))
+        self._seen: list[tuple[Sighting, int]] = []
+        self._crossed: list[Floats] = []
+        self._tried: list[Floats] = []
+        self._pose: dict[int, Floats] = {}
+
+    def run(self) -> Iterator[Findings]:
+        """Explore; yields after every move."""
+        if not self._find():
+            self.found.ended = "nothing was found in the workspace"
+            return
+        face = self._study()
+        yield self._say("found the object")
+        while self.guard.cost.touches < self.config.max_touches:
+            move = self._next(face)
+            if move is None:
+                self.found.ended = "closed" if not self.found.open else "nothing reachable is open"
+                return
+            try:
+                done, note = move()
+            except (OverPress, Collision) as error:
+                self.found.warnings.append(str(error))
+                done, note = None, f"backed off: {error}"
+                self._leave()
+            face = done if done is not None else face
+            yield self._say(note)
+        self.found.ended = "budget"
+
+    def _say(self, note: str) -> Findings:
+        self.found.note = note
+        self.announce("move", {"note": note, "faces": len(self.found.graph.faces)})
+        return self.found
+
+    def _next(self, face: int | None) -> Callable[[], tuple[int | None, str]] | None:
+        """The next move: cross an edge, touch what is untouched, trace an edge; None when nothing is open."""
+        crossing = self._open_sighting(face)
+        if crossing is not None:
+            sighting, own = crossing
+            return lambda: self._cross(sighting, own)
+        frontier = Frontier(self.found.graph.faces, self.box)
+        missing = self._unfinished(frontier.untouched(self.touched, self.config.feature / 2.0))
+        edges = [
+            e for e in frontier.open_edges([t for t, _ in self.found.traces]) if not self._given_up(e.point)
+        ]
+        self.found.open = len(missing.points) + len(edges)
+        if len(missing.points):
+            return lambda: self._cover(missing, face)
+        if edges:
+            nearest = min(edges, key=lambda e: float(np.linalg.norm(e.point - self._here.point)))
+            return lambda: self._trace(nearest)
+        untouched = frontier.untouched(self.touched, self.config.feature / 2.0)
+        self.found.open = len(untouched.points)
+        return None
+
+    # -- finding
+
+    def _find(self) -> bool:
+        for start, end in sweeps(self.box, self.guard.sensor.array.size):
+            try:
+                self.guard.go_to(start)
+                self.guard.cost.touches += 1
+                distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
+                met = advance(self.guard, start[:3, 2], distance, ApproachConfig().search_speed)
+                if met is not None and settle(self.guard):
+                    return True
+            except (OverPress, Collision) as error:
+                self.found.warnings.append(str(error))
+            here = self.guard.world_from_sensor
+            self.guard.go_to(se3.pose(start[:3, :3], [here[0, 3], here[1, 3], start[2, 3]]))
+        return False
+
+    # -- one face
+
+    def _study(self) -> int | None:
+        """Stroke the face under the pad along two axes, to its edges; the face's id."""
+        first = self._feel_here()
+        known = self._known(first)
+        if known is not None:
+            self._join(first, known)
+            return known
+        strokes: list[Contacts] = [first]
+        edges: list[Sighting] = self._sightings()
+        axis = self._axes()
+        for heading in (axis[:, 0], axis[:, 1]):
+            strokes_back = 0.0
+            for sign in (1.0, -1.0):
+                stroke = self._stroke(sign * heading)
+                strokes.append(stroke.contacts)
+                if stroke.ended == "edge":
+                    edges.extend(self._sightings())
+                strokes_back = stroke.travel
+                if stroke.ended in ("closed", "lost"):
+                    break
+            if strokes_back > 4.0:
+                self._stroke(heading, strokes_back / 2.0)
+        contacts = Contacts.concatenate(strokes)
+        if len(contacts) < 3:
+            self.found.warnings.append("a face was too small to be measured")
+            return None
+        self.found.graph, face = self.found.graph.add_stroke(contacts)
+        self._pose[face] = self.guard.world_from_sensor
+        self._seen.extend((edge, face) for edge in edges)
+        return face
+
+    def _known(self, contacts: Contacts) -> int | None:
+        """The face that these contacts lie on, if it is one of those found."""
+        for face in self.found.graph.faces:
+            if not isinstance(face.fit, Fit) or not len(contacts):
+                continue
+            off = np.abs(face.fit.shape.signed_distance(contacts.points))
+            side = 1.0 if face.fit.convex else -1.0
+            facing = side * (face.fit.shape.normals(contacts.points) * contacts.normals).sum(axis=1)
+            if np.median(off) < 0.12 and np.median(facing) > np.cos(np.radians(3.0)):
+                return face.id
+        return None
+
+    def _join(self, contacts: Contacts, face: int) -> None:
+        if len(contacts):
+            self.found.graph = self.found.graph.add_contacts(contacts, face)
+        self._pose[face] = self.guard.world_from_sensor
+
+    def _feel_here(self) -> Contacts:
+        """Contacts of the place under the pad, from averaged frames."""
+        seen = dwell(self.guard, 8)
+        kept: list[Contacts] = []
+        cells: list[Floats] = []
+        self.guard.cost.strokes += 1
+        keep(seen, self.guard.cost.touches, self.guard.cost.strokes, kept, cells)
+        self._lie(np.concatenate(cells) if cells else np.empty((0, 3)))
+        return Contacts.concatenate(kept)
+
+    def _stroke(self, heading: Floats, length: float | None = None) -> Stroke:
+        self.guard.cost.strokes += 1
+        stroke = follow_surface(
+            self.guard,
+            heading,
+            self.config.longest if length is None else length,
+            self.guard.cost.touches,
+            self.guard.cost.strokes,
+        )
+        self._lie(stroke.cells)
+        return stroke
+
+    def _lie(self, cells: Floats) -> None:
+        """Note where the pad lies, and what it covers."""
+        here = self.guard.world_from_sensor
+        felt = feel(self.guard.hold().image)
+        offset = np.array([*(felt.centroid if felt else (0.0, 0.0)), 0.0])
+        self._here = Support(here[:3, :3] @ offset + here[:3, 3], -here[:3, 2])
+        self.touched.add(cells, self._here)
+
+    def _axes(self) -> Floats:
+        """(2, 2) columns to stroke along: the edge that is seen, or the least curvature; and across it."""
+        seen = dwell(self.guard, 4)
+        lines = [line for line in find_lines(seen.image, 3) if line.length > self.config.least_line]
+        felt = feel(seen.image)
+        if felt and felt.curvature[0] > 0.01:
+            rows, columns = np.nonzero(felt.mask)
+            xy = np.stack([columns * seen.image.array.pitch[0], rows * seen.image.array.pitch[1]])
+            long = np.linalg.eigh(np.cov(xy))[1][:, 1]
+        elif lines:
+            long = max(lines, key=lambda line: line.length).direction
+        else:
+            long = np.array([1.0, 0.0])
+        return np.array([[long[0], -long[1]], [long[1], long[0]]])
+
+    def _sightings(self) -> list[Sighting]:
+        seen = dwell(self.guard, 6)
+        lines = find_lines(seen.image, 3)
+        return [sight(line, seen) for line in lines if line.length > self.config.least_line]
+
+    # -- edges
+
+    def _open_sighting(self, face: int | None) -> tuple[Sighting, int] | None:
+        """An edge seen from one face that no other known face explains; from the present face if there is one."""
+        self._seen = [(s, own) for s, own in self._seen if not self._explained(s, own)]
+        if not self._seen:
+            return None
+        return min(
+            self._seen,
+            key=lambda pair: (pair[1] != face, float(np.linalg.norm(pair[0].point - self._here.point))),
+        )
+
+    def _explained(self, sighting: Sighting, own: int) -> bool:
+        tried = sum(float(np.linalg.norm(p - sighting.point)) < 4.0 for p in self._crossed)
+        if tried >= len(self.config.roll):
+            return True
+        for face in self.found.graph.faces:
+            if face.id == own or not isinstance(face.fit, Fit):
+                continue
+            point = sighting.point[None]
+            side = 1.0 if face.fit.convex else -1.0
+            normal = side * face.fit.shape.normals(point)[0]
+            near = abs(float(face.fit.shape.signed_distance(point)[0])) < self.config.explained
+            if near and abs(normal @ sighting.tangent) < 0.3 and normal @ sighting.outward > 0.1:
+                return True
+        return False
+
+    def _cross(self, sighting: Sighting, own: int) -> tuple[int | None, str]:
+        """Roll over an edge onto the face behind it."""
+        tried = sum(float(np.linalg.norm(p - sighting.point)) < 4.0 for p in self._crossed)
+        self._crossed.append(sighting.point)
+        angle = np.radians(self.config.roll[min(tried, len(self.config.roll) - 1)])
+        normal = np.cos(angle) * sighting.normal + np.sin(angle) * sighting.outward
+        down = np.cos(angle) * sighting.outward - np.sin(angle) * sighting.normal
+        reach = 0.5 * self.guard.sensor.array.size[1] - self.config.overlap
+        target = se3.pose(se3.frame_along(-normal, sighting.tangent), sighting.point + max(reach, 0.0) * down)
+        self._travel(target, Support(sighting.point, sighting.normal), standoff=10.0)
+        if not self._touch(target, standoff=10.0, overtravel=16.0):
+            return None, "crossed an edge and met nothing"
+        face = self._study()
+        if face == own:
+            return face, "rolled back onto the same face"
+        return face, "crossed an edge"
+
+    def _trace(self, edge: OpenEdge) -> tuple[int | None, str]:
+        """Lie on the flatter face with the edge under the pad, and follow it both ways."""
+        self._tried.append(edge.point)
+        face = self.found.graph.face(edge.faces[0])
+        assert isinstance(face.fit, Fit)
+        normal = np.cross(edge.outward, edge.tangent)
+        side = 1.0 if face.fit.convex else -1.0
+        normal = normal * np.sign(normal @ (side * face.fit.shape.normals(edge.point[None])[0]))
+        target = se3.pose(se3.frame_along(-normal, edge.tangent), edge.point - 2.0 * edge.outward)
+        self._travel(target, Support(edge.point, normal), standoff=6.0)
+        if not self._touch(target, standoff=6.0, overtravel=6.0):
+            return None, "an edge was not where the faces meet"
+        touch, cost = self.guard.cost.touches, self.guard.cost
+        cost.strokes += 1
+        ahead = follow_edge(self.guard, edge.tangent, self.config.longest, touch, cost.strokes)
+        best = ahead
+        if ahead.ended != "closed":
+            cost.strokes += 1
+            back = follow_edge(self.guard, -edge.tangent, self.config.longest, touch, cost.strokes)
+            best = max((ahead, back), key=lambda t: len(t.trace.points) if t.trace else 0)
+        self._lie(np.empty((0, 3)))
+        if best.trace is None:
+            return edge.faces[0], "an edge could not be traced"
+        self.found.traces.append((best.trace, edge.faces))
+        graph, edge_id = self.found.graph.add_trace(best.trace, edge.faces[0])
+        self.found.graph = graph.attach(edge_id, edge.faces[1])
+        return edge.faces[0], "traced an edge"
+
+    # -- faces not fully touched
+
+    def _cover(self, missing: Predicted, face: int | None) -> tuple[int | None, str]:
+        """Stroke from here over what is untouched on this face, or touch down where it is nearest."""
+        on_face = missing.face == face
+        if face is not None and on_face.any() and self._flush_on(face):
+            points = missing.points[on_face]
+            goal = points[np.argmin(np.linalg.norm(points - self._here.point, axis=1))]
+            self._tried.append(goal)
+            here = self.guard.world_from_sensor
+            toward = here[:3, :2].T @ (goal - here[:3, 3])
+            distance = float(np.linalg.norm(toward))
+            if distance > 1.0:
+                stroke = self._stroke(toward / distance, distance + self.config.feature)
+                self._note_edges(stroke, face)
+                if len(stroke.contacts):
+                    if self._known(stroke.contacts) == face:
+                        self._join(stroke.contacts, face)
+                    else:
+                        self.found.graph, face = self.found.graph.add_stroke(stroke.contacts)
+                return face, "stroked what was untouched"
+        nearest = int(np.argmin(np.linalg.norm(missing.points - self._here.point, axis=1)))
+        return self._visit(missing.points[nearest], missing.normals[nearest])
+
+    def _note_edges(self, stroke: Stroke, face: int) -> None:
+        if stroke.ended == "edge":
+            self._seen.extend((edge, face) for edge in self._sightings())
+
+    def _visit(self, point: Floats, normal: Floats) -> tuple[int | None, str]:
+        """Touch down at a predicted point."""
+        self._tried.append(point)
+        hint = self.guard.world_from_sensor[:3, 0]
+        target = se3.pose(se3.frame_along(-normal, hint), point)
+        self._travel(target, Support(point, normal), standoff=8.0)
+        if not self._touch(target, standoff=8.0, overtravel=10.0):
+            return None, "nothing was where the faces so far predict the surface"
+        return self._study(), "touched a place that was only predicted"
+
+    def _flush_on(self, face: int) -> bool:
+        """Whether the pad lies on that face now."""
+        fit = self.found.graph.face(face).fit
+        if not isinstance(fit, Fit) or not feel(self.guard.hold().image):
+            return False
+        return abs(float(fit.shape.signed_distance(self._here.point[None])[0])) < 2.0
+
+    def _given_up(self, point: Floats) -> bool:
+        return sum(float(np.linalg.norm(p - point)) < 1.5 for p in self._tried) >= self.config.tries
+
+    def _unfinished(self, missing: Predicted) -> Predicted:
+        keep_ = np.array([not self._given_up(p) for p in missing.points], dtype=bool)
+        return Predicted(missing.points[keep_], missing.normals[keep_], missing.face[keep_])
+
+    # -- motion
+
+    def _touch(self, target: Floats, standoff: float, overtravel: float) -> bool:
+        """One guarded approach and its settling; counts as a touch, hit or miss."""
+        self.guard.cost.touches += 1
+        if approach(self.guard, target, standoff, overtravel) is None or not settle(self.guard):
+            self._leave()
+            return False
+        return True
+
+    def _leave(self) -> None:
+        """Back off; the way back along the pad's normal is free, because the pad came that way."""
+        retreat(self.guard, 12.0)
+
+    def _travel(self, target: Floats, far: Support, standoff: float) -> None:
+        """Through free space to `standoff` mm in front of a target."""
+        retreat(self.guard, 8.0)
+        goal = target @ se3.pose(translation=[0.0, 0.0, -standoff])
+        here = self.guard.world_from_sensor
+        same = self._here.normal @ far.normal > 0.995
+        close = abs((self._here.point - far.point) @ far.normal) < 2.0
+        if same and close:
+            poses = [se3.pose(here[:3, :3], here[:3, 3] + 14.0 * far.normal)]
+            poses.append(se3.pose(goal[:3, :3], goal[:3, 3] + 22.0 * far.normal))
+            poses.append(goal)
+        else:
+            supports = [*self._spread(), *box_supports(self.box)]
+            poses = way(here, self._here, goal, far, supports)
+        for pose in poses:
+            self.guard.go_to(pose)
+
+    def _spread(self) -> list[Support]:
+        """One support for each face, which is enough to go round."""
+        kept: list[Support] = []
+        for support in self.touched.supports:
+            if all(support.normal @ other.normal < 0.95 for other in kept):
+                kept.append(support)
+        return kept
