@@ -141,7 +141,7 @@ def _minimize(shape: Shape, sign: float, problem: Problem, options: FitOptions) 
     for _ in range(options.iterations):
         scale = np.diag(information) + 1e-30
         try:
-            step: Floats = -np.linalg.solve(information + damping * np.diag(scale), slope)
+            step: Floats = np.negative(np.linalg.solve(information + damping * np.diag(scale), slope))
         except np.linalg.LinAlgError:
             break
         promised = -float(slope @ step)

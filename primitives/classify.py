@@ -1,0 +1,73 @@
+"""Which shape a patch has: fits ranked by evidence, the simpler first unless the data pays for more.
+
+Each kind scores  chi2 / s + dof ln(residuals) - 2 ln(prior)  (Schwarz's criterion with the noise known), and its
+probability is exp(-score / 2), normalized.  s = 1 where the sensor's sigmas hold; where even the best shape leaves
+more than they allow, s is its chi2 per degree of freedom, so that unmodeled error does not buy parameters.
+A sphere of huge radius, or a cone of tiny angle, lowers chi2 by about one a parameter and pays more for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from primitives.evidence import Contacts
+from primitives.fit import Fit, FitOptions, NoFit, fit
+from primitives.shapes import KINDS, Cone, Cylinder, Sphere, Torus
+
+
+@dataclass(frozen=True)
+class RankOptions:
+    """What is assumed about machined parts before any touch."""
+
+    prior: dict[str, float] = field(
+        default_factory=lambda: {"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.08, "torus": 0.07}
+    )
+    largest_radius: float = 2000.0  # [mm] what is rounder than this is its simpler neighbor
+    least_angle: float = 0.004  # [rad] a cone steeper than this is a cylinder
+    unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
+    fit: FitOptions = field(default_factory=FitOptions)
+
+
+@dataclass(frozen=True)
+class RankedFit:
+    """One kind's fit among its rivals."""
+
+    fit: Fit
+    score: float  # -2 ln of the evidence, up to a constant
+    probability: float
+
+
+def rank(
+    contacts: Contacts, kinds: Sequence[str] = tuple(KINDS), options: RankOptions | None = None
+) -> tuple[RankedFit, ...]:
+    """Fits of the kinds, best first; empty where the contacts determine none."""
+    options = options or RankOptions()
+    fits = [found for kind in kinds if _usable(found := fit(kind, contacts, options.fit), options)]
+    good = [found for found in fits if isinstance(found, Fit)]
+    if not good:
+        return ()
+    excess = min(found.chi2 / max(found.dof, 1) for found in good) if options.unmodeled else 1.0
+    scores = np.array([score(found, options, max(1.0, excess)) for found in good])
+    weights = np.exp(-0.5 * (scores - scores.min()))
+    weights = weights / weights.sum()
+    order = np.argsort(scores, kind="stable")
+    return tuple(RankedFit(good[i], float(scores[i]), float(weights[i])) for i in order)
+
+
+def score(found: Fit, options: RankOptions, excess: float = 1.0) -> float:
+    """-2 ln of one fit's evidence, up to what all fits of the same contacts share."""
+    parameters = found.shape.dof
+    price = parameters * np.log(max(found.dof + parameters, 2))
+    return float(found.chi2 / excess + price - 2.0 * np.log(options.prior.get(found.kind, 0.05)))
+
+
+def _usable(found: Fit | NoFit, options: RankOptions) -> bool:
+    if not isinstance(found, Fit):
+        return False
+    shape = found.shape
+    if isinstance(shape, Cone):
+        return shape.semi_angle > options.least_angle
+    return not isinstance(shape, Cylinder | Sphere | Torus) or shape.radius < options.largest_radius

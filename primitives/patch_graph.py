@@ -1,0 +1,173 @@
+"""The boundary while it grows: fitted faces, traced edges, and which edge still lacks a face.
+
+A graph never changes; each method returns a new one.  Identities last: a face keeps its id while it grows, and
+of two that merge the lower id stays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.stats import chi2 as chi2_distribution
+
+from primitives.classify import RankedFit, RankOptions, rank, score
+from primitives.errors import PalpateError
+from primitives.evidence import Contacts, EdgeTrace
+from primitives.fit import Fit, NoFit, refit
+
+
+@dataclass(frozen=True)
+class MergeOptions:
+    """When two lots of contacts lie on one face."""
+
+    slack: float = 1.5  # factor on every sigma, for what the sensor model leaves out
+    significance: float = 1e-4  # a joint fit less likely than this is refused
+    rank: RankOptions = field(default_factory=RankOptions)
+
+
+@dataclass(frozen=True)
+class Face:
+    """A smooth face as far as it is known."""
+
+    id: int
+    fit: Fit | NoFit
+    contacts: Contacts
+    ranked: tuple[RankedFit, ...] = ()
+
+
+@dataclass(frozen=True)
+class Edge:
+    """An edge, and the one or two faces that are known to meet there."""
+
+    id: int
+    trace: EdgeTrace | None
+    faces: tuple[int, int | None]
+
+
+@dataclass(frozen=True)
+class PatchGraph:
+    """Faces and edges found so far."""
+
+    faces: tuple[Face, ...] = ()
+    edges: tuple[Edge, ...] = ()
+    options: MergeOptions = field(default_factory=MergeOptions)
+
+    def face(self, face_id: int) -> Face:
+        """The face of an id."""
+        for face in self.faces:
+            if face.id == face_id:
+                return face
+        raise PalpateError(f"no face {face_id}; there are {[face.id for face in self.faces]}")
+
+    def edges_of(self, face_id: int) -> tuple[Edge, ...]:
+        """The edges known to bound a face."""
+        return tuple(edge for edge in self.edges if face_id in edge.faces)
+
+    def open_edges(self) -> tuple[Edge, ...]:
+        """The edges that know only one face."""
+        return tuple(edge for edge in self.edges if edge.faces[1] is None)
+
+    def add_stroke(self, contacts: Contacts) -> tuple[PatchGraph, int]:
+        """The graph with a stroke's contacts, and the face that they joined or opened."""
+        stroke = ranked_face(1 + max((face.id for face in self.faces), default=-1), contacts, self.options)
+        joined = [(found, face) for face in self.faces if (found := join(face, stroke, self.options))]
+        if not joined:
+            return replace(self, faces=(*self.faces, stroke)), stroke.id
+        home = min(joined, key=lambda pair: pair[0].chi2 / max(pair[0].dof, 1))[1]
+        return self.add_contacts(contacts, home.id), home.id
+
+    def add_contacts(self, contacts: Contacts, face_id: int) -> PatchGraph:
+        """The graph with contacts known to lie on a face, which is fitted and ranked anew."""
+        merged = Contacts.concatenate([self.face(face_id).contacts, contacts])
+        return self._with_face(ranked_face(face_id, merged, self.options))
+
+    def add_trace(self, trace: EdgeTrace | None, face_id: int) -> tuple[PatchGraph, int]:
+        """The graph with an edge of a face, its other face unknown, and the edge's id."""
+        self.face(face_id)
+        edge = Edge(1 + max((edge.id for edge in self.edges), default=-1), trace, (face_id, None))
+        return replace(self, edges=(*self.edges, edge)), edge.id
+
+    def attach(self, edge_id: int, face_id: int) -> PatchGraph:
+        """The graph in which an edge knows its other face."""
+        self.face(face_id)
+        if all(edge.id != edge_id for edge in self.edges):
+            raise PalpateError(f"no edge {edge_id}; there are {[edge.id for edge in self.edges]}")
+        edges = tuple(
+            replace(edge, faces=(edge.faces[0], face_id)) if edge.id == edge_id else edge
+            for edge in self.edges
+        )
+        return replace(self, edges=edges)
+
+    def merge_faces(self) -> tuple[PatchGraph, dict[int, int]]:
+        """The graph in which no two faces are one, and where each id that vanished went.
+
+        An edge whose two faces turn out to be one was none, and goes.
+        """
+        graph, gone = self, dict[int, int]()
+        while pair := graph._joinable():
+            kept, lost = pair
+            gone = {old: kept.id if new == lost else new for old, new in gone.items()} | {lost: kept.id}
+            faces = tuple(kept if face.id == kept.id else face for face in graph.faces if face.id != lost)
+            edges = tuple(_renamed(edge, lost, kept.id) for edge in graph.edges)
+            graph = replace(graph, faces=faces, edges=tuple(e for e in edges if e.faces[0] != e.faces[1]))
+        return graph, gone
+
+    def _joinable(self) -> tuple[Face, int] | None:
+        for i, first in enumerate(self.faces):
+            for second in self.faces[i + 1 :]:
+                if join(first, second, self.options):
+                    contacts = Contacts.concatenate([first.contacts, second.contacts])
+                    return ranked_face(first.id, contacts, self.options), second.id
+        return None
+
+    def _with_face(self, face: Face) -> PatchGraph:
+        return replace(self, faces=tuple(face if f.id == face.id else f for f in self.faces))
+
+
+def join(first: Face, second: Face, options: MergeOptions) -> Fit | None:
+    """The fit of both faces' contacts by one shape; None where two shapes explain them better.
+
+    The shapes at hand are refitted first, which is quick; only where that fails is every kind tried.
+    """
+    contacts = Contacts.concatenate([first.contacts, second.contacts])
+    for face in (first, second):
+        if isinstance(face.fit, Fit):
+            near = refit(face.fit.shape, face.fit.convex, contacts, options.rank.fit)
+            if isinstance(near, Fit) and _pays(near, first, second, options):
+                return near
+    ranked = rank(contacts, options=options.rank)
+    if ranked and _pays(ranked[0].fit, first, second, options):
+        return ranked[0].fit
+    return None
+
+
+def ranked_face(face_id: int, contacts: Contacts, options: MergeOptions) -> Face:
+    """A face fitted with the likeliest shape."""
+    ranked = rank(contacts, options=options.rank)
+    found = ranked[0].fit if ranked else NoFit(f"{len(contacts)} contacts determine no shape")
+    return Face(face_id, found, contacts, ranked)
+
+
+def explains(found: Fit, options: MergeOptions) -> bool:
+    """Whether chi2 is as small as noise, with the slack, allows."""
+    bound = chi2_distribution.isf(options.significance, max(found.dof, 1))
+    return bool(found.chi2 <= options.slack**2 * bound)
+
+
+def _pays(joint: Fit, first: Face, second: Face, options: MergeOptions) -> bool:
+    if not explains(joint, options):
+        return False
+    apart = sum(_least_score(face, options) for face in (first, second))
+    return score(joint, options.rank, options.slack**2) <= apart
+
+
+def _least_score(face: Face, options: MergeOptions) -> float:
+    if isinstance(face.fit, Fit):
+        return score(face.fit, options.rank, options.slack**2)
+    return 3.0 * float(np.log(max(len(face.contacts), 2)))  # too few to fit: a plane could hold them all
+
+
+def _renamed(edge: Edge, old: int, new: int) -> Edge:
+    first, second = edge.faces
+    return replace(edge, faces=(new if first == old else first, new if second == old else second))
