@@ -1,1 +1,5 @@
-"""Example parts, a few lines of CSG each."""
+"""Built-in parts, each a few lines of CSG: `names`, `build` and what `palpate parts` lists."""
+
+from models.parts.catalog import BuiltIn, build, describe, names
+
+__all__ = ["BuiltIn", "build", "describe", "names"]

@@ -1,0 +1,319 @@
+"""A solid with a triangle boundary, from a CSG tree or a mesh, that can be touched: the only manifold3d import.
+
+A solid from a tree knows which exact surface every triangle stands for, and its normals are those of that
+surface; a mesh's are its triangles'.  `placed` shares the body: rays and points are moved into the part frame,
+so a pose costs nothing and single precision is kept where coordinates are small.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, Self
+
+import manifold3d
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from models.csg import Csg, Leaf
+from models.facets import facets
+from models.raycast import RayCaster, caster
+from models.triangle_tree import TriangleTree
+from primitives.arrays import Floats, Ints, frozen
+from primitives.errors import PalpateError
+from primitives.pose import inverse, rotate, transform_points
+from primitives.shapes import Shape
+from primitives.surface import RayHits
+
+TOLERANCE = 0.002  # [mm] between a facet and the surface that it stands for
+
+
+class LabeledSurface(NamedTuple):
+    """The exact surface behind a set of triangles, in the part frame."""
+
+    shape: Shape
+    convex: bool  # false where the material is outside a curved shape (a hole); planes are convex
+    leaf: int  # which primitive of the tree it came from, in the order of `Csg.leaves`
+
+
+class Body:
+    """What every posed copy of a solid shares, in the part frame."""
+
+    def __init__(
+        self,
+        mesh: Any,
+        vertices: Floats,
+        triangles: Ints,
+        face_of_triangle: Ints,
+        surfaces: tuple[LabeledSurface, ...],
+    ) -> None:
+        self.mesh = mesh
+        self.vertices: Floats = frozen(vertices)
+        self.triangles: Ints = frozen(triangles, np.int64)
+        self.face_of_triangle: Ints = frozen(face_of_triangle, np.int64)
+        self.surfaces = surfaces
+
+    @cached_property
+    def caster(self) -> RayCaster:
+        """Over the triangles."""
+        return caster(self.vertices, self.triangles)
+
+    @cached_property
+    def tree(self) -> TriangleTree:
+        """Over the triangles."""
+        return TriangleTree(self.vertices, self.triangles)
+
+    @cached_property
+    def neighbors(self) -> Ints:
+        """(t, 3) triangle across the edge from corner i to corner i + 1."""
+        return frozen(triangle_neighbors(self.triangles), np.int64)
+
+    @cached_property
+    def triangle_normals(self) -> Floats:
+        """(t, 3) unit."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        normals = np.cross(b - a, c - a)
+        return frozen(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
+
+    def exact_normals(self, points: Floats, triangles: Ints) -> Floats:
+        """(n, 3) outward normals at (n, 3) points on (n,) triangles, of the surfaces they stand for."""
+        normals = self.triangle_normals[triangles]
+        labels = self.face_of_triangle[triangles]
+        for label in np.unique(labels[labels >= 0]):
+            surface = self.surfaces[label]
+            rows = labels == label
+            normals[rows] = surface.shape.normals(points[rows]) * (1.0 if surface.convex else -1.0)
+        return normals
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A posed solid; implements `primitives.surface.TriangleSurface`."""
+
+    body: Body
+    pose: Floats  # (4, 4) world_from_part
+    csg: Csg | None = None  # in the part frame
+
+    @staticmethod
+    def from_csg(tree: Csg, tolerance: float = TOLERANCE) -> Solid:
+        """The solid of a tree, its facets within `tolerance` [mm] of the exact surfaces."""
+        first_surface: dict[int, int] = {}
+        surfaces: list[LabeledSurface] = []
+        parts: list[Any] = []
+        for number, leaf in enumerate(tree.leaves()):
+            identity = int(manifold3d.Manifold.reserve_ids(1))
+            part, labeled = _manifold_of(leaf, number, tolerance, identity)
+            first_surface[identity] = len(surfaces)
+            surfaces += labeled
+            parts.append(part)
+        result = _evaluate(tree, iter(parts))
+        if result.status() != manifold3d.Error.NoError or result.is_empty():
+            raise PalpateError("the tree has no material left; make intersections overlap and cuts smaller")
+        mesh = result.to_mesh64()
+        labels = np.empty(len(mesh.tri_verts), dtype=np.int64)
+        for i, original in enumerate(mesh.run_original_id):
+            run = slice(mesh.run_index[i] // 3, mesh.run_index[i + 1] // 3)
+            labels[run] = np.asarray(mesh.face_id[run], dtype=np.int64) + first_surface[original]
+        vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
+        return Solid(Body(result, vertices, triangles, labels, tuple(surfaces)), frozen(np.eye(4)), tree)
+
+    @staticmethod
+    def from_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Solid:
+        """The solid inside a closed mesh of (v, 3) vertices [mm] and (t, 3) triangles, normals out."""
+        mesh = manifold3d.Mesh64(
+            vert_properties=np.array(vertices, dtype=np.float64, order="C"),
+            tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
+        )
+        result = manifold3d.Manifold(mesh)
+        if result.status() != manifold3d.Error.NoError or result.is_empty():
+            reason = str(result.status()).rsplit(".", 1)[-1]
+            raise PalpateError(f"the mesh is not a closed solid ({reason}); repair it in a mesh editor first")
+        return _unlabeled(result)
+
+    def placed(self, world_from_part: ArrayLike) -> Self:
+        """The same part at another pose, whatever this one's is."""
+        return type(self)(self.body, frozen(world_from_part), self.csg)
+
+    @property
+    def volume(self) -> float:
+        """[mm^3]."""
+        return float(self.body.mesh.volume())
+
+    @property
+    def area(self) -> float:
+        """[mm^2]."""
+        return float(self.body.mesh.surface_area())
+
+    @property
+    def genus(self) -> int:
+        """Handles, over all shells: 1 for a ring."""
+        return int(self.body.mesh.genus())
+
+    @property
+    def bounds(self) -> Floats:
+        """(2, 3) least and greatest corner in the world [mm]."""
+        return frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
+
+    @property
+    def extent(self) -> Floats:
+        """(3,) sides of the part's own box [mm]."""
+        return frozen(np.ptp(self.body.vertices, axis=0))
+
+    @cached_property
+    def center(self) -> Floats:
+        """(3,) centroid of the volume in the world [mm]."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        middle = (a + b + c) / 4
+        weight = np.einsum("ij,ij->i", a, np.cross(b, c))
+        return frozen(weight @ middle / weight.sum())
+
+    @cached_property
+    def vertices(self) -> Floats:
+        """(v, 3) in the world [mm]."""
+        return self.body.vertices if self._home else frozen(transform_points(self.pose, self.body.vertices))
+
+    @property
+    def triangles(self) -> Ints:
+        """(t, 3) vertex indices."""
+        return self.body.triangles
+
+    @property
+    def neighbors(self) -> Ints:
+        """(t, 3) triangle across the edge from corner i to corner i + 1; -1 at an open rim."""
+        return self.body.neighbors
+
+    @property
+    def face_of_triangle(self) -> Ints:
+        """(t,) index into `surfaces`; -1 where the triangle stands for itself."""
+        return self.body.face_of_triangle
+
+    @property
+    def surfaces(self) -> tuple[LabeledSurface, ...]:
+        """The exact surfaces in the part frame; none for a mesh."""
+        return self.body.surfaces
+
+    def signed_distance(self, points: Floats) -> Floats:
+        """Distance of (n, 3) points [mm] to the surface, negative inside: (n,) [mm]."""
+        return self.body.tree.signed_distance(self._to_part(points))
+
+    def normals(self, points: Floats) -> Floats:
+        """Outward unit normals at the surface points nearest to (n, 3) points: (n, 3)."""
+        found = self.body.tree.nearest(self._to_part(points))
+        return rotate(self.pose, self.body.exact_normals(found.points, found.triangle))
+
+    def cast_rays(self, origins: Floats, directions: Floats) -> RayHits:
+        """First hits of (n, 3) origins [mm] along (n, 3) unit directions."""
+        reached, triangle = self.first_hits(
+            np.ascontiguousarray(origins, dtype=np.float32),
+            np.ascontiguousarray(directions, dtype=np.float32),
+        )
+        distance, hit = reached.astype(np.float64), triangle >= 0
+        normals = np.zeros((len(triangle), 3))
+        points = self._to_part(origins[hit] + distance[hit, None] * directions[hit])
+        normals[hit] = rotate(self.pose, self.body.exact_normals(points, triangle[hit].astype(np.int64)))
+        return RayHits(frozen(distance), frozen(normals), frozen(triangle, np.int64))
+
+    def first_hits(
+        self, origins: NDArray[np.float32], directions: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        """Distance (n,) and triangle (n,), or inf and -1, of (n, 3) contiguous rays."""
+        if self._home:
+            return self.body.caster.first_hits(origins, directions)
+        return self.body.caster.first_hits(*_rays_to_part(origins, directions, self.pose))
+
+    def boolean(self, other: Solid, operation: str) -> Solid:
+        """`union`, `intersection` or `difference` with another solid, both where they are placed."""
+        a, b = self._posed_mesh(), other._posed_mesh()
+        result = {"union": a.__add__, "intersection": a.__xor__, "difference": a.__sub__}[operation](b)
+        return _unlabeled(result)
+
+    def _posed_mesh(self) -> Any:
+        return self.body.mesh if self._home else self.body.mesh.transform(self.pose[:3])
+
+    @cached_property
+    def _home(self) -> bool:
+        return bool(np.array_equal(self.pose, np.eye(4)))
+
+    def _to_part(self, points: Floats) -> Floats:
+        return points if self._home else transform_points(inverse(self.pose), points)
+
+
+def iou(a: Solid, b: Solid) -> float:
+    """Volume of the intersection over that of the union."""
+    first, second = a._posed_mesh(), b._posed_mesh()
+    shared = float((first ^ second).volume())
+    return shared / (a.volume + b.volume - shared)
+
+
+def triangle_neighbors(triangles: Ints) -> Ints:
+    """(t, 3) triangle across the edge from corner i to corner i + 1; -1 where there is none."""
+    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    top = int(triangles.max(initial=0)) + 1
+    forth, back = ends[:, 0] * top + ends[:, 1], ends[:, 1] * top + ends[:, 0]
+    order = np.argsort(forth)
+    place = np.minimum(np.searchsorted(forth[order], back), len(order) - 1)
+    twin = order[place]
+    neighbors: Ints = np.where(forth[twin] == back, twin // 3, -1).reshape(-1, 3)
+    return neighbors
+
+
+def _manifold_of(
+    leaf: Leaf, number: int, tolerance: float, identity: int
+) -> tuple[Any, list[LabeledSurface]]:
+    made = facets(leaf.primitive, tolerance)
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.array(transform_points(leaf.part_from_primitive, made.vertices), order="C"),
+        tri_verts=made.triangles.astype(np.uint64),
+        run_index=np.array([0, made.triangles.size], dtype=np.uint64),
+        run_original_id=np.array([identity], dtype=np.uint32),
+        face_id=made.surface.astype(np.uint64),
+    )
+    labeled = []
+    for shape in made.surfaces:
+        moved = shape.transformed(leaf.part_from_primitive)
+        labeled.append(LabeledSurface(*_outward(moved, leaf.adds), number))
+    return manifold3d.Manifold(mesh), labeled
+
+
+def _outward(shape: Shape, adds: bool) -> tuple[Shape, bool]:
+    if shape.kind == "plane":
+        return (shape if adds else shape.with_parts(shape.anchor, -shape.direction, ())), True
+    return shape, adds
+
+
+def _evaluate(tree: Csg, parts: Any) -> Any:
+    from models.expression import Difference, Intersection, Operation, Placed
+
+    if isinstance(tree, Placed):
+        return _evaluate(tree.child, parts)
+    if not isinstance(tree, Operation):
+        return next(parts)
+    operands = [_evaluate(child, parts) for child in tree.children]
+    operation = manifold3d.OpType.Add
+    if isinstance(tree, Intersection):
+        operation = manifold3d.OpType.Intersect
+    elif isinstance(tree, Difference):
+        operation = manifold3d.OpType.Subtract
+    return manifold3d.Manifold.batch_boolean(operands, operation)
+
+
+def _unlabeled(result: Any) -> Solid:
+    mesh = result.to_mesh64()
+    vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
+    labels = np.full(len(triangles), -1)
+    return Solid(Body(result, vertices, triangles, labels, ()), frozen(np.eye(4)))
+
+
+@njit(cache=True)
+def _rays_to_part(origins, directions, world_from_part):  # type: ignore[no-untyped-def]
+    n = len(origins)
+    moved, turned = np.empty((n, 3), dtype=np.float32), np.empty((n, 3), dtype=np.float32)
+    r, t = world_from_part[:3, :3], world_from_part[:3, 3]
+    for i in range(n):
+        x, y, z = origins[i, 0] - t[0], origins[i, 1] - t[1], origins[i, 2] - t[2]
+        u, v, w = directions[i, 0], directions[i, 1], directions[i, 2]
+        for k in range(3):
+            moved[i, k] = x * r[0, k] + y * r[1, k] + z * r[2, k]
+            turned[i, k] = u * r[0, k] + v * r[1, k] + w * r[2, k]
+    return moved, turned
