@@ -1,0 +1,249 @@
+"""Lines of a frame: the Modified Adaptive Hough Transform, then a polish on the sensor model.
+
+Illingworth and Kittler's adaptive transform votes in a small accumulator and zooms on its peak.  Modified, by our
+derivation: (rho, theta) is bounded to the pad and wraps, (theta - pi, -rho) being the same line; the next window
+is three cells of the last, centered on the peak, so windows overlap and a peak on a cell's border is never
+split; each edge point votes with its evidence (sharpness, sub-taxel position, its gradient's direction) and
+shares the vote between the nearest cells; the line found takes its points away, and the vote is repeated.
+
+A line is reported only where the depth drops below what the local surface predicts: a rim that a smooth paraboloid
+explains as well (sphere, cylinder, tilted face running out) is no edge.  "No line" is the usual answer.
+"""
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from exploration.sensing.contact_mask import usable
+from exploration.sensing.edges import EdgePoints, edge_points
+from exploration.sensing.footprint import Footprint
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.line import Line, clipped, normalized
+from exploration.sensing.line_evidence import fit_lines
+from exploration.sensing.line_fit import LineFit, fit_line
+from exploration.sensing.response import Response, response_of
+from primitives.arrays import Bools, Floats, frozen
+
+ANGLES, OFFSETS = 12, 15  # cells of the first accumulator
+WINDOW = 9  # cells an axis of each zoom
+ZOOMS = 3  # each three times finer
+
+
+@dataclass(frozen=True)
+class HoughConfig:
+    """What counts as a line."""
+
+    direction_tolerance: float = 0.45  # [rad] of a point's gradient from the line's normal
+    band: float = 0.7  # [response widths] within which a point belongs to a line
+    least_votes: float = 2.0  # sum of weights
+    least_length: float = 1.6  # [taxels] seen
+    least_step: float = 0.6  # of the deepest taxel, at the edge, for a line to need no comparison
+    greatest_misfit: float = 5.0  # [standard deviations of chi2] before a single line is doubted
+
+
+def find_lines(
+    image: TactileImage,
+    max_lines: int = 3,
+    response: Response | None = None,
+    config: HoughConfig | None = None,
+) -> tuple[Line, ...]:
+    """The straight edges of a frame, strongest first; empty where there is none."""
+    config = config or HoughConfig()
+    if not usable(image):
+        return ()
+    response = response_of(image, response)
+    points = edge_points(image, response)
+    found = candidates(points, image, max_lines, response, config)
+    if len(found) == 1:
+        angle, offset, side, members = found[0]
+        fit = fit_line(image, response, angle, offset, side)
+        if fit.converged and _stands_alone(image, fit, config):
+            return (
+                _line(
+                    image, points, members, side, fit.parameters[:3], fit.covariance[:3, :3], _inflation(fit)
+                ),
+            )
+    if not found:
+        return ()
+    joint = fit_lines(image, [peak[:3] for peak in found])
+    if not (joint and joint.fit.converged):
+        return ()
+    lines = []
+    for place, k in enumerate(joint.chosen):
+        angle, offset = joint.fit.parameters[6 + 2 * place : 8 + 2 * place]
+        rows = [6 + 2 * place, 7 + 2 * place, 0]
+        members = found[k][3]
+        middle = points.points[members].mean(axis=0)
+        height = joint.fit.parameters[0] + joint.fit.parameters[1:3] @ middle
+        unknowns = np.array([angle, offset, height])
+        covariance = joint.fit.covariance[np.ix_(rows, rows)]
+        lines.append(_line(image, points, members, found[k][2], unknowns, covariance, _inflation(joint.fit)))
+    return tuple(sorted(lines, key=lambda line: -line.strength))
+
+
+def _inflation(fit: LineFit | Footprint) -> float:
+    return max(1.0, fit.chi2 / max(1, fit.dof))
+
+
+def _stands_alone(image: TactileImage, fit: LineFit, config: HoughConfig) -> bool:
+    """Whether one line explains the frame, on a plateau that does not merely run out."""
+    if fit.chi2 > fit.dof + config.greatest_misfit * np.sqrt(2 * max(1, fit.dof)):
+        return False
+    height, sigma = float(fit.parameters[2]), float(np.sqrt(fit.covariance[2, 2]))
+    return height - 2 * sigma > config.least_step * float(image.depth.max())
+
+
+def candidates(
+    points: EdgePoints, image: TactileImage, max_lines: int, response: Response, config: HoughConfig
+) -> list[tuple[float, float, int, Bools]]:
+    """(angle, offset, material side, member points) of each peak, most votes first."""
+    found: list[tuple[float, float, int, Bools]] = []
+    left = np.array(points.weight)
+    size = image.array.size
+    reach = 0.5 * float(np.hypot(*size))
+    band = config.band * float(np.sqrt(np.mean(response.variance)))
+    least = config.least_length * min(image.array.pitch)
+    for _ in range(max_lines):
+        if len(points) < 2 or left.sum() < config.least_votes:
+            break
+        angle, offset = _peak(points.points, points.directions, left, reach, config.direction_tolerance)
+        members, votes, length, toward = _members(
+            points.points, points.directions, left, angle, offset, band, config.direction_tolerance
+        )
+        if votes < config.least_votes:
+            break
+        left[members] = 0.0
+        if length >= least:
+            angle, offset, side = normalized(angle, offset, 1 if toward > 0 else -1)
+            found.append((angle, offset, side, members))
+    return found
+
+
+def _line(
+    image: TactileImage,
+    points: EdgePoints,
+    members: Bools,
+    side: int,
+    unknowns: Floats,
+    covariance: Floats,
+    inflation: float,
+) -> Line:
+    """A line of fitted (angle, offset, height) and their covariance (3, 3)."""
+    angle, offset, turned_side = normalized(float(unknowns[0]), float(unknowns[1]), side)
+    flip = np.array([1.0, float(turned_side * side), 1.0])
+    sx, sy = image.array.size
+    low, high = clipped(angle, offset, (sx / 2, sy / 2))
+    direction = np.array([np.cos(angle), np.sin(angle)])
+    along = points.points[members] @ direction
+    grow = max(image.array.pitch)
+    low, high = max(low, float(along.min()) - grow), min(high, float(along.max()) + grow)
+    high = max(low, high)
+    foot = offset * np.array([-direction[1], direction[0]])
+    spread = covariance * np.outer(flip, flip) * inflation
+    return Line(
+        angle,
+        offset,
+        frozen(spread[:2, :2]),
+        high - low,
+        frozen(foot + low * direction),
+        frozen(foot + high * direction),
+        float(unknowns[2]) / float(np.sqrt(spread[2, 2])),
+        turned_side,
+        float(unknowns[2]),
+    )
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _members(
+    points: Floats,
+    directions: Floats,
+    weight: Floats,
+    angle: float,
+    offset: float,
+    band: float,
+    tolerance: float,
+) -> tuple[Bools, float, float, float]:
+    """Which points lie on a line, their votes, the length they span, and on which side their material is."""
+    ca, sa = np.cos(angle), np.sin(angle)
+    members = np.zeros(len(points), dtype=np.bool_)
+    toward = 0.0
+    for k in range(len(points)):
+        if weight[k] > 0.0 and abs(-sa * points[k, 0] + ca * points[k, 1] - offset) < band:
+            cosine = -sa * directions[k, 0] + ca * directions[k, 1]
+            if abs(cosine) > np.cos(tolerance):
+                members[k] = True
+                toward += weight[k] * cosine
+    votes = 0.0
+    low, high = np.inf, -np.inf
+    for k in range(len(points)):
+        if members[k]:
+            cosine = -sa * directions[k, 0] + ca * directions[k, 1]
+            if cosine * toward < 0.0:
+                members[k] = False
+                continue
+            votes += weight[k]
+            v = ca * points[k, 0] + sa * points[k, 1]
+            low, high = min(low, v), max(high, v)
+    return members, votes, max(0.0, high - low), toward
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _vote(
+    points: Floats,
+    directions: Floats,
+    weight: Floats,
+    angles: Floats,
+    first: float,
+    step: float,
+    tolerance: float,
+    cells: Floats,
+) -> None:
+    cells[:] = 0.0
+    count = cells.shape[1]
+    for a in range(len(angles)):
+        ca, sa = np.cos(angles[a]), np.sin(angles[a])
+        for k in range(len(points)):
+            if weight[k] <= 0.0:
+                continue
+            cosine = abs(-sa * directions[k, 0] + ca * directions[k, 1])
+            share = 1.0 - np.sqrt(max(0.0, 2.0 - 2.0 * cosine)) / tolerance
+            if share <= 0.0:
+                continue
+            place = (-sa * points[k, 0] + ca * points[k, 1] - first) / step
+            if place <= -1.0 or place >= count:
+                continue
+            i = int(np.floor(place))
+            f = place - i
+            if i >= 0:
+                cells[a, i] += weight[k] * share * (1.0 - f)
+            if i + 1 < count:
+                cells[a, i + 1] += weight[k] * share * f
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _peak(
+    points: Floats, directions: Floats, weight: Floats, reach: float, tolerance: float
+) -> tuple[float, float]:
+    """Angle and offset where most evidence meets."""
+    angle_step, step = np.pi / ANGLES, 2.0 * reach / OFFSETS
+    angles = (np.arange(ANGLES) + 0.5) * angle_step
+    cells = np.zeros((ANGLES, OFFSETS))
+    first = -reach + 0.5 * step
+    _vote(points, directions, weight, angles, first, step, tolerance, cells)
+    best = np.argmax(cells)
+    angle, offset = angles[best // OFFSETS], first + (best % OFFSETS) * step
+    window = np.zeros((WINDOW, WINDOW))
+    for _ in range(ZOOMS):
+        angle_step /= 3.0
+        step /= 3.0
+        for _shift in range(2):
+            angles = angle + (np.arange(WINDOW) - WINDOW // 2) * angle_step
+            first = offset - (WINDOW // 2) * step
+            _vote(points, directions, weight, angles, first, step, tolerance, window)
+            best = np.argmax(window)
+            i, j = best // WINDOW, best % WINDOW
+            angle, offset = angles[i], first + j * step
+            if 0 < i < WINDOW - 1 and 0 < j < WINDOW - 1:
+                break
+    return angle, offset
