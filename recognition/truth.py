@@ -1,0 +1,154 @@
+"""The evaluator: how far a reconstruction is from the object, and the only reader of the object's mesh.
+
+Both surfaces are sampled evenly by area, and every sample is taken to the nearest point of the other surface.
+With a the distances from model to truth and b those back (Aspert, Santa-Cruz and Ebrahimi 2002)::
+
+    hausdorff = max(max a, max b),   rms = sqrt((mean a^2 + mean b^2) / 2),   mean = (mean a + mean b) / 2.
+
+A face of the truth is matched to the face of the model on which most of its samples land.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from models.solid import Solid, iou
+from primitives.arrays import Floats, Ints
+from primitives.pose import inverse, quaternion_wxyz, transform_points
+from recognition.face_regions import Regions, regions
+
+
+@dataclass(frozen=True)
+class TruthOptions:
+    """How finely to compare."""
+
+    samples: int = 10_000  # on each surface
+    least_face: int = 8  # samples on a face, however small it is
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The comparison."""
+
+    iou: float
+    hausdorff: float  # [mm]
+    surface_rms: float  # [mm]
+    surface_mean: float  # [mm]
+    face_shape_accuracy: float  # share of the truth's area whose face in the model has the right shape
+    extent_errors: tuple[float, ...]  # [mm] two for each face of the truth with a match of the same shape
+    missed_faces: int  # faces of the truth whose match in the model has another shape, or that have none
+    world_from_part: Floats  # (4, 4)
+
+    def as_dict(self) -> dict[str, Any]:
+        """As in `summary.json`."""
+        errors = self.extent_errors
+        return {
+            "iou": self.iou,
+            "hausdorff_mm": self.hausdorff,
+            "surface_rms_mm": self.surface_rms,
+            "surface_mean_mm": self.surface_mean,
+            "face_shape_accuracy": self.face_shape_accuracy,
+            "missed_faces": self.missed_faces,
+            "extent_error_mm": {
+                "median": float(np.median(errors)) if errors else None,
+                "max": max(errors) if errors else None,
+            },
+            "world_from_part": {
+                "translation_mm": self.world_from_part[:3, 3].tolist(),
+                "quaternion_wxyz": quaternion_wxyz(self.world_from_part).tolist(),
+            },
+        }
+
+
+def evaluate(
+    model: Solid,
+    truth: Solid,
+    options: TruthOptions | None = None,
+    model_faces: Regions | None = None,
+    truth_faces: Regions | None = None,
+) -> Truth:
+    """Compare two solids placed in the world; the faces of a mesh come from whoever recovered them."""
+    options = options or TruthOptions()
+    model_faces = model_faces or regions(model)
+    truth_faces = truth_faces or regions(truth)
+    on_model, _ = sample_surface(model, options, model_faces)
+    on_truth, of_truth = sample_surface(truth, options, truth_faces)
+    a, _ = _nearest(truth, on_model.points)
+    b, landed = _nearest(model, on_truth.points)
+    matches = _matches(of_truth, model_faces.of_triangle[landed], model_faces, truth_faces)
+    right = [k for k, m in enumerate(matches) if _alike(k, m, truth_faces, model_faces)]
+    area = np.array([f.area for f in truth_faces.faces])
+    errors = [
+        abs(s - t)
+        for k in right
+        for s, t in zip(
+            model_faces.faces[matches[k]].extent or (), truth_faces.faces[k].extent or (), strict=True
+        )
+    ]
+    return Truth(
+        iou(model, truth),
+        float(max(a.max(), b.max())),
+        float(np.sqrt(0.5 * (on_model.mean(a**2) + on_truth.mean(b**2)))),
+        float(0.5 * (on_model.mean(a) + on_truth.mean(b))),
+        float(area[right].sum() / area.sum()),
+        tuple(errors),
+        len(matches) - len(right),
+        truth.pose,
+    )
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Points on a surface and the area that each stands for."""
+
+    points: Floats  # (n, 3) [mm]
+    area: Floats  # (n,) [mm^2]
+
+    def mean(self, values: Floats) -> float:
+        """Over the surface."""
+        return float((self.area * values).sum() / self.area.sum())
+
+
+def sample_surface(solid: Solid, options: TruthOptions, faces: Regions) -> tuple[Samples, Ints]:
+    """Even samples, and the face that each is on: systematic along the area, so every run has the same ones."""
+    corners = solid.vertices[solid.triangles]
+    areas = 0.5 * np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    points, weights, labels = [], [], []
+    total = float(areas.sum())
+    for k, face in enumerate(faces.faces):
+        mine = np.flatnonzero(faces.of_triangle == k)
+        count = max(options.least_face, round(options.samples * face.area / total))
+        reached = np.cumsum(areas[mine])
+        at = (np.arange(count) + 0.5) / count * reached[-1]
+        chosen = mine[np.minimum(np.searchsorted(reached, at), len(mine) - 1)]
+        # the R2 sequence (Roberts 2018) over the unit square, folded onto the triangle
+        u, v = np.mod(np.arange(1, count + 1)[:, None] * [0.7548776662466927, 0.5698402909980532], 1.0).T
+        over = u + v > 1.0
+        u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
+        a, b, c = np.moveaxis(corners[chosen], 1, 0)
+        points.append(a + u[:, None] * (b - a) + v[:, None] * (c - a))
+        weights.append(np.full(count, reached[-1] / count))
+        labels.append(np.full(count, k))
+    return Samples(np.concatenate(points), np.concatenate(weights)), np.concatenate(labels)
+
+
+def _nearest(solid: Solid, points: Floats) -> tuple[Floats, Ints]:
+    found = solid.body.tree.nearest(transform_points(inverse(solid.pose), points))
+    return found.distance, found.triangle
+
+
+def _matches(of_truth: Ints, of_model: Ints, model: Regions, truth: Regions) -> Ints:
+    """(f,) the model's face for each of the truth's."""
+    votes = np.zeros((len(truth.faces), len(model.faces)), dtype=np.int64)
+    np.add.at(votes, (of_truth, of_model), 1)
+    return np.asarray(votes.argmax(axis=1))
+
+
+def _alike(k: int, match: int, truth: Regions, model: Regions) -> bool:
+    a, b = truth.faces[k], model.faces[match]
+    return a.shape is not None and a.kind == b.kind and a.convex == b.convex
