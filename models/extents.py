@@ -1,0 +1,114 @@
+"""How far a face reaches on its surface: the two lengths, and the shape with its anchor put on the face.
+
+===========  ============================================  ==============================================
+shape        anchor and axis                               extent [mm]
+===========  ============================================  ==============================================
+plane        point nearest the face's centroid; normal     length and width of the least rectangle round it
+cylinder     on the axis, middle of the face; axis         length along the axis, arc length round it
+cone         apex; from the apex into the cone             distances from the apex where it begins and ends
+sphere       center; pole of the face                      diameter of the rim circle (0 if whole), height
+===========  ============================================  ==============================================
+"""
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from primitives.arrays import Floats
+from primitives.pose import frame_along
+from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere
+
+Extent = tuple[float, float]
+
+
+def anchored(shape: Shape, corners: Floats, rim: Floats) -> tuple[Shape, Extent]:
+    """The shape anchored on the face with (t, 3, 3) triangles and (m, 3) rim points, and the face's extent."""
+    match shape:
+        case Plane():
+            points = rim if len(rim) else corners.reshape(-1, 3)
+            return Plane(shape.project(_centroid(corners)[None])[0], shape.normal), rectangle(
+                points, shape.normal
+            )
+        case Cylinder():
+            return _cylinder(shape, corners, rim)
+        case Cone():
+            along = ((rim if len(rim) else corners.reshape(-1, 3)) - shape.apex) @ shape.axis
+            least = min(float(((corners - shape.apex) @ shape.axis).min()), float(along.min()))
+            return shape, (max(least, 0.0) if least < 1e-6 else float(along.min()), float(along.max()))
+        case Sphere():
+            return shape, _cap(shape, corners, rim)
+    return shape, (0.0, 0.0)
+
+
+def rectangle(points: Floats, normal: Floats) -> Extent:
+    """Length and width of the least rectangle, by area, round (n, 3) points seen along `normal`."""
+    flat = (points - points.mean(axis=0)) @ frame_along(normal)[:, :2]
+    try:
+        outline = flat[ConvexHull(flat).vertices]
+    except (QhullError, ValueError):
+        return 0.0, 0.0
+    sides = np.roll(outline, -1, axis=0) - outline
+    sides = sides / np.linalg.norm(sides, axis=1, keepdims=True)
+    along = outline @ sides.T
+    across = outline @ np.stack([-sides[:, 1], sides[:, 0]])
+    lengths, widths = np.ptp(along, axis=0), np.ptp(across, axis=0)
+    best = int(np.argmin(lengths * widths))
+    pair = float(lengths[best]), float(widths[best])
+    return max(pair), min(pair)
+
+
+def pole(shape: Sphere, corners: Floats) -> Floats:
+    """(3,) unit direction from the center through the middle of a face; world z for a whole sphere."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    facing = np.cross(b - a, c - a).sum(axis=0) / 2
+    length = float(np.linalg.norm(facing))
+    if length < 1e-6 * shape.radius**2:
+        return np.array([0.0, 0.0, 1.0])
+    outward = np.sign(((a + b + c) / 3 - shape.center) @ facing).sum()
+    middle: Floats = facing / length * (1.0 if outward >= 0 else -1.0)
+    return middle
+
+
+def _centroid(corners: Floats) -> Floats:
+    a, b, c = np.moveaxis(corners, 1, 0)
+    weight = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    center: Floats = weight @ corners.mean(axis=1) / weight.sum()
+    return center
+
+
+def _cylinder(shape: Cylinder, corners: Floats, rim: Floats) -> tuple[Shape, Extent]:
+    along = ((rim if len(rim) else corners.reshape(-1, 3)) - shape.origin) @ shape.axis
+    low, high = float(along.min()), float(along.max())
+    middle = Cylinder(shape.origin + shape.axis * (low + high) / 2, shape.axis, shape.radius)
+    local = (corners - shape.origin) @ shape.frame
+    angles = np.arctan2(local[..., 1], local[..., 0])
+    return middle, (high - low, shape.radius * _covered(angles))
+
+
+def _covered(angles: Floats) -> float:
+    """[rad] of the circle that (t, 3) triangles cover: 2 pi less the widest gap between them."""
+    start = angles[:, :1]
+    offset = np.angle(np.exp(1j * (angles - start)))
+    low, high = (start[:, 0] + offset.min(axis=1)) % (2 * np.pi), np.ptp(offset, axis=1)
+    order = np.argsort(low)
+    begin, end = low[order], np.maximum.accumulate((low + high)[order])
+    gaps = np.append(begin[1:], begin[0] + 2 * np.pi) - end
+    widest = float(gaps.max())
+    return 2 * np.pi - widest if widest > 1e-6 else 2 * np.pi
+
+
+def _cap(shape: Sphere, corners: Floats, rim: Floats) -> Extent:
+    if not len(rim):
+        return 0.0, 2 * shape.radius
+    axis = pole(shape, corners)
+    a, b, c = np.moveaxis(corners - shape.center, 1, 0)
+    offsets = (rim - shape.center) @ axis
+    top = shape.radius if _pierced(a, b, c, axis) else float(((corners - shape.center) @ axis).max())
+    across = np.linalg.norm(rim - shape.center - offsets[:, None] * axis, axis=1)
+    return 2 * float(across.max()), top - float(offsets.min())
+
+
+def _pierced(a: Floats, b: Floats, c: Floats, axis: Floats) -> bool:
+    """Whether the ray from the origin along `axis` meets one of the triangles."""
+    volumes = np.stack([np.cross(p, q) @ axis for p, q in ((a, b), (b, c), (c, a))])
+    same = (volumes >= -1e-9).all(axis=0) | (volumes <= 1e-9).all(axis=0)
+    return bool((same & ((a + b + c) @ axis > 0)).any())
