@@ -1,0 +1,146 @@
+"""A report's arrays as the page reads them: little-endian typed arrays in base64, thinned to stay small."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from primitives.arrays import Floats, Ints
+from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
+
+
+@dataclass(frozen=True)
+class PayloadLimits:
+    """What a page may hold, for a file below 5 MB."""
+
+    frames: int = 1500
+    taxels: int = 1_200_000  # over all frames, one byte each
+    contacts: int = 40_000
+    trace_points: int = 20_000
+    triangles: int = 40_000  # per mesh; a larger one is left out, and the page says so
+
+
+def payload(report: RunReport, limits: PayloadLimits | None = None) -> dict[str, Any]:
+    """What the page's script unpacks."""
+    limits = limits or PayloadLimits()
+    model, truth = (_small_enough(mesh, limits) for mesh in (report.model, report.truth))
+    contacts = _thinned(len(report.contacts), limits.contacts)
+    faces: Any = report.summary.get("faces") or []
+    return {
+        "shapes": {str(face["id"]): face["shape"] for face in faces},
+        "model": _mesh(model),
+        "truth": _mesh(truth),
+        "contacts": {
+            "points": _packed(report.contacts[contacts], "f4"),
+            "face": _packed(report.contact_face[contacts], "f4"),
+        },
+        "traces": _packed(_trace_segments(report, limits), "f4"),
+        "frames": _frames(report.frames, limits),
+        "pad": list(report.pad_size),
+        "housing": list(report.housing_size),
+        "bounds": _bounds(report),
+    }
+
+
+def left_out(report: RunReport, limits: PayloadLimits | None = None) -> list[str]:
+    """What the page does not show, in words."""
+    limits = limits or PayloadLimits()
+    return [
+        f"the {name} mesh has {len(mesh.triangles)} triangles and is not drawn here"
+        for name, mesh in (("model's", report.model), ("truth's", report.truth))
+        if mesh is not None and _small_enough(mesh, limits) is None
+    ]
+
+
+def _small_enough(mesh: ReportMesh | None, limits: PayloadLimits) -> ReportMesh | None:
+    return mesh if mesh is not None and len(mesh.triangles) <= limits.triangles else None
+
+
+def _mesh(mesh: ReportMesh | None) -> Mapping[str, Any] | None:
+    if mesh is None:
+        return None
+    return {
+        "vertices": _packed(mesh.vertices, "f4"),
+        "triangles": _packed(mesh.triangles, "i4"),
+        "face": _packed(mesh.face, "i4"),
+        "edges": _packed(_outline(mesh), "f4"),
+    }
+
+
+def _outline(mesh: ReportMesh) -> Floats:
+    """(k, 2, 3) the mesh edges between two faces, or on a rim."""
+    t = mesh.triangles
+    pairs = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
+    face = np.tile(mesh.face, 3)
+    order = np.lexsort((face, pairs[:, 1], pairs[:, 0]))
+    pairs, face = pairs[order], face[order]
+    starts = (
+        np.flatnonzero(np.r_[True, (pairs[1:] != pairs[:-1]).any(axis=1)]) if len(pairs) else np.empty(0, int)
+    )
+    ends = np.r_[starts[1:], len(pairs)] - 1
+    between = (
+        (ends == starts) | (face[starts] != face[ends[: len(starts)]]) if len(starts) else np.empty(0, bool)
+    )
+    return np.asarray(mesh.vertices[pairs[starts[between]]])
+
+
+def _frames(frames: ReportFrames, limits: PayloadLimits) -> dict[str, Any]:
+    count, rows, columns = frames.counts.shape
+    kept = _thinned(count, min(limits.frames, limits.taxels // max(1, rows * columns)))
+    counts = frames.counts[kept]
+    low, high = (float(np.quantile(counts, 0.02)), float(counts.max())) if counts.size else (0.0, 1.0)
+    levels = np.clip((counts - low) / max(high - low, 1e-9), 0.0, 1.0) * 255.0
+    lines = [
+        np.asarray(frames.lines[i], dtype=float).reshape(-1, 2) if frames.lines else np.empty((0, 2))
+        for i in kept
+    ]
+    starts = np.concatenate([[0], np.cumsum([len(line) for line in lines])])
+    return {
+        "count": len(kept),
+        "shape": [len(kept), rows, columns],
+        "times": _packed(frames.times[kept] - (frames.times[0] if count else 0.0), "f4"),
+        "poses": _packed(np.swapaxes(frames.poses[kept], 1, 2), "f4"),
+        "counts": _packed(np.rint(levels), "u1"),
+        "forces": _packed(frames.forces[kept], "f4"),
+        "touch": _packed(frames.touch[kept], "i4"),
+        "lines": _packed(np.concatenate([*lines, np.empty((0, 2))]), "f4"),
+        "lineStart": _packed(starts, "i4"),
+    }
+
+
+def _trace_segments(report: RunReport, limits: PayloadLimits) -> Floats:
+    """(k, 2, 3) consecutive points of every trace."""
+    total = sum(map(len, report.traces))
+    pieces = [np.empty((0, 2, 3))]
+    for trace in report.traces:
+        kept = trace[_thinned(len(trace), max(2, len(trace) * limits.trace_points // max(total, 1)))]
+        if len(kept) > 1:
+            pieces.append(np.stack([kept[:-1], kept[1:]], axis=1))
+    return np.concatenate(pieces)
+
+
+def _bounds(report: RunReport) -> dict[str, Any]:
+    """The ball that the camera looks at: the model, or what was touched, or the pad's way."""
+    clouds = [report.model.vertices if report.model is not None else report.contacts, report.contacts]
+    points = np.concatenate([cloud for cloud in clouds if len(cloud)] or [report.frames.poses[:, :3, 3]])
+    if not len(points):
+        return {"center": [0.0, 0.0, 0.0], "radius": 50.0}
+    low, high = points.min(axis=0), points.max(axis=0)
+    radius = max(float(np.linalg.norm(high - low)) / 2.0, 1.0)
+    return {"center": ((low + high) / 2.0).tolist(), "radius": radius}
+
+
+def _thinned(count: int, most: int) -> Ints:
+    """Indices of at most `most` of `count` rows, evenly spread, first and last among them."""
+    if count <= most:
+        return np.arange(count)
+    return np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
+
+
+def _packed(values: Any, kind: str) -> dict[str, str]:
+    data = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
+    return {"type": kind, "base64": base64.b64encode(data.tobytes()).decode()}

@@ -1,0 +1,198 @@
+"""The report's words and tables as HTML, so that they read without a script and on paper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from html import escape
+from typing import Any
+
+Row = Mapping[str, Any]
+Column = tuple[str, bool, Callable[[Row], str]]  # title, whether a number, the cell's HTML
+Json = Mapping[str, Any]
+_UNITS = {"mm": "mm", "mm2": "mm²", "mm3": "mm³", "deg": "°", "seconds": "s", "s": "s", "n": "N"}
+_NAMES = {"iou": "Overlap (IoU)"}
+
+
+def figures(summary: Json) -> str:
+    """The large numbers under the title."""
+    truth = summary.get("truth") or {}
+    cells = [
+        ("Touches", summary.get("touches"), ""),
+        ("Strokes", summary.get("strokes"), ""),
+        ("Frames", summary.get("frames"), ""),
+        ("Travel", _rounded(summary.get("travel_mm"), 0), "mm"),
+        ("Device time", _rounded(summary.get("device_seconds"), 1), "s"),
+        ("Volume", _rounded(summary.get("volume_mm3"), 0), "mm³"),
+        ("Surface error, rms", _rounded(truth.get("surface_rms_mm"), 3), "mm"),
+        ("Overlap with truth", _rounded(truth.get("iou"), 4), ""),
+    ]
+    shown = [
+        f"<div><dt>{name}</dt><dd>{escape(_thousands(value))}{_unit(unit)}</dd></div>"
+        for name, value, unit in cells
+        if value is not None
+    ]
+    return f'<dl class="figures">{"".join(shown)}</dl>'
+
+
+def lede(summary: Json) -> str:
+    """One sentence: how it ended."""
+    state = "closed" if summary.get("closed") else "open"
+    ended = str(summary.get("ended") or state)
+    tail = "" if ended == state else f" Exploration ended: {escape(ended)}."
+    faces, edges = summary.get("faces") or [], summary.get("edges") or []
+    return (
+        f'Boundary <span class="state {state}">{state}</span>: {len(faces)} faces, {len(edges)} edges, '
+        f"felt with {escape(str(summary.get('sensor', 'a tactile array')))}.{tail}"
+    )
+
+
+def legend(summary: Json, traces: bool) -> str:
+    """One swatch per shape that occurs."""
+    shapes = dict.fromkeys(str(face["shape"]) for face in summary.get("faces") or [])
+    items = [f"<li>{_swatch(shape)}{escape(shape)}</li>" for shape in shapes]
+    if traces:
+        items.append('<li><span class="swatch line"></span>tracked edge</li>')
+    return "".join(items)
+
+
+def sections(summary: Json, settings: Json, notes: Sequence[str]) -> str:
+    """Everything below the replay."""
+    warnings = [*(summary.get("warnings") or []), *notes]
+    listed = "".join(f"<li>{escape(str(warning))}</li>" for warning in warnings)
+    return "".join(
+        [
+            _section("Warnings", f'<ul class="warnings">{listed}</ul>' if warnings else ""),
+            _section("Faces", _table(summary.get("faces") or [], FACES, face_rows=True)),
+            _section("Edges", _table(summary.get("edges") or [], EDGES)),
+            _section("Primitives", _table(summary.get("primitives") or [], PRIMITIVES)),
+            '<div class="pair">',
+            _section("Against the truth", _pairs(summary.get("truth") or {})),
+            _section("Settings", _pairs(settings)),
+            "</div>",
+        ]
+    )
+
+
+def _section(title: str, body: str) -> str:
+    return f'<section class="table"><h2>{title}</h2>{body}</section>' if body else ""
+
+
+def _table(rows: Iterable[Row], columns: Sequence[Column], face_rows: bool = False) -> str:
+    body = [
+        (f'<tr tabindex="0" data-face="{int(row["id"])}">' if face_rows else "<tr>")
+        + "".join(f"<td{_align(number)}>{cell(row)}</td>" for _, number, cell in columns)
+        + "</tr>"
+        for row in rows
+    ]
+    if not body:
+        return ""
+    head = "".join(f"<th{_align(number)}>{title}</th>" for title, number, _ in columns)
+    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div>'
+
+
+def _align(number: bool) -> str:
+    return ' class="number"' if number else ""
+
+
+def _pairs(values: Json) -> str:
+    rows = [
+        f"<tr><td>{escape(_worded(name))}</td><td>{escape(_any(value))}</td></tr>"
+        for name, value in _flat(values)
+    ]
+    return f"<table><tbody>{''.join(rows)}</tbody></table>" if rows else ""
+
+
+def _flat(values: Json, prefix: str = "") -> Iterable[tuple[str, Any]]:
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{name} ")
+        elif value is not None:
+            yield prefix + name, value
+
+
+def _worded(name: str) -> str:
+    """`surface_rms_mm` as "Surface rms, mm"."""
+    words = name.replace("_", " ").split()
+    unit = next((word for word in words if word in _UNITS), None)
+    rest = " ".join(word for word in words if word != unit)
+    text = _NAMES.get(rest, rest[:1].upper() + rest[1:])
+    return f"{text}, {_UNITS[unit]}" if unit else text
+
+
+def _any(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    if isinstance(value, list | tuple):
+        return ", ".join(_any(item) for item in value)
+    return str(value)
+
+
+def _rounded(value: Any, digits: int) -> str | None:
+    return None if value is None else f"{value:.{digits}f}"
+
+
+def _thousands(value: Any) -> str:
+    text = str(value)
+    whole, dot, rest = text.partition(".")
+    return f"{int(whole):,}".replace(",", "\u2009") + dot + rest if whole.isdigit() else text
+
+
+def _unit(unit: str) -> str:
+    return f"<small> {unit}</small>" if unit else ""
+
+
+def _swatch(shape: str) -> str:
+    return f'<span class="swatch" style="background: var(--{escape(shape)})"></span>'
+
+
+def _state(row: Row) -> str:
+    state = escape(str(row.get("status", "")))
+    return f'<span class="state {state}">{state}</span>'
+
+
+def _lengths(values: Any, digits: int = 2) -> str:
+    return " × ".join(f"{x:.{digits}f}" for x in values or [] if x is not None)
+
+
+def _with_sigma(row: Row, key: str, digits: int) -> str:
+    value, sigma = (row.get("parameters") or {}).get(key), (row.get("sigma") or {}).get(key)
+    if value is None:
+        return ""
+    return f"{value:.{digits}f}" + (f" <small>± {sigma:.2g}</small>" if sigma is not None else "")
+
+
+def _vector(values: Any, digits: int) -> str:
+    return ", ".join(f"{x:.{digits}f}" for x in values or [])
+
+
+def _radii(row: Row) -> str:
+    top, bottom = row.get("top_radius_mm"), row.get("bottom_radius_mm")
+    return f" <small>radii {bottom:.2f}, {top:.2f}</small>" if top is not None and bottom is not None else ""
+
+
+FACES: tuple[Column, ...] = (
+    ("", True, lambda f: str(int(f["id"]))),
+    ("Shape", False, lambda f: _swatch(str(f["shape"])) + escape(str(f["shape"]))),
+    ("Status", False, _state),
+    ("Extent, mm", True, lambda f: _lengths(f.get("extent_mm"))),
+    ("Radius, mm", True, lambda f: _with_sigma(f, "radius_mm", 3)),
+    ("Semi-angle, °", True, lambda f: _with_sigma(f, "semi_angle_deg", 2)),
+    ("Axis", True, lambda f: _vector((f.get("parameters") or {}).get("axis"), 3)),
+    ("Area, mm²", True, lambda f: _rounded(f.get("area_mm2"), 1) or ""),
+)
+EDGES: tuple[Column, ...] = (
+    ("", True, lambda e: str(int(e["id"]))),
+    ("Between faces", False, lambda e: " and ".join(str(face) for face in e.get("faces") or [])),
+    ("Kind", False, lambda e: escape(str(e.get("kind", "")))),
+    ("Curve", False, lambda e: escape(str(e.get("curve", "")))),
+    ("Status", False, _state),
+    ("Length, mm", True, lambda e: _rounded(e.get("length_mm"), 2) or ""),
+    ("Dihedral, °", True, lambda e: _rounded(e.get("dihedral_deg"), 2) or ""),
+)
+PRIMITIVES: tuple[Column, ...] = (
+    ("Operation", False, lambda p: escape(str(p.get("operation", "")))),
+    ("Kind", False, lambda p: escape(str(p["kind"]))),
+    ("Extent, mm", True, lambda p: _lengths(p.get("extent_mm")) + _radii(p)),
+    ("Center, mm", True, lambda p: _vector((p.get("pose") or {}).get("translation_mm"), 2)),
+    ("Quaternion, wxyz", True, lambda p: _vector((p.get("pose") or {}).get("quaternion_wxyz"), 4)),
+)
