@@ -6,16 +6,17 @@ the evaluator.
 
 import numpy as np
 
+from exploration.devices.free_space_bound import FreeSpaceBound
 from exploration.devices.protocols import StageEvent
 from exploration.devices.simulated_stage import SimulatedStage
-from exploration.sensing.elastomer import pressure
+from exploration.sensing.elastomer import Rubber
 from exploration.sensing.electronics import Memory, draw_unit, read_out
 from exploration.sensing.frame import TaxelArray, TaxelFrame
-from exploration.sensing.gap import Indentation, indentation
-from exploration.sensing.housing import clearance
+from exploration.sensing.gap import gap
+from exploration.sensing.housing import HousingWatch
+from exploration.sensing.skin import skin_of
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats, frozen
-from primitives.pose import inverse
 from primitives.surface import Surface
 
 
@@ -32,13 +33,15 @@ class SimulatedArray:
     ) -> None:
         self._surface, self._spec, self._stage, self._rng = surface, spec, stage, rng
         self._mount = frozen(flange_from_sensor)
+        self._gap, self._rubber, self._housing = gap(surface, spec), Rubber(spec), HousingWatch(surface, spec)
+        self._far = FreeSpaceBound(surface, spec, stage.limits)
+        self._nothing = frozen(np.zeros(spec.array.shape))
         self._unit = draw_unit(spec, rng)
         self._memory = Memory.fresh(spec)
         self._index = 0
         self._due = 0
         self._last = 0.0
         self._touching = False
-        self._clear_until: tuple[Floats, float] | None = None
 
     @property
     def array(self) -> TaxelArray:
@@ -67,44 +70,34 @@ class SimulatedArray:
         end = self._due * spec.period
         stage._advance(end)
         begin = end - spec.electronics.scan
-        felt = self._feel(begin, end)
-        self._watch(end, felt)
-        counts, self._memory = read_out(
-            pressure(felt, spec), spec, self._unit, self._memory, end - self._last, self._rng
-        )
+        if self._far.holds(stage._true @ self._mount):
+            pressed, self._touching = self._nothing, False
+        else:
+            self._watch(end, self._gap.feel(self._poses(begin, end)))
+            pressed = self._rubber.press(self._gap.modes, self._gap.partial)
+        counts, self._memory = read_out(pressed, spec, self._unit, self._memory, end - self._last, self._rng)
         self._last = end
         frame = TaxelFrame(frozen(counts), begin, self._index)
         self._index += 1
         return frame
 
-    def _feel(self, begin: float, end: float) -> Indentation:
+    def _poses(self, begin: float, end: float) -> Floats:
+        """(1, 4, 4) where the skin is, or (2 R + 1, 4, 4) where its rows are when each is scanned."""
         rows = self._spec.array.rows
         if begin == end or rows == 1:
-            return indentation(self._surface, self._stage._at(end) @ self._mount, self._spec)
-        times = begin + (end - begin) * np.arange(rows) / (rows - 1)
-        poses = np.stack([self._stage._at(t) @ self._mount for t in times])
-        felt = indentation(self._surface, poses, self._spec)
-        skin_rows = felt.modes.shape[-2]
-        taken = np.clip(np.arange(skin_rows) - (skin_rows - rows) // 2, 0, rows - 1)
-        modes = felt.modes[taken, :, np.arange(skin_rows)].transpose(1, 0, 2)
-        return Indentation(modes, felt.deepest.max())
+            only: Floats = (self._stage._at(end) @ self._mount)[None]
+            return only
+        cells = len(skin_of(self._spec).y_edges) - 1
+        row = np.clip((np.arange(2 * cells + 1) - cells) / 2 + (rows - 1) / 2, 0, rows - 1)
+        return np.stack([self._stage._at(t) @ self._mount for t in begin + (end - begin) * row / (rows - 1)])
 
-    def _watch(self, time: float, felt: Indentation) -> None:
-        deepest = float(felt.deepest)
+    def _watch(self, time: float, deepest: float) -> None:
         if deepest > 0.0 and not self._touching:
             self._stage._touch()
         self._touching = deepest > 0.0
         if deepest >= self._spec.elastomer.thickness - 1e-6:
             over = deepest - self._spec.elastomer.thickness
             self._stage._events.append(StageEvent("overpress", time, over, self.array.name))
-        where = self._stage._true @ self._mount
-        if self._clear_until is not None:
-            moved = inverse(self._clear_until[0]) @ where
-            reach = float(np.linalg.norm(self._spec.housing.size))
-            turned = float(np.linalg.norm(moved[:3, :3] - np.eye(3))) * reach
-            if float(np.linalg.norm(moved[:3, 3])) + turned < self._clear_until[1]:
-                return
-        free = clearance(self._surface, where, self._spec)
-        self._clear_until = (where, free) if free > 0 else None
-        if free < 0.0:
-            self._stage._events.append(StageEvent("collision", time, -free, self.array.name))
+        overlap = self._housing.overlap(self._stage._true @ self._mount)
+        if overlap > 0.0:
+            self._stage._events.append(StageEvent("collision", time, overlap, self.array.name))

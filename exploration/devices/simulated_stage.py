@@ -1,8 +1,7 @@
 """A simulated stage: a double integrator in the world frame, within speed and acceleration limits.
 
-A twist is followed by changing the velocity at the acceleration limit until it is reached.  `go_to` first
-brakes, then runs a straight line and a slerp on one trapezoid s(t) that keeps the speed and acceleration of
-both within limits.
+A twist is approached at the acceleration limit.  `go_to` first brakes, then runs a straight line and a slerp on
+one trapezoid that keeps the speed and acceleration of both within limits (see `stage_motion`).
 """
 
 from collections import deque
@@ -11,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.devices.protocols import StageEvent, StageLimits
+from exploration.devices.stage_motion import follow, run
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
-from primitives.pose import exp, inverse, log, pose, rotation_exp, rotation_log
+from primitives.pose import exp, inverse, log, rotation_log
 
-_STEP = 0.001  # [s] longest integration step
+_STEP = 0.005  # [s] between the poses that are remembered
 
 
 @dataclass(frozen=True)
@@ -34,35 +34,13 @@ class PoseNoise:
 
 @dataclass(frozen=True)
 class _Move:
-    """A trapezoid from one pose to another; `began` is None until the stage has come to rest."""
+    """A trapezoid from one pose to another."""
 
     start: Floats
-    line: Floats  # (3,) [mm]
-    turn: Floats  # (3,) [rad] in the world frame
+    path: Floats  # (6,) [mm, rad] in the world frame
     began: float
     speed: float  # [1/s] of s in 0..1
     acceleration: float  # [1/s^2]
-
-    def s(self, time: float) -> tuple[float, float]:
-        """Progress and its rate."""
-        t = time - self.began
-        ramp = min(self.speed / self.acceleration, float(np.sqrt(1.0 / self.acceleration)))
-        top = ramp * self.acceleration
-        total = ramp + 1.0 / top
-        if t >= total:
-            return 1.0, 0.0
-        if t < ramp:
-            return self.acceleration * t * t / 2, self.acceleration * t
-        if t > total - ramp:
-            left = total - t
-            return 1.0 - self.acceleration * left * left / 2, self.acceleration * left
-        return top * (t - ramp / 2), top
-
-    def at(self, time: float) -> tuple[Floats, Floats]:
-        """Pose and (6,) world velocity."""
-        s, rate = self.s(time)
-        where = pose(rotation_exp(s * self.turn) @ self.start[:3, :3], self.start[:3, 3] + s * self.line)
-        return where, rate * np.concatenate([self.line, self.turn])
 
 
 class SimulatedStage:
@@ -77,6 +55,8 @@ class SimulatedStage:
         latency: float = 0.0,
     ) -> None:
         self._limits = limits or StageLimits()
+        lim = self._limits
+        self._bounds = np.array([lim.speed, lim.turn_speed, lim.acceleration, lim.turn_acceleration])
         self._noise = noise or PoseNoise()
         self._rng = rng
         self._latency = latency
@@ -144,6 +124,9 @@ class SimulatedStage:
         while self._time < until - 1e-12:
             self._obey()
             step = min(_STEP, until - self._time)
+            if self._commands:
+                step = min(step, max(self._commands[0][0] - self._time, 1e-6))
+            self._true = self._true.copy()
             self._integrate(step)
             self._trail.append((self._time, self._true))
 
@@ -151,23 +134,19 @@ class SimulatedStage:
         if self._goal is not None and not self._velocity.any():
             self._plan(self._goal)
         self._time += dt
-        if self._move is not None:
-            self._true, self._velocity = self._move.at(self._time)
-            if self._move.s(self._time)[0] >= 1.0:
-                self._move, self._velocity = None, np.zeros(6)
-            return
-        wanted = np.concatenate([self._true[:3, :3] @ self._twist[:3], self._true[:3, :3] @ self._twist[3:]])
-        before = self._velocity
-        lim = self._limits
-        v = _towards(before[:3], _shortened(wanted[:3], lim.speed), lim.acceleration * dt)
-        w = _towards(before[3:], _shortened(wanted[3:], lim.turn_speed), lim.turn_acceleration * dt)
-        self._velocity = np.concatenate([v, w])
-        mean = (before + self._velocity) / 2
-        if mean.any():
-            where = self._true.copy()
-            where[:3, :3] = rotation_exp(mean[3:] * dt) @ where[:3, :3]
-            where[:3, 3] += mean[:3] * dt
-            self._true = where
+        move = self._move
+        if move is None:
+            follow(self._true, self._velocity, self._twist, self._bounds, dt)
+        elif run(
+            self._true,
+            self._velocity,
+            move.start,
+            move.path,
+            self._time - move.began,
+            move.speed,
+            move.acceleration,
+        ):
+            self._move = None
 
     def _plan(self, goal: Floats) -> None:
         self._goal = None
@@ -179,7 +158,7 @@ class SimulatedStage:
         lim = self._limits
         speed = min(lim.speed / max(length, 1e-12), lim.turn_speed / max(angle, 1e-12))
         acceleration = min(lim.acceleration / max(length, 1e-12), lim.turn_acceleration / max(angle, 1e-12))
-        self._move = _Move(self._true, line, turn, self._time, speed, acceleration)
+        self._move = _Move(self._true.copy(), np.concatenate([line, turn]), self._time, speed, acceleration)
 
     def _at(self, time: float) -> Floats:
         """True pose at a recent time."""
@@ -198,14 +177,3 @@ class SimulatedStage:
         n = self._noise
         if n.contact or n.contact_turn:
             self._bias = n.draw(n.contact, n.contact_turn, self._rng)
-
-
-def _towards(now: Floats, wanted: Floats, most: float) -> Floats:
-    change = wanted - now
-    size = float(np.linalg.norm(change))
-    return wanted if size <= most else np.asarray(now + change * (most / size))
-
-
-def _shortened(vector: Floats, most: float) -> Floats:
-    size = float(np.linalg.norm(vector))
-    return vector if size <= most else np.asarray(vector * (most / size))

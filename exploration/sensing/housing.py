@@ -1,17 +1,21 @@
-"""The one clearance check: how far the housing behind a skin is from a surface.
+"""The one clearance check: how far the housing behind a skin is from a surface, and whether they overlap.
 
-The box is sampled on its six faces; the clearance is the least signed distance of the samples, so a feature
-narrower than the sample spacing may reach up to half that spacing closer.
+For any surface the box is sampled on its six faces; the clearance is the least signed distance of the samples, so
+a feature narrower than the sample spacing may reach up to half that spacing closer.  Triangles are clipped to the
+box, which finds every overlap; `HousingWatch` looks again only after the sensor has moved by the gap it found.
 """
 
 from functools import lru_cache
 
 import numpy as np
+from numba import njit
 
+from exploration.sensing.coverage import clip, scratch
+from exploration.sensing.raster import NearTriangles
 from exploration.sensing.spec import SensorSpec
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Floats, Ints, frozen
 from primitives.pose import transform_points
-from primitives.surface import Surface
+from primitives.surface import Surface, TriangleSurface
 
 _SPACING = 4.0  # [mm] at most, between samples
 
@@ -35,3 +39,88 @@ def housing_samples(spec: SensorSpec) -> Floats:
     axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     return frozen(grid[((grid == low) | (grid == high)).any(axis=1)])
+
+
+class HousingWatch:
+    """One housing near one surface, pose after pose."""
+
+    def __init__(self, surface: Surface, spec: SensorSpec) -> None:
+        self._surface, self._spec = surface, spec
+        self._low, self._high = housing_box(spec)
+        self._reach = float(np.linalg.norm(np.maximum(-self._low, self._high)))
+        self._near: NearTriangles | None = None
+        if isinstance(surface, TriangleSurface):
+            radius = float(np.linalg.norm(self._high - self._low)) / 2
+            self._near = NearTriangles(surface.vertices, surface.triangles, radius)
+        self._clip = scratch()
+        self._seen_from: Floats | None = None
+        self._gap = 0.0
+
+    def overlap(self, world_from_sensor: Floats) -> float:
+        """How deep the surface reaches into the housing [mm]; 0 where it does not."""
+        if self._seen_from is not None and moved(self._seen_from, world_from_sensor, self._reach) < self._gap:
+            return 0.0
+        self._seen_from = world_from_sensor
+        if self._near is None:
+            self._gap = clearance(self._surface, world_from_sensor, self._spec)
+            return max(0.0, -self._gap)
+        center = world_from_sensor[:3, :3] @ ((self._low + self._high) / 2) + world_from_sensor[:3, 3]
+        self._gap = min(self._near.around(center[0], center[1], center[2]), self._near.slack)
+        if len(self._near.triangles) == 0:
+            return 0.0
+        depth, gap = _overlap(
+            world_from_sensor, self._low, self._high, self._near.vertices, self._near.triangles, self._clip
+        )
+        self._gap = min(self._gap, gap)
+        return float(depth)
+
+
+@njit(cache=True, error_model="numpy")
+def moved(before: Floats, now: Floats, reach: float) -> float:
+    """The most that any point within `reach` [mm] of a frame's origin has moved."""
+    shift = swing = 0.0
+    for i in range(3):
+        shift += (now[i, 3] - before[i, 3]) ** 2
+        for j in range(3):
+            swing += (now[i, j] - before[i, j]) ** 2
+    return float(np.sqrt(shift) + reach * np.sqrt(swing))
+
+
+@njit(cache=True, error_model="numpy")
+def _overlap(
+    pose: Floats, low: Floats, high: Floats, vertices: Floats, triangles: Ints, room: Floats
+) -> tuple[float, float]:
+    """Depth of the deepest triangle in the box, and a distance within which there is none otherwise."""
+    p, spare = room[0], room[1]
+    deepest, nearest = 0.0, np.inf
+    for t in range(len(triangles)):
+        for i in range(3):
+            v = vertices[triangles[t, i]]
+            dx, dy, dz = v[0] - pose[0, 3], v[1] - pose[1, 3], v[2] - pose[2, 3]
+            for k in range(3):
+                p[i, k] = pose[0, k] * dx + pose[1, k] * dy + pose[2, k] * dz
+        away = 0.0
+        for k in range(3):
+            least, most = min(p[0, k], p[1, k], p[2, k]), max(p[0, k], p[1, k], p[2, k])
+            away += max(0.0, least - high[k], low[k] - most) ** 2
+        if away > 0.0:
+            nearest = min(nearest, np.sqrt(away))
+            continue
+        count = 3
+        for k in range(3):
+            count = clip(p, count, spare, k, 1.0, high[k])
+            count = clip(p, count, spare, k, -1.0, -low[k]) if count >= 3 else 0
+            if count < 3:
+                break
+        nearest = 0.0
+        if count < 3:
+            continue
+        for k in range(3):
+            spare[0, k] = p[:count, k].mean()
+        for i in range(-1, count):
+            corner = spare[0] if i < 0 else p[i]
+            inside = np.inf
+            for k in range(3):
+                inside = min(inside, high[k] - corner[k], corner[k] - low[k])
+            deepest = max(deepest, inside)
+    return deepest, nearest

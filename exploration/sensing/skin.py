@@ -45,6 +45,22 @@ class Skin:
         return np.outer(np.diff(self.y_edges), np.diff(self.x_edges))
 
 
+def legendre(u: Floats, v: Floats) -> Floats:
+    """(6, n) functions whose means against a depth are its modes."""
+    p = (np.ones_like(u), u, (3 * u**2 - 1) / 2)
+    q = (np.ones_like(v), v, (3 * v**2 - 1) / 2)
+    return np.stack([(2 * i + 1) * (2 * j + 1) * p[i] * q[j] for i, j in MODES])
+
+
+def staggered_lattice(side: int) -> tuple[Floats, Floats]:
+    """`side`^2 points of a cell: each row and column shifted, so that none lines up with an edge."""
+    i, j = np.meshgrid(np.arange(side), np.arange(side), indexing="ij")
+    order = np.argsort((np.arange(side) * 0.6180339887) % 1.0)
+    u = (2 * (j + (order[i] + 0.5) / side) / side - 1).ravel()
+    v = (2 * (i + (order[j] + 0.5) / side) / side - 1).ravel()
+    return u, v
+
+
 @lru_cache(maxsize=32)
 def skin_of(spec: SensorSpec) -> Skin:
     """The cells of a sensor's skin: one under each taxel, and the margin in cells of at most one pitch."""
