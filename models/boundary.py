@@ -32,6 +32,11 @@ class BoundaryConfig:
 
 def boundary(solid: Solid, config: BoundaryConfig | None = None) -> Brep:
     """The boundary of a solid made from a tree, in the part frame."""
+    return labeled_boundary(solid, config)[0]
+
+
+def labeled_boundary(solid: Solid, config: BoundaryConfig | None = None) -> tuple[Brep, Ints]:
+    """The boundary, and the (t,) face that each triangle of the solid belongs to."""
     tolerances = config or BoundaryConfig()
     if not solid.surfaces:
         raise PalpateError("no exact surfaces are known for a mesh yet; build the part as CSG")
@@ -54,7 +59,8 @@ def boundary(solid: Solid, config: BoundaryConfig | None = None) -> Brep:
         _face(f, shapes[f], exact[body.triangles[face == f]], float(areas[f]), edges) for f in range(count)
     )
     shells = _count_shells(body.neighbors)
-    return Brep(faces, edges, frozen(exact[corners].reshape(-1, 3)), shells, _genus(body.triangles, shells))
+    vertices = frozen(exact[corners].reshape(-1, 3))
+    return Brep(faces, edges, vertices, shells, _genus(body.triangles, shells)), frozen(face, np.int64)
 
 
 def _edge(

@@ -57,15 +57,21 @@ def rectangle(points: Floats, normal: Floats) -> Extent:
 
 
 def pole(shape: Sphere, corners: Floats) -> Floats:
-    """(3,) unit direction from the center through the middle of a face; world z for a whole sphere."""
+    """(3,) unit direction from the center through the middle of a face; z for one that lies evenly all round."""
     a, b, c = np.moveaxis(corners, 1, 0)
     facing = np.cross(b - a, c - a).sum(axis=0) / 2
-    length = float(np.linalg.norm(facing))
-    if length < 1e-6 * shape.radius**2:
+    if not _one_sided(facing, a, b, c):
         return np.array([0.0, 0.0, 1.0])
+    length = float(np.linalg.norm(facing))
     outward = np.sign(((a + b + c) / 3 - shape.center) @ facing).sum()
     middle: Floats = facing / length * (1.0 if outward >= 0 else -1.0)
     return middle
+
+
+def _one_sided(facing: Floats, a: Floats, b: Floats, c: Floats) -> bool:
+    """Whether a face looks one way enough to have a pole, which rounding must not choose."""
+    area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
+    return float(np.linalg.norm(facing)) > 0.05 * area
 
 
 def _centroid(corners: Floats) -> Floats:
