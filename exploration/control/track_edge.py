@@ -37,6 +37,7 @@ class EdgeConfig:
     closing: float = 2.0  # [mm]
     least_loop: float = 25.0  # [mm]
     patience: int = 10  # frames without the line
+    every: int = 3  # ticks between looks for the line; between them it is held in place
 
 
 @dataclass(frozen=True)
@@ -60,24 +61,28 @@ def follow_edge(
     gains: ServoGains = ServoGains(),
     config: EdgeConfig = EdgeConfig(),
 ) -> Tracked:
-    """Track the edge under the pad, in the sense of the (3,) world direction `along`, for at most `length` [mm]."""
+    """Track the edge under the pad, the way of the (3,) world direction `along`, up to `length` [mm]."""
     points: list[Floats] = []
     tangents: list[Floats] = []
     normals: list[Floats] = []
     heading = guard.world_from_sensor[:3, :2].T @ along
     rest = 0.0 if heading[0] >= 0 else np.pi
-    travel, since, missing = 0.0, np.inf, 0
+    travel, since, missing, age = 0.0, np.inf, 0, 0
+    line: Line | None = None
     ended: Ended = "length"
     seen = guard.hold()
     at = seen.world_from_sensor
     while travel < length:
         felt = feel(seen.image)
-        line = _expected(find_lines(seen.image, 2), heading) if felt else None
+        if age == 0 and felt:
+            line = _expected(find_lines(seen.image, 2), heading)
+        age = (age + 1) % config.every
         if line is None or not felt:
             missing += 1
             if missing > config.patience:
                 ended = "lost"
                 break
+            age = 0
             seen = guard.hold()
             continue
         missing = 0

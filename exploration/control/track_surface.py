@@ -5,7 +5,7 @@ Every tick: feel depth and slope, look for a line ahead, and command
 frame, so on a curved surface the pad follows a geodesic.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -20,7 +20,7 @@ from exploration.sensing.line import Line
 from exploration.sensing.local_surface import LocalSurface, NoSurface
 from exploration.sensing.touch import Touch, contacts_of, perceive
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 
 Ended = Literal["edge", "length", "closed", "lost"]
@@ -37,6 +37,7 @@ class StrokeConfig:
     closing: float = 3.0  # [mm] from its start, a stroke has gone round
     least_round: float = 25.0  # [mm] of travel before that can be
     lost: int = 12  # frames without contact
+    every: int = 5  # ticks between looks for an edge
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,8 @@ class TrustConfig:
     taxels: int = 8  # in contact
     flat_taxels: int = 20  # in contact, where the surface is taken for flat
     curvature: float = 0.15  # [1/mm] beyond which the rubber blurs too much
+    floor: float = 0.01  # [mm] of error common to a whole frame, which its noise does not show
+    normal_floor: float = 0.002  # [rad] the same for normals
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ def follow_surface(
     kept: list[Contacts] = []
     cells: list[Floats] = []
     start = guard.world_from_sensor
-    at, travel, since, missing, confirmed = start, 0.0, np.inf, 0, 0
+    at, travel, since, missing, confirmed, ticks = start, 0.0, np.inf, 0, 0, 0
     ended: Ended = "length"
     seen = guard.hold()
     while travel < length:
@@ -86,8 +89,10 @@ def follow_surface(
             seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
             continue
         missing = 0
-        lines = find_lines(seen.image, 3)
-        confirmed = confirmed + 1 if edge_near(lines, heading, seen.image, config) else 0
+        if ticks % config.every == 0 or confirmed:
+            near = edge_near(find_lines(seen.image, 3), heading, seen.image, config)
+            confirmed = confirmed + 1 if near else 0
+        ticks += 1
         if confirmed >= config.confirm:
             ended = "edge"
             break
@@ -139,7 +144,13 @@ def keep(
     found = contacts_of(what, seen.image, seen.world_from_sensor, touch, stroke, seen.sensor)
     if not len(found):
         return
-    kept.append(found)
+    kept.append(
+        replace(
+            found,
+            sigma=frozen(np.hypot(found.sigma, trust.floor)),
+            normal_sigma=frozen(np.hypot(found.normal_sigma, trust.normal_floor)),
+        )
+    )
     rows, columns = np.nonzero(what.surface.mask)
     xy = np.stack([seen.image.array.x[columns], seen.image.array.y[rows]], axis=1)
     local = np.column_stack([xy, -what.surface.depth_at(xy)])

@@ -149,6 +149,11 @@ class Guard:
         self._last = seen
 
     def _enforce(self, seen: Observation, live: np.ndarray) -> None:
+        alarms = self.stage.events()
+        if alarms:
+            self._back_off()
+            kind = Collision if alarms[0].kind == "collision" else OverPress
+            raise kind(f"{alarms[0].kind} of {alarms[0].source} by {alarms[0].amount:.2f} mm")
         depth = np.where(live, seen.image.depth, 0.0)
         if seen.force > self.limits.force or _neighborhood_peak(depth) > self.limits.depth:
             self._back_off()
@@ -169,6 +174,7 @@ class Guard:
         self.stage.go_to(retreat @ se3.inverse(self.sensor.flange_from_sensor))
         while self.stage.moving:
             self.sensor.read()
+        self.stage.events()
 
 
 def _flange_twist(twist: Floats, flange_from_sensor: Floats) -> Floats:

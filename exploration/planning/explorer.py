@@ -14,8 +14,8 @@ import numpy as np
 
 from exploration.control.dwell import dwell
 from exploration.control.feel import feel
-from exploration.control.procedures.approach import ApproachConfig, advance, approach, retreat
-from exploration.control.procedures.settle import settle
+from exploration.control.procedures.approach import ApproachConfig, retreat, touched
+from exploration.control.procedures.land import land
 from exploration.control.sighting import Sighting, sight
 from exploration.control.track_edge import follow_edge
 from exploration.control.track_surface import Stroke, follow_surface, keep
@@ -133,8 +133,7 @@ class Explorer:
                 self.guard.go_to(start)
                 self.guard.cost.touches += 1
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
-                met = advance(self.guard, start[:3, 2], distance, ApproachConfig().search_speed)
-                if met is not None and settle(self.guard):
+                if land(self.guard, start[:3, 2], distance, ApproachConfig().search_speed):
                     return True
             except (OverPress, Collision) as error:
                 self.found.warnings.append(str(error))
@@ -371,10 +370,12 @@ class Explorer:
     def _touch(self, target: Floats, standoff: float, overtravel: float) -> bool:
         """One guarded approach and its settling; counts as a touch, hit or miss."""
         self.guard.cost.touches += 1
-        if approach(self.guard, target, standoff, overtravel) is None or not settle(self.guard):
-            self._leave()
-            return False
-        return True
+        back = target @ se3.pose(translation=[0.0, 0.0, -standoff])
+        self.guard.go_to(back, until=lambda seen: touched(seen.image))
+        if land(self.guard, target[:3, 2], standoff + overtravel, ApproachConfig().speed):
+            return True
+        self._leave()
+        return False
 
     def _leave(self) -> None:
         """Back off; the way back along the pad's normal is free, because the pad came that way."""

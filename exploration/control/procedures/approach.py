@@ -46,7 +46,7 @@ def advance(
     speed: float,
     config: ApproachConfig = ApproachConfig(),
 ) -> Observation | None:
-    """Move at most `distance` [mm] along a (3,) world direction, attitude held; the touching observation, or None."""
+    """Move at most `distance` [mm] along a (3,) world direction, attitude held; the observation that touched."""
     start = guard.world_from_sensor[:3, 3]
     while True:
         here = guard.world_from_sensor
@@ -58,17 +58,6 @@ def advance(
         seen = guard.move(twist)
         if touched(seen.image, config):
             return guard.hold()
-
-
-def approach(
-    guard: Guard, target: Floats, standoff: float = 6.0, overtravel: float = 8.0
-) -> Observation | None:
-    """Go to `standoff` [mm] in front of a (4, 4) target pose, then close in; None when nothing was there."""
-    back = target @ se3.pose(translation=[0.0, 0.0, -standoff])
-    met = guard.go_to(back, until=lambda seen: touched(seen.image))
-    if met is not None:
-        return met
-    return advance(guard, target[:3, 2], standoff + overtravel, ApproachConfig().speed)
 
 
 def retreat(guard: Guard, distance: float = 6.0) -> None:
