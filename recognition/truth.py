@@ -15,10 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from models.boundary import labeled_boundary
+from models.brep import Face
 from models.solid import Solid, iou
-from primitives.arrays import Floats, Ints
+from primitives.arrays import Floats, Ints, frozen
 from primitives.pose import inverse, quaternion_wxyz, transform_points
-from recognition.face_regions import Regions, regions
 
 
 @dataclass(frozen=True)
@@ -63,39 +64,50 @@ class Truth:
         }
 
 
+@dataclass(frozen=True)
+class LabeledFaces:
+    """The faces of a boundary, and which one each triangle of its solid belongs to."""
+
+    faces: tuple[Face, ...]
+    of_triangle: Ints  # (t,)
+
+    @staticmethod
+    def of(solid: Solid) -> LabeledFaces:
+        """Of a solid made from a tree; a mesh is one face without a shape."""
+        if solid.surfaces:
+            brep, of_triangle = labeled_boundary(solid)
+            return LabeledFaces(brep.faces, of_triangle)
+        whole = Face(0, None, True, solid.area, (0.0, 0.0), ())
+        return LabeledFaces((whole,), frozen(np.zeros(len(solid.triangles)), np.int64))
+
+
 def evaluate(
     model: Solid,
     truth: Solid,
     options: TruthOptions | None = None,
-    model_faces: Regions | None = None,
-    truth_faces: Regions | None = None,
+    model_faces: LabeledFaces | None = None,
+    truth_faces: LabeledFaces | None = None,
 ) -> Truth:
     """Compare two solids placed in the world; the faces of a mesh come from whoever recovered them."""
     options = options or TruthOptions()
-    model_faces = model_faces or regions(model)
-    truth_faces = truth_faces or regions(truth)
-    on_model, _ = sample_surface(model, options, model_faces)
-    on_truth, of_truth = sample_surface(truth, options, truth_faces)
+    mine = model_faces or LabeledFaces.of(model)
+    wanted = truth_faces or LabeledFaces.of(truth)
+    on_model, _ = sample_surface(model, options, mine)
+    on_truth, of_truth = sample_surface(truth, options, wanted)
     a, _ = _nearest(truth, on_model.points)
     b, landed = _nearest(model, on_truth.points)
-    matches = _matches(of_truth, model_faces.of_triangle[landed], model_faces, truth_faces)
-    right = [k for k, m in enumerate(matches) if _alike(k, m, truth_faces, model_faces)]
-    area = np.array([f.area for f in truth_faces.faces])
-    errors = [
-        abs(s - t)
-        for k in right
-        for s, t in zip(
-            model_faces.faces[matches[k]].extent or (), truth_faces.faces[k].extent or (), strict=True
-        )
-    ]
+    matches = _matches(of_truth, mine.of_triangle[landed], len(wanted.faces), len(mine.faces))
+    pairs = [(face, mine.faces[m]) for face, m in zip(wanted.faces, matches, strict=True)]
+    right = [(face, match) for face, match in pairs if _alike(face, match)]
+    errors = [abs(s - t) for face, match in right for s, t in zip(match.extent, face.extent, strict=True)]
     return Truth(
         iou(model, truth),
         float(max(a.max(), b.max())),
         float(np.sqrt(0.5 * (on_model.mean(a**2) + on_truth.mean(b**2)))),
         float(0.5 * (on_model.mean(a) + on_truth.mean(b))),
-        float(area[right].sum() / area.sum()),
+        sum(face.area for face, _ in right) / sum(face.area for face in wanted.faces),
         tuple(errors),
-        len(matches) - len(right),
+        len(pairs) - len(right),
         truth.pose,
     )
 
@@ -112,7 +124,7 @@ class Samples:
         return float((self.area * values).sum() / self.area.sum())
 
 
-def sample_surface(solid: Solid, options: TruthOptions, faces: Regions) -> tuple[Samples, Ints]:
+def sample_surface(solid: Solid, options: TruthOptions, faces: LabeledFaces) -> tuple[Samples, Ints]:
     """Even samples, and the face that each is on: systematic along the area, so every run has the same ones."""
     corners = solid.vertices[solid.triangles]
     areas = 0.5 * np.linalg.norm(
@@ -120,10 +132,10 @@ def sample_surface(solid: Solid, options: TruthOptions, faces: Regions) -> tuple
     )
     points, weights, labels = [], [], []
     total = float(areas.sum())
-    for k, face in enumerate(faces.faces):
+    for k in range(len(faces.faces)):
         mine = np.flatnonzero(faces.of_triangle == k)
-        count = max(options.least_face, round(options.samples * face.area / total))
         reached = np.cumsum(areas[mine])
+        count = max(options.least_face, round(options.samples * float(reached[-1]) / total))
         at = (np.arange(count) + 0.5) / count * reached[-1]
         chosen = mine[np.minimum(np.searchsorted(reached, at), len(mine) - 1)]
         # the R2 sequence (Roberts 2018) over the unit square, folded onto the triangle
@@ -142,13 +154,12 @@ def _nearest(solid: Solid, points: Floats) -> tuple[Floats, Ints]:
     return found.distance, found.triangle
 
 
-def _matches(of_truth: Ints, of_model: Ints, model: Regions, truth: Regions) -> Ints:
+def _matches(of_truth: Ints, of_model: Ints, wanted: int, have: int) -> Ints:
     """(f,) the model's face for each of the truth's."""
-    votes = np.zeros((len(truth.faces), len(model.faces)), dtype=np.int64)
+    votes = np.zeros((wanted, have), dtype=np.int64)
     np.add.at(votes, (of_truth, of_model), 1)
     return np.asarray(votes.argmax(axis=1))
 
 
-def _alike(k: int, match: int, truth: Regions, model: Regions) -> bool:
-    a, b = truth.faces[k], model.faces[match]
-    return a.shape is not None and a.kind == b.kind and a.convex == b.convex
+def _alike(face: Face, match: Face) -> bool:
+    return face.shape is not None and face.kind == match.kind and face.convex == match.convex

@@ -2,73 +2,83 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from models.boundary import labeled_boundary
+from models.brep import Brep, Edge
 from models.csg import Cone as ConeSolid
 from models.csg import Cube
 from models.csg import Cylinder as CylinderSolid
 from models.csg import Sphere as SphereSolid
-from primitives.arrays import Floats
+from primitives.arrays import Ints
+from primitives.evidence import EdgeTrace
 from primitives.pose import quaternion_wxyz
-from primitives.shapes import Cylinder, Plane, Shape, parameters
+from primitives.shapes import Plane, Shape
 from recognition.assembly.assemble import Assembly
 from recognition.assembly.pieces import Piece
 from recognition.assembly.uncertainty import face_sigma, piece_sigma
-from recognition.face_regions import Region, Regions, regions
+
+_ALONG = 1.0  # [mm] between a trace and the edge that it followed
 
 
 @dataclass(frozen=True)
-class LinkedFace:
-    """A face of the assembled body and the fit that it came from."""
+class LinkedBoundary:
+    """The boundary of the assembled body, and the fit that each face and edge came from."""
 
-    region: Region
-    fit: int | None  # None where no measured surface made it
-    status: str  # "measured" where its surface was touched, else "inferred"
+    brep: Brep  # in the world
+    of_triangle: Ints  # (t,) face of each triangle of the assembly's solid
+    fit_of_face: tuple[int | None, ...]  # None where no measured surface made it
+
+    def face_status(self, face: int) -> str:
+        """Whether its surface was touched."""
+        return "inferred" if self.fit_of_face[face] is None else "measured"
 
 
-def link_faces(assembly: Assembly) -> tuple[Regions, tuple[LinkedFace, ...]]:
+def link(assembly: Assembly) -> LinkedBoundary:
     """Every face of the body, with the fit whose adjusted surface it lies on."""
-    found = regions(assembly.solid)
+    brep, of_triangle = labeled_boundary(assembly.solid)
     speakers = sorted({s for s in assembly.surface_of_fit if s is not None})
-    linked = []
-    for face in found.faces:
-        fit = next((i for i in speakers if face.shape and _coincide(face.shape, assembly.shape(i))), None)
-        linked.append(LinkedFace(face, fit, "inferred" if fit is None else "measured"))
-    return found, tuple(linked)
+    fits = tuple(
+        next((i for i in speakers if f.shape and _coincide(f.shape, assembly.shape(i))), None)
+        for f in brep.faces
+    )
+    return LinkedBoundary(brep, of_triangle, fits)
 
 
-def describe_face(number: int, face: LinkedFace, assembly: Assembly, corners: Floats) -> dict[str, Any]:
-    """One entry of `faces`, from the face's (t, 3, 3) triangles [mm]."""
-    region = face.region
-    shape = region.shape
-    assert shape is not None
-    covariance = None if face.fit is None else assembly.regularized.covariance_of(face.fit)
-    return {
-        "id": number,
-        "shape": region.kind,
-        "status": face.status,
-        "convex": region.convex,
-        "parameters": parameters(_anchored(shape, corners)),
-        "sigma": {}
-        if covariance is None or face.fit is None
-        else face_sigma(assembly.shape(face.fit), covariance),
-        "extent_mm": list(region.extent or ()),
-        "area_mm2": region.area,
-        "hardness_n_mm": None,
-        "roughness_mm": None,
-    }
+def describe_faces(assembly: Assembly, boundary: LinkedBoundary) -> list[dict[str, Any]]:
+    """`faces`, each with its status and the deviations of its parameters."""
+    out = []
+    for face, fit in zip(boundary.brep.faces, boundary.fit_of_face, strict=True):
+        sigma: dict[str, float] = {}
+        if fit is not None:
+            sigma = face_sigma(assembly.shape(fit), assembly.regularized.covariance_of(fit))
+        out.append(face.as_json() | {"status": boundary.face_status(face.id), "sigma": sigma})
+    return out
 
 
-def describe_faces(assembly: Assembly) -> list[dict[str, Any]]:
-    """All entries of `faces`."""
-    found, linked = link_faces(assembly)
-    corners = assembly.solid.vertices[assembly.solid.triangles]
+def describe_edges(
+    assembly: Assembly, boundary: LinkedBoundary, traces: Sequence[EdgeTrace] = ()
+) -> list[dict[str, Any]]:
+    """`edges`: measured where a trace ran along them, else inferred from the faces that meet there."""
     return [
-        describe_face(k, face, assembly, corners[found.of_triangle == k]) for k, face in enumerate(linked)
+        edge.as_json() | {"status": "measured" if any(_ran_along(t, edge) for t in traces) else "inferred"}
+        for edge in boundary.brep.edges
     ]
+
+
+def _ran_along(trace: EdgeTrace, edge: Edge) -> bool:
+    """Whether most of a trace's points are within reach of the edge."""
+    if len(trace.points) == 0:
+        return False
+    starts, sides = edge.points[:-1], np.diff(edge.points, axis=0)
+    away = trace.points[:, None] - starts
+    share = np.clip((away * sides).sum(axis=2) / np.maximum((sides**2).sum(axis=1), 1e-12), 0.0, 1.0)
+    distance = np.linalg.norm(away - share[..., None] * sides, axis=2).min(axis=1)
+    return bool(np.mean(distance < _ALONG) > 0.5)
 
 
 def describe_primitives(assembly: Assembly) -> list[dict[str, Any]]:
@@ -107,21 +117,6 @@ def _size(piece: Piece) -> list[float]:
         return [width, width, solid.height]
     assert isinstance(solid, SphereSolid)
     return [2 * solid.radius] * 3
-
-
-def _anchored(shape: Shape, corners: Floats) -> Shape:
-    """A plane's origin at the face's centroid, a cylinder's in the middle of the face."""
-    if isinstance(shape, Plane):
-        weight = np.linalg.norm(
-            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1, keepdims=True
-        )
-        center = (weight * corners.mean(axis=1)).sum(axis=0) / weight.sum()
-        return Plane(center - shape.normal * float((center - shape.origin) @ shape.normal), shape.normal)
-    if isinstance(shape, Cylinder):
-        along = (corners.reshape(-1, 3) - shape.origin) @ shape.axis
-        middle = 0.5 * float(along.min() + along.max())
-        return Cylinder(shape.origin + middle * shape.axis, shape.axis, shape.radius)
-    return shape
 
 
 def _coincide(face: Shape, fitted: Shape) -> bool:

@@ -6,7 +6,6 @@ import pytest
 from models.csg import Cone, Cube, Cylinder, Sphere
 from models.solid import Solid
 from primitives.pose import pose, random_rotation
-from recognition.face_regions import regions
 from recognition.truth import TruthOptions, evaluate
 
 FEW = TruthOptions(samples=3000)
@@ -71,28 +70,3 @@ def test_a_mesh_without_labels_is_compared_by_distance_and_matches_no_shape():
     assert found.iou == pytest.approx(1.0)
     assert found.face_shape_accuracy == 0.0
     assert found.as_dict()["extent_error_mm"]["median"] is None
-
-
-@pytest.mark.parametrize(
-    ("tree", "kind", "expected"),
-    [
-        (Cube((40.0, 30.0, 20.0)), "plane", (40.0, 30.0)),
-        (Cylinder(15.0, 40.0), "cylinder", (40.0, 2 * np.pi * 15)),
-        (Cylinder(15.0, 40.0) & Cube((99.0, 99.0, 99.0)).at(49.5, 0, 0), "cylinder", (40.0, np.pi * 15)),
-        (Cone(20.0, 10.0, 30.0), "cone", (30.0, 60.0)),
-        (Cone(20.0, 0.0, 40.0), "cone", (0.0, 40.0)),
-        (Sphere(25.0), "sphere", (0.0, 50.0)),
-        (Sphere(25.0) & Cube((99.0, 99.0, 99.0)).at(0, 0, 49.5 + 15.0), "sphere", (40.0, 10.0)),
-    ],
-)
-def test_extents_are_those_that_the_shape_was_made_with(tree, kind, expected):
-    world = pose(random_rotation(np.random.default_rng(3)), [5.0, -20.0, 30.0])
-    faces = [f for f in regions(solid(tree, world)).faces if f.kind == kind]
-    assert max(faces, key=lambda f: f.area).extent == pytest.approx(expected, abs=0.03)
-
-
-def test_one_surface_of_two_primitives_is_one_face():
-    tree = Cube((20.0, 20.0, 20.0)) | Cube((20.0, 20.0, 20.0)).at(10.0, 0.0, 0.0)
-    faces = regions(solid(tree)).faces
-    assert len(faces) == 6
-    assert sum(f.area for f in faces) == pytest.approx(2 * 400 + 4 * 600)
