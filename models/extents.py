@@ -103,10 +103,10 @@ def _covered(angles: Floats) -> float:
 
 
 def _cap(shape: Sphere, corners: Floats, rim: Floats) -> Extent:
-    if not len(rim):
+    a, b, c = np.moveaxis(corners - shape.center, 1, 0)
+    if not len(rim) or not _one_sided(np.cross(b - a, c - a).sum(axis=0) / 2, a, b, c):
         return 0.0, 2 * shape.radius
     axis = pole(shape, corners)
-    a, b, c = np.moveaxis(corners - shape.center, 1, 0)
     offsets = (rim - shape.center) @ axis
     top = shape.radius if _pierced(a, b, c, axis) else float(((corners - shape.center) @ axis).max())
     across = np.linalg.norm(rim - shape.center - offsets[:, None] * axis, axis=1)
