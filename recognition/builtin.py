@@ -1,27 +1,24 @@
 """What comes with Palpate, as rows for a table or for JSON."""
 
 from exploration.sensing.spec import load_sensor, sensor_names
-from models.parts import load_part, part_names
+from models.parts import describe, names
 
 
 def part_rows() -> list[dict[str, object]]:
-    """Name, size and number of primitives of every built-in part."""
-    rows: list[dict[str, object]] = []
-    for name in part_names():
-        part = load_part(name)
-        low, high = part.bounds()
-        rows.append(
-            {
-                "name": name,
-                "extent_mm": [round(x, 3) for x in (high - low).tolist()],
-                "primitives": sum(1 for _ in part.leaves()),
-            }
-        )
-    return rows
+    """Every built-in part."""
+    return [
+        {
+            "name": part.name,
+            "extent_mm": list(part.extent),
+            "convex": part.convex,
+            "description": part.description,
+        }
+        for part in map(describe, names())
+    ]
 
 
 def sensor_rows() -> list[dict[str, object]]:
-    """Name, layout and kind of every built-in tactile array."""
+    """Every built-in tactile array."""
     return [
         {
             "name": name,

@@ -104,7 +104,7 @@ def explore(
             out=out,
             overwrite=overwrite,
         )
-    with one_line_errors(), listing_parts_if_unknown(part):
+    with listing_parts_if_unknown(part):
         from recognition.explore import run
         from recognition.report.terminal import summary_text, watching
 
@@ -119,17 +119,19 @@ def explore(
 @contextmanager
 def listing_parts_if_unknown(part: str) -> Iterator[None]:
     """After the line that says what was wrong with a part that is not there, list what there is."""
-    from models.parts import part_names
+    with one_line_errors():
+        try:
+            if not part:
+                raise PalpateError("explore needs a part: a built-in name, or a CAD file")
+            yield
+        except PalpateError as error:
+            from models.parts import names
+            from recognition.builtin import part_rows
+            from recognition.report.terminal import table_text
 
-    known = part in part_names() or (part and Path(part).exists())
-    try:
-        if not part:
-            raise PalpateError("explore needs a part: a built-in name, or a CAD file")
-        yield
-    except PalpateError as error:
-        if known:
-            raise
-        raise PalpateError(f"{error}\nbuilt in: {', '.join(part_names())}") from None
+            if part and (part in names() or Path(part).exists() or Path(part).suffix):
+                raise
+            raise PalpateError(f"{error}\n\n{table_text(part_rows())}") from None
 
 
 @app.command()

@@ -101,9 +101,9 @@ def _collisions() -> list[Finding]:
 
 
 def _ray_caster() -> Finding:
-    try:
-        import embreex  # noqa: F401
-    except ImportError:
+    from models.raycast import EmbreeScene
+
+    if EmbreeScene is None:
         return Finding("embreex", "note", "missing: rays go through the slower portable caster")
     return Finding("embreex", "ok", version("embreex"))
 

@@ -45,8 +45,8 @@ def describe(name: str) -> BuiltIn:
 def unknown(name: str) -> str:
     """The line that says that there is no such part, and what to type instead."""
     near = get_close_matches(name.lower(), names(), n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]}? " if near else ""
-    return f"no part {name!r}; {hint}built in are: {', '.join(names())}"
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"no part {name!r}{hint} (palpate parts lists all)"
 
 
 @cache

@@ -18,10 +18,11 @@ class PayloadLimits:
     """What a page may hold, for a file below 5 MB."""
 
     frames: int = 1500
-    taxels: int = 1_200_000  # over all frames, one byte each
-    contacts: int = 40_000
-    trace_points: int = 20_000
-    triangles: int = 40_000  # per mesh; a larger one is left out, and the page says so
+    taxels: int = 800_000  # over all frames, one byte each
+    contacts: int = 30_000
+    trace_points: int = 10_000
+    outline: int = 8_000  # segments per mesh; the longest stay
+    triangles: int = 30_000  # per mesh; a larger one is left out, and the page says so
 
 
 def payload(report: RunReport, limits: PayloadLimits | None = None) -> dict[str, Any]:
@@ -32,8 +33,8 @@ def payload(report: RunReport, limits: PayloadLimits | None = None) -> dict[str,
     faces: Any = report.summary.get("faces") or []
     return {
         "shapes": {str(face["id"]): face["shape"] for face in faces},
-        "model": _mesh(model),
-        "truth": _mesh(truth),
+        "model": _mesh(model, limits),
+        "truth": _mesh(truth, limits),
         "contacts": {
             "points": _packed(report.contacts[contacts], "f4"),
             "face": _packed(report.contact_face[contacts], "f4"),
@@ -60,32 +61,34 @@ def _small_enough(mesh: ReportMesh | None, limits: PayloadLimits) -> ReportMesh 
     return mesh if mesh is not None and len(mesh.triangles) <= limits.triangles else None
 
 
-def _mesh(mesh: ReportMesh | None) -> Mapping[str, Any] | None:
+def _mesh(mesh: ReportMesh | None, limits: PayloadLimits) -> Mapping[str, Any] | None:
     if mesh is None:
         return None
     return {
         "vertices": _packed(mesh.vertices, "f4"),
         "triangles": _packed(mesh.triangles, "i4"),
         "face": _packed(mesh.face, "i4"),
-        "edges": _packed(_outline(mesh), "f4"),
+        "edges": _packed(_outline(mesh, limits.outline), "f4"),
     }
 
 
-def _outline(mesh: ReportMesh) -> Floats:
+def _outline(mesh: ReportMesh, most: int) -> Floats:
     """(k, 2, 3) the mesh edges between two faces, or on a rim."""
+    if not len(mesh.triangles):
+        return np.empty((0, 2, 3))
     t = mesh.triangles
     pairs = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
     face = np.tile(mesh.face, 3)
     order = np.lexsort((face, pairs[:, 1], pairs[:, 0]))
     pairs, face = pairs[order], face[order]
-    starts = (
-        np.flatnonzero(np.r_[True, (pairs[1:] != pairs[:-1]).any(axis=1)]) if len(pairs) else np.empty(0, int)
-    )
-    ends = np.r_[starts[1:], len(pairs)] - 1
-    between = (
-        (ends == starts) | (face[starts] != face[ends[: len(starts)]]) if len(starts) else np.empty(0, bool)
-    )
-    return np.asarray(mesh.vertices[pairs[starts[between]]])
+    first = np.flatnonzero(np.r_[True, (pairs[1:] != pairs[:-1]).any(axis=1)])
+    last = np.r_[first[1:], len(pairs)] - 1
+    outer = first[(first == last) | (face[first] != face[last])]
+    segments: Floats = mesh.vertices[pairs[outer]]
+    if len(segments) > most:
+        length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+        segments = segments[np.argsort(-length, kind="stable")[:most]]
+    return segments
 
 
 def _frames(frames: ReportFrames, limits: PayloadLimits) -> dict[str, Any]:

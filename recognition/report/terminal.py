@@ -70,7 +70,7 @@ def table_text(rows: Sequence[Mapping[str, object]]) -> str:
     names = list(rows[0])
     cells = [names, *([_cell(row[name]) for name in names] for row in rows)]
     widths = [max(len(line[i]) for line in cells) for i in range(len(names))]
-    right = [isinstance(rows[0][name], int | float) for name in names]
+    right = [_is_number(rows[0][name]) for name in names]
     return "\n".join(
         "  ".join(
             cell.rjust(width) if to_right else cell.ljust(width)
@@ -78,6 +78,10 @@ def table_text(rows: Sequence[Mapping[str, object]]) -> str:
         ).rstrip()
         for line in cells
     )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _cell(value: object) -> str:
@@ -89,6 +93,8 @@ def _cell(value: object) -> str:
 def _number(value: object) -> str:
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 

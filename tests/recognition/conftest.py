@@ -181,7 +181,8 @@ class Browser:
 
         flags = (
             "--headless --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader --disable-quic "
-            "--no-first-run --disable-background-networking --disable-component-update --disable-sync --remote-debugging-pipe"
+            "--no-first-run --disable-background-networking --disable-component-update --disable-sync "
+            "--remote-debugging-pipe"
         )
         self.process = subprocess.Popen(
             [executable, *flags.split(), f"--user-data-dir={self.profile}", "about:blank"],
