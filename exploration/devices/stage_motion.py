@@ -64,7 +64,7 @@ def turn(pose: Floats, wx: float, wy: float, wz: float) -> None:
 
 @njit(cache=True, error_model="numpy")
 def progress(time: float, speed: float, acceleration: float) -> tuple[float, float]:
-    """How far along (0 to 1) and how fast a trapezoid is, `time` [s] after it began; speed [1/s], acceleration [1/s^2]."""
+    """Progress (0 to 1) and rate of a trapezoid `time` [s] after it began; speed [1/s], acceleration [1/s^2]."""
     ramp = min(speed / acceleration, np.sqrt(1.0 / acceleration))
     top = ramp * acceleration
     total = ramp + 1.0 / top
