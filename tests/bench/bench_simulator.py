@@ -118,7 +118,8 @@ def compile_row():
         "from exploration.sensing.elastomer import pressure; from exploration.sensing.spec import load_sensor;"
         "from models.solid import Solid; from models.csg import Cube; from primitives.pose import pose;"
         "s, k = Solid.from_csg(Cube((40., 40., 40.))), load_sensor('lts210'); t = time.perf_counter();"
-        "pressure(indentation(s, pose(np.diag([1., -1, -1]), [20., 0, 19.5]), k), k); print(time.perf_counter() - t)"
+        "pressure(indentation(s, pose(np.diag([1., -1, -1]), [20., 0, 19.5]), k), k);"
+        "print(time.perf_counter() - t)"
     )
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run(

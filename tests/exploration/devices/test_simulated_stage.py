@@ -67,7 +67,8 @@ def test_go_to_arrives_straight_and_at_rest():
     assert np.abs(across).max() < 1e-9
     took = np.argmax(np.abs(poses - goal).max(axis=(1, 2)) < 1e-9) * 0.001
     angle = np.linalg.norm([0.3, -0.8, 0.2])
-    assert took == pytest.approx(max(0.5 + 0.1, angle / 1.5 + 1.5 / 20.0), abs=0.01)
+    speed, acceleration = min(100.0 / 50.0, 1.5 / angle), min(1000.0 / 50.0, 20.0 / angle)
+    assert took == pytest.approx(1 / speed + speed / acceleration, abs=0.002)
 
 
 def test_twist_is_followed_in_the_flange_frame():
