@@ -101,9 +101,7 @@ def _collisions() -> list[Finding]:
 
 
 def _ray_caster() -> Finding:
-    from models.raycast import EmbreeScene
-
-    if EmbreeScene is None:
+    if importlib.util.find_spec("embreex") is None:
         return Finding("embreex", "note", "missing: rays go through the slower portable caster")
     return Finding("embreex", "ok", version("embreex"))
 
