@@ -28,7 +28,7 @@ class RankOptions:
     largest_radius: float = 2000.0  # [mm] what is rounder than this is its simpler neighbor
     least_angle: float = 0.004  # [rad] a cone steeper than this is a cylinder
     unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
-    fit: FitOptions = field(default_factory=FitOptions)
+    fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-5, iterations=15, starts=2))
 
 
 @dataclass(frozen=True)

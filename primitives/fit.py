@@ -29,7 +29,7 @@ class FitOptions:
     huber: float = 2.5  # contacts farther than this many sigmas weigh less
     outlier_chi2: tuple[float, float] = (10.83, 16.27)  # 99.9 % for a point alone, and with its normal
     iterations: int = 40
-    gain: float = 1e-9  # converged when a step promises to lower chi2 by less, absolutely and relatively
+    gain: float = 1e-7  # converged when a step promises to lower chi2 by less, absolutely and relatively
     plausible: float = 1.6  # chi2 per degree of freedom at which no further start is tried
     starts: int = 4  # most starts that are followed to the end
     tilt: float = 0.5  # [rad] an axis less certain than this was not determined
@@ -114,6 +114,12 @@ def refit(shape: Shape, convex: bool, contacts: Contacts, options: FitOptions | 
         return NoFit(f"{len(contacts)} contacts are too few for a {shape.kind}")
     state = _minimize(shape, 1.0 if convex else -1.0, problem, options)
     return _finish(state, problem, contacts, options)
+
+
+def squares(found: Fit, contacts: Contacts) -> Floats:
+    """(n,) sum of the squared whitened residuals of each of any contacts."""
+    problem = Problem.of(contacts)
+    return problem.squares(linearize(found.shape, problem, 1.0 if found.convex else -1.0)[0])
 
 
 @dataclass(frozen=True)

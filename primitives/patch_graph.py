@@ -23,6 +23,7 @@ class MergeOptions:
 
     slack: float = 1.5  # factor on every sigma, for what the sensor model leaves out
     significance: float = 1e-4  # a joint fit less likely than this is refused
+    certain: float = 0.999  # probability at which a face's kind is settled, so that no other is tried for it
     rank: RankOptions = field(default_factory=RankOptions)
 
 
@@ -136,6 +137,8 @@ def join(first: Face, second: Face, options: MergeOptions) -> Fit | None:
             near = refit(face.fit.shape, face.fit.convex, contacts, options.rank.fit)
             if isinstance(near, Fit) and _pays(near, first, second, options):
                 return near
+    if _settled(first, second, options):
+        return None
     ranked = rank(contacts, options=options.rank)
     if ranked and _pays(ranked[0].fit, first, second, options):
         return ranked[0].fit
@@ -160,6 +163,11 @@ def _pays(joint: Fit, first: Face, second: Face, options: MergeOptions) -> bool:
         return False
     apart = sum(_least_score(face, options) for face in (first, second))
     return score(joint, options.rank, options.slack**2) <= apart
+
+
+def _settled(first: Face, second: Face, options: MergeOptions) -> bool:
+    larger = first if len(first.contacts) >= len(second.contacts) else second
+    return bool(larger.ranked) and larger.ranked[0].probability > options.certain
 
 
 def _least_score(face: Face, options: MergeOptions) -> float:

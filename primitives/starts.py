@@ -96,10 +96,10 @@ def cone_starts(problem: Problem) -> Iterator[Start]:
 
 def torus_starts(problem: Problem) -> Iterator[Start]:
     """For a row of tube radii of either sign, the circle nearest to p - r n; the best of them."""
-    normals, points = _normals_or_estimates(problem)
-    if len(normals) < 4:
+    if len(problem.felt) < 4:
+        yield from _tori_without_normals(problem)
         return
-    points = points - problem.center
+    normals, points = problem.normals, problem.points[problem.felt] - problem.center
     extent = float(np.sqrt((points**2).sum(axis=1).max()))
     tubes = extent * np.concatenate([_TUBES, -_TUBES])
     spines = points - tubes[:, None, None] * normals  # (r, n, 3)
@@ -193,6 +193,29 @@ def _cylinders_without_normals(points: Floats) -> list[Cylinder]:
     away = np.hypot(x - solution[:, :1], y - solution[:, 1:2]) - radii[:, None]
     best = np.argsort((away**2).sum(axis=1))[:3]
     return [Cylinder(solution[i, 0] * u[i] + solution[i, 1] * v[i], axes[i], float(radii[i])) for i in best]
+
+
+def _tori_without_normals(problem: Problem) -> Iterator[Start]:
+    """An axis through the middle, or the one that all estimated normals meet; then the circle in (rho, z).
+
+    A line (n, p x n) meets the axis (c, x x c) where n . (x x c) + c . (p x n) = 0 (Pottmann and Wallner), which
+    is linear and does not ask which way n points.
+    """
+    points = problem.points - problem.center
+    axes = [(axis, np.zeros(3)) for axis in _principal(points)[1].T]
+    normals, at = _normals_or_estimates(problem)
+    if len(normals) >= 6:
+        moments = np.cross(at - problem.center, normals)
+        cross = np.linalg.lstsq(normals, moments, rcond=1e-9)[0]  # the moment that each direction c needs
+        for axis in _principal(moments - normals @ cross)[1].T[:2]:
+            axes += [(axis, np.cross(axis, -cross @ axis))]
+    for axis, through in axes:
+        offset = points - through
+        z = offset @ axis
+        rho = np.sqrt(np.maximum((offset**2).sum(axis=1) - z * z, 0.0))
+        (radius, height), minor = _algebraic(np.stack([rho, z], axis=1))
+        if radius > 0 and minor > 0:
+            yield Torus(problem.center + through + height * axis, axis, float(radius), minor), 1.0
 
 
 def hemisphere(count: int) -> Floats:
