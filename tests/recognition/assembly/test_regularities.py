@@ -1,0 +1,145 @@
+"""Which relations are accepted, and what accepting them does."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from primitives.pose import pose, random_rotation, rotation_exp
+from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere
+from recognition.assembly.regularities import RegularityOptions, regularize
+
+TILT = np.deg2rad(0.05)
+OFFSET = 0.01  # [mm]
+
+
+@dataclass
+class Given:
+    shape: Shape
+    covariance: np.ndarray
+    chi2: float = 10.0
+    dof: int = 10
+
+
+def given(shape, rng=None, offset=OFFSET, tilt=TILT):
+    """A shape, disturbed by its own covariance where there is a generator."""
+    sigma = np.full(shape.dof, offset)
+    first = len(shape.translations)
+    sigma[first : first + shape.tilts] = tilt
+    if shape.kind == "cone":
+        sigma[-1] = tilt
+    if rng is not None:
+        shape = shape.retract(sigma * rng.standard_normal(shape.dof))
+    return Given(shape, np.diag(sigma**2))
+
+
+def block_planes(world=None):
+    half = (30.0, 20.0, 15.0)
+    axes = np.eye(3)
+    planes = [Plane(s * h * axes[i], s * axes[i]) for i, h in enumerate(half) for s in (-1.0, 1.0)]
+    return [p.transformed(np.eye(4) if world is None else world) for p in planes]
+
+
+def counts(found):
+    kinds = [r.kind for r in found.relations]
+    return {kind: kinds.count(kind) for kind in sorted(set(kinds))}
+
+
+def test_a_noisy_block_becomes_exactly_rectangular_at_any_pose():
+    accepted = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        world = pose(random_rotation(rng), rng.uniform(-50, 50, 3))
+        found = regularize([given(p, rng) for p in block_planes(world)])
+        normals = np.array([s.direction for s in found.shapes])
+        angles = np.abs(normals @ normals.T)
+        accepted += bool(((angles < 1e-9) | (angles > 1 - 1e-12)).all())
+    assert accepted >= 38  # of 6 independent relations, each is refused once in a thousand
+
+
+@pytest.mark.parametrize("angle", [0.5, 1.0, 3.0])
+def test_a_real_misalignment_is_kept(angle):
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        planes = block_planes()
+        tilted = planes[1].transformed(pose(rotation_exp(np.deg2rad([0, angle, 0]))))
+        planes[1] = Plane(planes[1].origin, tilted.normal)
+        found = regularize([given(p, rng) for p in planes])
+        between = np.arccos(np.clip(-found.shapes[0].direction @ found.shapes[1].direction, -1, 1))
+        assert np.rad2deg(between) == pytest.approx(angle, abs=0.3)
+        assert between > np.deg2rad(0.1)
+
+
+def test_what_is_badly_known_is_bent_and_what_is_well_known_stays():
+    sure = given(Plane(np.zeros(3), np.array([0, 0, 1.0])), tilt=1e-5)
+    leaning = rotation_exp([0.004, 0.0, 0.0]) @ np.array([0, 0, -1.0])
+    unsure = given(Plane(np.array([0, 0, -20.0]), leaning), tilt=0.01)
+    found = regularize([sure, unsure], RegularityOptions(floor=1e-7))
+    assert np.arccos(min(1.0, found.shapes[0].direction @ sure.shape.direction)) < 1e-5
+    assert np.allclose(found.shapes[0].direction, -found.shapes[1].direction, atol=1e-9)
+
+
+def test_a_relation_adds_certainty():
+    fits = [given(p) for p in block_planes()]
+    found = regularize(fits)
+    tilt = np.sqrt(np.diag(found.covariance_of(0))[1:])
+    assert (tilt < 0.7 * TILT).all()
+
+
+def test_an_axis_and_two_caps_become_upright_and_coaxial_with_a_cone():
+    rng = np.random.default_rng(1)
+    up = np.array([0, 0, 1.0])
+    shapes = [
+        Cylinder(np.array([3.0, 4, 0]), up, 12.0),
+        Plane(np.array([3.0, 4, -20]), -up),
+        Cone(np.array([3.0, 4, 50]), -up, 0.4),
+    ]
+    found = regularize([given(s, rng) for s in shapes])
+    assert counts(found) == {"coaxial": 1, "parallel": 3}
+    rod, cap, cone = found.shapes
+    assert np.linalg.norm(np.cross(rod.axis, cap.normal)) < 1e-9
+    offset = cone.apex - rod.origin
+    assert np.linalg.norm(offset - (offset @ rod.axis) * rod.axis) < 1e-8
+
+
+def test_a_sphere_near_an_axis_is_put_on_it_and_one_beside_it_is_not():
+    rod = Cylinder(np.zeros(3), np.array([0, 0, 1.0]), 12.0)
+    on = regularize([given(rod), given(Sphere(np.array([0.015, 0, 30]), 15.0))])
+    beside = regularize([given(rod), given(Sphere(np.array([0.2, 0, 30]), 15.0))])
+    assert counts(on) == {"coaxial": 1}
+    assert counts(beside) == {}
+    assert np.allclose(beside.shapes[1].center, [0.2, 0, 30])
+
+
+def test_one_face_touched_twice_is_coincident_and_a_low_step_is_not():
+    up = np.array([0, 0, 1.0])
+    first = given(Plane(np.zeros(3), up))
+    same = given(Plane(np.array([30.0, 0, 0.01]), up))
+    step = given(Plane(np.array([30.0, 0, 0.3]), up))
+    assert counts(regularize([first, same]))["coincident"] == 1
+    assert "coincident" not in counts(regularize([first, step]))
+
+
+def test_the_two_sides_of_a_thin_plate_are_never_coincident():
+    up = np.array([0, 0, 1.0])
+    pair = [given(Plane(np.zeros(3), up)), given(Plane(np.array([0, 0, -0.005]), -up))]
+    assert "coincident" not in counts(regularize(pair))
+
+
+def test_scatter_beyond_the_stated_sigmas_makes_a_fit_less_certain():
+    fit = given(block_planes()[0])
+    loose = Given(fit.shape, fit.covariance, chi2=90.0)
+    ratio = np.diag(regularize([loose]).covariance) / np.diag(regularize([fit]).covariance)
+    assert np.allclose(ratio, 9.0, rtol=0.1)
+
+
+def test_exact_shapes_are_left_as_they_are():
+    world = pose(random_rotation(np.random.default_rng(2)), [10.0, 20, 30])
+    planes = block_planes(world)
+    found = regularize([Given(p, np.zeros((3, 3))) for p in planes])
+    assert counts(found) == {"parallel": 3, "perpendicular": 12}
+    assert np.abs(found.step).max() < 1e-9
+
+
+def test_nothing_to_regularize_is_no_error():
+    assert regularize([]).shapes == ()
