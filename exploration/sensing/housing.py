@@ -10,8 +10,8 @@ from functools import lru_cache
 import numpy as np
 from numba import njit
 
-from exploration.sensing.coverage import clip, scratch
-from exploration.sensing.raster import NearTriangles
+from exploration.sensing.coverage import clip
+from exploration.sensing.facets import NearFacets, facets_of
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats, Ints, frozen
 from primitives.pose import transform_points
@@ -48,11 +48,15 @@ class HousingWatch:
         self._surface, self._spec = surface, spec
         self._low, self._high = housing_box(spec)
         self._reach = float(np.linalg.norm(np.maximum(-self._low, self._high)))
-        self._near: NearTriangles | None = None
+        self._near: NearFacets | None = None
         if isinstance(surface, TriangleSurface):
             radius = float(np.linalg.norm(self._high - self._low)) / 2
-            self._near = NearTriangles(surface.vertices, surface.triangles, radius)
-        self._clip = scratch()
+            self._near = NearFacets(facets_of(surface), radius)
+        self._room = (
+            np.zeros((2, int(np.diff(self._near.all.start).max(initial=0)) + 12, 3))
+            if self._near
+            else np.zeros((2, 12, 3))
+        )
         self._seen_from: Floats | None = None
         self._gap = 0.0
 
@@ -66,11 +70,10 @@ class HousingWatch:
             return max(0.0, -self._gap)
         center = world_from_sensor[:3, :3] @ ((self._low + self._high) / 2) + world_from_sensor[:3, 3]
         self._gap = min(self._near.around(center[0], center[1], center[2]), self._near.slack)
-        if len(self._near.triangles) == 0:
+        near = self._near.facets
+        if len(near.normals) == 0:
             return 0.0
-        depth, gap = _overlap(
-            world_from_sensor, self._low, self._high, self._near.vertices, self._near.triangles, self._clip
-        )
+        depth, gap = _overlap(world_from_sensor, self._low, self._high, near.start, near.loop, self._room)
         self._gap = min(self._gap, gap)
         return float(depth)
 
@@ -88,25 +91,25 @@ def moved(before: Floats, now: Floats, reach: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def _overlap(
-    pose: Floats, low: Floats, high: Floats, vertices: Floats, triangles: Ints, room: Floats
+    pose: Floats, low: Floats, high: Floats, start: Ints, loop: Floats, room: Floats
 ) -> tuple[float, float]:
-    """Depth of the deepest triangle in the box, and a distance within which there is none otherwise."""
+    """Depth of the deepest facet in the box, and a distance within which there is none otherwise."""
     p, spare = room[0], room[1]
     deepest, nearest = 0.0, np.inf
-    for t in range(len(triangles)):
-        for i in range(3):
-            v = vertices[triangles[t, i]]
+    for f in range(len(start) - 1):
+        count = start[f + 1] - start[f]
+        for i in range(count):
+            v = loop[start[f] + i]
             dx, dy, dz = v[0] - pose[0, 3], v[1] - pose[1, 3], v[2] - pose[2, 3]
             for k in range(3):
                 p[i, k] = pose[0, k] * dx + pose[1, k] * dy + pose[2, k] * dz
         away = 0.0
         for k in range(3):
-            least, most = min(p[0, k], p[1, k], p[2, k]), max(p[0, k], p[1, k], p[2, k])
+            least, most = p[:count, k].min(), p[:count, k].max()
             away += max(0.0, least - high[k], low[k] - most) ** 2
         if away > 0.0:
             nearest = min(nearest, np.sqrt(away))
             continue
-        count = 3
         for k in range(3):
             count = clip(p, count, spare, k, 1.0, high[k])
             count = clip(p, count, spare, k, -1.0, -low[k]) if count >= 3 else 0

@@ -1,6 +1,6 @@
 """The indentation of a skin by triangles: a few are drawn, many are met by rays.
 
-Few triangles near the pad are drawn onto its cells (see `raster`).  Else one ray is cast at each corner of the
+Few facets near the pad are drawn onto its cells (see `raster`).  Else one ray is cast at each corner of the
 cells, and one pass integrates them (see `cells`).  Where triangles overlap each other in the sensor's view, or are
 too many, the cell is supersampled with rays.
 """
@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from exploration.sensing.cells import OVERLAP, integrate
 from exploration.sensing.coverage import FULL, scratch
-from exploration.sensing.raster import BEHIND, NearTriangles, draw
+from exploration.sensing.facets import NearFacets, facets_of
+from exploration.sensing.raster import BEHIND, draw, drawing_room
 from exploration.sensing.skin import MODES, Skin, legendre, staggered_lattice
 from primitives.arrays import Floats, Ints
 from primitives.pose import transform_points
 from primitives.surface import TriangleSurface
 
-_FEW = 48  # triangles near the pad, up to which drawing them is cheaper than rays
+_FEW = 600  # facets near the pad, up to which drawing them is cheaper than rays
 _LISTED = 20_000  # triangles of a mesh, beyond which listing the near ones costs more than rays
 _QUEUE = 512  # triangles in one cell, beyond which rays are cheaper
 _LATTICE = staggered_lattice(8)
@@ -43,9 +44,10 @@ class MeshGap:
         self._clip = scratch()
         self._covered = np.zeros(skin.shape)
         reach = np.linalg.norm([skin.x_edges[-1], skin.y_edges[-1], start + BEHIND])
-        self._near: NearTriangles | None = None
+        self._near: NearFacets | None = None
         if len(self._triangles) <= _LISTED:
-            self._near = NearTriangles(surface.vertices, surface.triangles, float(reach))
+            self._near = NearFacets(facets_of(surface), float(reach))
+            self._room = drawing_room(skin.shape, len(self._triangles))
         self.modes = np.zeros((len(MODES), rows, columns))  # [mm] of the latest pose
         self.partial = np.zeros(skin.shape, np.bool_)  # where the modes above the mean matter
 
@@ -57,13 +59,13 @@ class MeshGap:
         pose = poses[0]
         if self._near is not None:
             self._near.around(pose[0, 3], pose[1, 3], pose[2, 3])
-            if len(self._near.triangles) <= _FEW:
+            if len(self._near.facets.normals) <= _FEW:
                 return self._draw(poses, self._near)
         return self._cast(poses)
 
-    def _draw(self, poses: Floats, near: NearTriangles) -> float:
+    def _draw(self, poses: Floats, near: NearFacets) -> float:
         skin = self._skin
-        if len(near.triangles) == 0:
+        if len(near.facets.normals) == 0:
             self.modes[:] = 0.0
             self.partial[:] = False
             return 0.0
@@ -72,10 +74,10 @@ class MeshGap:
             skin.x_edges,
             skin.y_edges,
             -self._start - BEHIND,
-            near.vertices,
-            near.triangles,
-            near.seen,
-            self._clip,
+            near.facets.normals,
+            near.facets.start,
+            near.facets.loop,
+            *self._room,
             self._covered,
             self.modes,
             self.partial,

@@ -1,53 +1,28 @@
-"""The indentation by a few triangles, drawn straight onto the skin's cells: exact, and no feature is missed.
+"""The indentation by a few convex facets, drawn straight onto the skin's cells: exact, and no feature is missed.
 
-A triangle either covers a cell, whose depth is then linear, or is clipped to it (see `coverage`).  The triangles
-near the pad are listed once and again only when the pad has moved by the list's slack, as in molecular dynamics
-(Verlet 1967).
+A facet's sides are noted in the cells that they cross.  A cell that none crosses is wholly inside or outside, and
+its depth linear; any other is clipped by the sides noted in it, which is exact because a convex facet lies on one
+side of each (our derivation).  Rows that are scanned at poses of their own meet only what comes near them.
 """
-
-from math import dist
 
 import numpy as np
 from numba import njit
 
-from exploration.sensing.coverage import add_polygon, clip_to_cell, clip_to_contact
+from exploration.sensing.coverage import add_polygon, clip_to_contact
 from primitives.arrays import Bools, Floats, Ints
 
 BEHIND = 10.0  # [mm] past the greatest press: deeper surfaces lie behind the sensor, not in its skin
-_SLACK = 5.0  # [mm] that the pad may move before triangles are listed again
-_WALL = 1e-9  # [mm^2] less projected area is a wall, seen edge on
+_WALL = 1e-7  # cosine to the rays below which a facet is seen edge on
+_MOST_CORNERS = 30  # of a clipped cell
 
 
-class NearTriangles:
-    """The triangles of a mesh that a ball of given radius [mm] may meet."""
-
-    slack = _SLACK
-
-    def __init__(self, vertices: Floats, triangles: Ints, radius: float) -> None:
-        self._all_vertices, self._all_triangles = vertices, triangles
-        self._radius = radius + _SLACK
-        corners = vertices[triangles]
-        self._low, self._high = corners.min(axis=1), corners.max(axis=1)
-        self._center: tuple[float, float, float] | None = None
-        self.vertices = np.zeros((0, 3))  # (v, 3) [mm]
-        self.triangles = np.zeros((0, 3), np.int32)  # (t, 3) into `vertices`
-        self.seen = np.zeros((0, 3))  # (v, 3) scratch
-
-    def around(self, x: float, y: float, z: float) -> float:
-        """Bring the list up to date; how far the ball may move [mm] before it must be asked again."""
-        if self._center is not None:
-            left = _SLACK - dist((x, y, z), self._center)
-            if left >= 0.0:
-                return left
-        self._center = (float(x), float(y), float(z))
-        center = np.array(self._center)
-        away = np.maximum(0.0, np.maximum(self._low - center, center - self._high))
-        near = self._all_triangles[np.flatnonzero((away * away).sum(axis=1) <= self._radius**2)]
-        used, renamed = np.unique(near, return_inverse=True)
-        self.vertices = np.ascontiguousarray(self._all_vertices[used])
-        self.triangles = renamed.reshape(-1, 3).astype(np.int32)
-        self.seen = np.zeros_like(self.vertices)
-        return _SLACK
+def drawing_room(cells: tuple[int, int], facets: int) -> tuple[Floats, Ints, Ints]:
+    """Scratch: polygons, the first note of each cell, and notes (side, next)."""
+    return (
+        np.zeros((3, _MOST_CORNERS + 2, 3)),
+        np.full(cells, -1, np.int64),
+        np.zeros((4096 + facets, 2), np.int64),
+    )
 
 
 @njit(cache=True, error_model="numpy")
@@ -56,10 +31,12 @@ def draw(
     x_edges: Floats,
     y_edges: Floats,
     floor: float,
-    vertices: Floats,
-    triangles: Ints,
-    seen: Floats,
-    clip: Floats,
+    normals: Floats,
+    start: Ints,
+    loop: Floats,
+    room: Floats,
+    head: Ints,
+    notes: Ints,
     covered: Floats,
     modes: Floats,
     partial: Bools,
@@ -69,133 +46,211 @@ def draw(
     covered[:] = 0.0
     partial[:] = False
     rows = len(y_edges) - 1
-    if len(poses) == 1:
-        whole = _draw_rows(
-            poses[0],
-            0,
-            rows,
-            x_edges,
-            y_edges,
-            floor,
-            vertices,
-            triangles,
-            seen,
-            clip,
-            covered,
-            modes,
-            partial,
-        )
-        return float(whole)
     deepest = 0.0
-    for r in range(rows):
-        pose = poses[2 * r + 1]
-        depth = _draw_rows(
-            pose, r, r + 1, x_edges, y_edges, floor, vertices, triangles, seen, clip, covered, modes, partial
-        )
-        deepest = max(deepest, depth)
+    seen = np.empty((len(loop), 2))
+    for group in range(1 if len(poses) == 1 else rows):
+        whole = len(poses) == 1
+        pose = poses[0] if whole else poses[2 * group + 1]
+        first, last = (0, rows) if whole else (group, group + 1)
+        for f in range(len(normals)):
+            facing = normals[f, 0] * pose[0, 2] + normals[f, 1] * pose[1, 2] + normals[f, 2] * pose[2, 2]
+            if facing < -_WALL:
+                depth = _draw_facet(
+                    f, facing, pose, first, last, x_edges, y_edges, floor,
+                    normals, start, loop, seen, room, head, notes, covered, modes, partial,
+                )  # fmt: skip
+                deepest = max(deepest, depth)
     return deepest
 
 
 @njit(cache=True, error_model="numpy")
-def _draw_rows(
+def _draw_facet(
+    f: int,
+    facing: float,
     pose: Floats,
     first: int,
     last: int,
     x_edges: Floats,
     y_edges: Floats,
     floor: float,
-    vertices: Floats,
-    triangles: Ints,
+    normals: Floats,
+    start: Ints,
+    loop: Floats,
     seen: Floats,
-    clip: Floats,
+    room: Floats,
+    head: Ints,
+    notes: Ints,
     covered: Floats,
     modes: Floats,
     partial: Bools,
 ) -> float:
-    columns = len(x_edges) - 1
-    for i in range(len(vertices)):
-        dx, dy, dz = vertices[i, 0] - pose[0, 3], vertices[i, 1] - pose[1, 3], vertices[i, 2] - pose[2, 3]
-        seen[i, 0] = pose[0, 0] * dx + pose[1, 0] * dy + pose[2, 0] * dz
-        seen[i, 1] = pose[0, 1] * dx + pose[1, 1] * dy + pose[2, 1] * dz
-        seen[i, 2] = pose[0, 2] * dx + pose[1, 2] * dy + pose[2, 2] * dz
-    lowest = 0.0
-    a, b = clip[0], clip[1]
-    found = clip[2, 0:2].reshape(6)
-    for t in range(len(triangles)):
-        p, q, s = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        z_low = min(seen[p, 2], seen[q, 2], seen[s, 2])
-        if z_low >= 0.0 or max(seen[p, 2], seen[q, 2], seen[s, 2]) < floor:
-            continue
-        ux, uy = seen[q, 0] - seen[p, 0], seen[q, 1] - seen[p, 1]
-        vx, vy = seen[s, 0] - seen[p, 0], seen[s, 1] - seen[p, 1]
-        turn = ux * vy - vx * uy
-        if turn > -_WALL:
-            continue
-        x_low, x_high = min(seen[p, 0], seen[q, 0], seen[s, 0]), max(seen[p, 0], seen[q, 0], seen[s, 0])
-        y_low, y_high = min(seen[p, 1], seen[q, 1], seen[s, 1]), max(seen[p, 1], seen[q, 1], seen[s, 1])
-        if x_low >= x_edges[-1] or x_high <= x_edges[0] or y_low >= y_edges[last] or y_high <= y_edges[first]:
-            continue
-        uz, vz = seen[q, 2] - seen[p, 2], seen[s, 2] - seen[p, 2]
-        gx, gy = (uz * vy - vz * uy) / turn, (vz * ux - uz * vx) / turn
-        z0 = seen[p, 2] - gx * seen[p, 0] - gy * seen[p, 1]
-        # Three edges as n . (x, y) + c, positive inside.
-        ax, ay = uy, -ux
-        bx, by = seen[s, 1] - seen[q, 1], seen[q, 0] - seen[s, 0]
-        cx, cy = -vy, vx
-        a0 = -(ax * seen[p, 0] + ay * seen[p, 1])
-        b0 = -(bx * seen[q, 0] + by * seen[q, 1])
-        c0 = -(cx * seen[s, 0] + cy * seen[s, 1])
-        if ax * seen[s, 0] + ay * seen[s, 1] + a0 < 0.0:
-            ax, ay, a0, bx, by, b0, cx, cy, c0 = -ax, -ay, -a0, -bx, -by, -b0, -cx, -cy, -c0
-        for r in range(first, last):
-            if y_edges[r] >= y_high or y_edges[r + 1] <= y_low:
+    s0, s1 = start[f], start[f + 1]
+    x_low = y_low = z_low = np.inf
+    x_high = y_high = z_high = -np.inf
+    for i in range(s0, s1):
+        dx, dy, dz = loop[i, 0] - pose[0, 3], loop[i, 1] - pose[1, 3], loop[i, 2] - pose[2, 3]
+        x = pose[0, 0] * dx + pose[1, 0] * dy + pose[2, 0] * dz
+        y = pose[0, 1] * dx + pose[1, 1] * dy + pose[2, 1] * dz
+        z = pose[0, 2] * dx + pose[1, 2] * dy + pose[2, 2] * dz
+        seen[i, 0], seen[i, 1] = x, y
+        x_low, x_high = min(x_low, x), max(x_high, x)
+        y_low, y_high = min(y_low, y), max(y_high, y)
+        z_low, z_high = min(z_low, z), max(z_high, z)
+    if z_low >= 0.0 or z_high < floor or x_low >= x_edges[-1] or x_high <= x_edges[0]:
+        return 0.0
+    if y_low >= y_edges[last] or y_high <= y_edges[first]:
+        return 0.0
+    gx = -(normals[f, 0] * pose[0, 0] + normals[f, 1] * pose[1, 0] + normals[f, 2] * pose[2, 0]) / facing
+    gy = -(normals[f, 0] * pose[0, 1] + normals[f, 1] * pose[1, 1] + normals[f, 2] * pose[2, 1]) / facing
+    z0 = 0.0
+    for k in range(3):
+        z0 += normals[f, k] * (loop[s0, k] - pose[k, 3])
+    z0 /= facing
+    left, right = 0, len(x_edges) - 2
+    while x_edges[left + 1] <= x_low:
+        left += 1
+    while x_edges[right] >= x_high:
+        right -= 1
+    while y_edges[first + 1] <= y_low:
+        first += 1
+    while y_edges[last - 1] >= y_high:
+        last -= 1
+    for r in range(first, last):
+        for c in range(left, right + 1):
+            head[r, c] = -1
+    _note_sides(s0, s1, seen, x_edges, y_edges, first, last, left, right, head, notes)
+    a, b = room[0], room[1]
+    found = np.zeros(6)
+    deepest = 0.0
+    for r in range(first, last):
+        half_y = 0.5 * (y_edges[r + 1] - y_edges[r])
+        y = y_edges[r] + half_y
+        in_from, in_to = _span(s0, s1, seen, y)
+        for c in range(left, right + 1):
+            half_x = 0.5 * (x_edges[c + 1] - x_edges[c])
+            x = x_edges[c] + half_x
+            if head[r, c] < 0 and not in_from < x < in_to:
                 continue
-            half_y = 0.5 * (y_edges[r + 1] - y_edges[r])
-            y = y_edges[r] + half_y
-            for c in range(columns):
-                if x_edges[c] >= x_high or x_edges[c + 1] <= x_low:
-                    continue
-                half_x = 0.5 * (x_edges[c + 1] - x_edges[c])
-                x = x_edges[c] + half_x
-                ea, sa = ax * x + ay * y + a0, abs(ax) * half_x + abs(ay) * half_y
-                eb, sb = bx * x + by * y + b0, abs(bx) * half_x + abs(by) * half_y
-                ec, sc = cx * x + cy * y + c0, abs(cx) * half_x + abs(cy) * half_y
-                if ea <= -sa or eb <= -sb or ec <= -sc:
-                    continue
-                depth, tilt_x, tilt_y = -(z0 + gx * x + gy * y), -gx * half_x, -gy * half_y
-                swing = abs(tilt_x) + abs(tilt_y)
-                if depth + swing <= 0.0 or depth - swing > -floor:
-                    continue
-                whole = ea >= sa and eb >= sb and ec >= sc
-                if whole and depth >= swing:
-                    modes[0, r, c] += depth
-                    modes[1, r, c] += tilt_x
-                    modes[2, r, c] += tilt_y
-                    covered[r, c] += 1.0
-                    lowest = min(lowest, -depth - swing)
-                    continue
-                if whole:
-                    count = 4
-                    for i in range(4):
-                        a[i, 0] = -1.0 if i == 0 or i == 3 else 1.0
-                        a[i, 1] = -1.0 if i < 2 else 1.0
-                        a[i, 2] = -(depth + tilt_x * a[i, 0] + tilt_y * a[i, 1])
-                else:
-                    for i in range(3):
-                        k = triangles[t, i]
-                        a[i, 0], a[i, 1] = (seen[k, 0] - x) / half_x, (seen[k, 1] - y) / half_y
-                        a[i, 2] = seen[k, 2]
-                    count = clip_to_cell(a, b, 3)
-                    if count == 0:
-                        continue
-                count = clip_to_contact(a, b, count)
-                if count == 0:
-                    continue
-                found[:] = 0.0
-                covered[r, c] += add_polygon(a, count, found)
-                for m in range(6):
-                    modes[m, r, c] += found[m]
-                for i in range(count):
-                    lowest = min(lowest, a[i, 2])
-                partial[r, c] = True
-    return -lowest
+            depth, tilt_x, tilt_y = -(z0 + gx * x + gy * y), -gx * half_x, -gy * half_y
+            swing = abs(tilt_x) + abs(tilt_y)
+            if depth + swing <= 0.0 or depth - swing > -floor:
+                continue
+            if head[r, c] < 0 and depth >= swing:
+                modes[0, r, c] += depth
+                modes[1, r, c] += tilt_x
+                modes[2, r, c] += tilt_y
+                covered[r, c] += 1.0
+                deepest = max(deepest, depth + swing)
+                continue
+            count = _cell(a, depth, tilt_x, tilt_y)
+            note = head[r, c]
+            while note >= 0 and count >= 3:
+                i = notes[note, 0]
+                j = i + 1 if i + 1 < s1 else s0
+                nx, ny = (seen[i, 1] - seen[j, 1]) * half_x, (seen[j, 0] - seen[i, 0]) * half_y
+                at = (seen[j, 0] - seen[i, 0]) * (seen[i, 1] - y) - (seen[j, 1] - seen[i, 1]) * (
+                    seen[i, 0] - x
+                )
+                count = _clip_side(a, count, b, nx, ny, at)
+                note = notes[note, 1]
+            count = clip_to_contact(a, b, count) if count >= 3 else 0
+            if count == 0:
+                continue
+            found[:] = 0.0
+            covered[r, c] += add_polygon(a, count, found)
+            for m in range(6):
+                modes[m, r, c] += found[m]
+            for i in range(count):
+                deepest = max(deepest, -a[i, 2])
+            partial[r, c] = True
+    return deepest
+
+
+@njit(cache=True, error_model="numpy")
+def _note_sides(
+    s0: int,
+    s1: int,
+    seen: Floats,
+    x_edges: Floats,
+    y_edges: Floats,
+    first: int,
+    last: int,
+    left: int,
+    right: int,
+    head: Ints,
+    notes: Ints,
+) -> None:
+    """Note each side in every cell of the window that it may cross."""
+    used = 0
+    for i in range(s0, s1):
+        j = i + 1 if i + 1 < s1 else s0
+        ax, ay, bx, by = seen[i, 0], seen[i, 1], seen[j, 0], seen[j, 1]
+        low, high = min(ay, by), max(ay, by)
+        if low >= y_edges[last] or high <= y_edges[first]:
+            continue
+        if min(ax, bx) >= x_edges[right + 1] or max(ax, bx) <= x_edges[left]:
+            continue
+        slope = (bx - ax) / (by - ay) if abs(by - ay) > 1e-12 else 0.0
+        for r in range(first, last):
+            if y_edges[r] >= high or y_edges[r + 1] <= low:
+                continue
+            p, q = ax, bx
+            if slope != 0.0:
+                p = ax + slope * (max(low, y_edges[r]) - ay)
+                q = ax + slope * (min(high, y_edges[r + 1]) - ay)
+            p, q = min(p, q), max(p, q)
+            for c in range(left, right + 1):
+                if x_edges[c] < q + 1e-9 and x_edges[c + 1] > p - 1e-9 and used < len(notes):
+                    notes[used, 0], notes[used, 1] = i, head[r, c]
+                    head[r, c] = used
+                    used += 1
+
+
+@njit(cache=True, error_model="numpy")
+def _span(s0: int, s1: int, seen: Floats, y: float) -> tuple[float, float]:
+    """Where a convex facet begins and ends along the line at y."""
+    begins, ends = np.inf, -np.inf
+    for i in range(s0, s1):
+        j = i + 1 if i + 1 < s1 else s0
+        ay, by = seen[i, 1], seen[j, 1]
+        if (ay <= y < by) or (by <= y < ay):
+            x = seen[i, 0] + (y - ay) / (by - ay) * (seen[j, 0] - seen[i, 0])
+            begins, ends = min(begins, x), max(ends, x)
+    return begins, ends
+
+
+@njit(cache=True, error_model="numpy")
+def _cell(p: Floats, depth: float, tilt_x: float, tilt_y: float) -> int:
+    """The whole cell as a polygon."""
+    for i in range(4):
+        p[i, 0] = -1.0 if i == 0 or i == 3 else 1.0
+        p[i, 1] = -1.0 if i < 2 else 1.0
+        p[i, 2] = -(depth + tilt_x * p[i, 0] + tilt_y * p[i, 1])
+    return 4
+
+
+@njit(cache=True, error_model="numpy")
+def _clip_side(p: Floats, count: int, spare: Floats, nx: float, ny: float, at: float) -> int:
+    """Keep what has nx x + ny y <= at, in place."""
+    kept = 0
+    ends = min(count, _MOST_CORNERS)
+    bx, by, bz = p[ends - 1, 0], p[ends - 1, 1], p[ends - 1, 2]
+    b = nx * bx + ny * by - at
+    for i in range(ends):
+        ax, ay, az, a = bx, by, bz, b
+        bx, by, bz = p[i, 0], p[i, 1], p[i, 2]
+        b = nx * bx + ny * by - at
+        if (a < 0.0 < b) or (b < 0.0 < a):
+            s = a / (a - b)
+            spare[kept, 0], spare[kept, 1], spare[kept, 2] = (
+                ax + s * (bx - ax),
+                ay + s * (by - ay),
+                az + s * (bz - az),
+            )
+            kept += 1
+        if b <= 0.0:
+            spare[kept, 0], spare[kept, 1], spare[kept, 2] = bx, by, bz
+            kept += 1
+    for i in range(kept):
+        p[i, 0], p[i, 1], p[i, 2] = spare[i, 0], spare[i, 1], spare[i, 2]
+    return kept
