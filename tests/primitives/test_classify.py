@@ -1,0 +1,40 @@
+import numpy as np
+import pytest
+
+from primitives.classify import rank
+from primitives.evidence import Contacts
+from primitives.shapes import Sphere
+
+
+def test_the_shape_that_made_the_contacts_ranks_first(shape, touched):
+    rng = np.random.default_rng(4)
+    names = [rank(touched(shape, 30, rng, arc=2.0))[0].fit.kind for _ in range(15)]
+    assert names.count(shape.kind) >= 14
+
+
+def test_probabilities_sum_to_one_and_fall(shape, touched):
+    ranked = rank(touched(shape, 30, np.random.default_rng(1)))
+    chances = [one.probability for one in ranked]
+    assert sum(chances) == pytest.approx(1.0)
+    assert chances == sorted(chances, reverse=True)
+
+
+def test_a_sphere_of_huge_radius_is_a_plane(touched):
+    rng = np.random.default_rng(7)
+    cap = Sphere([0, 0, -1500.0], 1500.0)
+    xy = rng.uniform(-8, 8, (40, 2))
+    points = cap.project(np.column_stack([xy, np.zeros(40)])) + rng.normal(size=(40, 3)) * [0, 0, 0.05]
+    normals = cap.normals(points) + 0.03 * rng.standard_normal((40, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    assert rank(Contacts.of(points, normals, 0.05, 0.03))[0].fit.kind == "plane"
+
+
+def test_unmodeled_error_does_not_buy_parameters(shape, touched):
+    rng = np.random.default_rng(9)
+    contacts = touched(shape, 60, rng, sigma=0.15, turn=0.09)
+    trusted = Contacts.of(contacts.points, contacts.normals, 0.05, 0.03)  # three times worse than it says
+    assert rank(trusted)[0].fit.kind == shape.kind
+
+
+def test_too_little_evidence_ranks_nothing():
+    assert rank(Contacts.of([[0, 0, 0], [1, 0, 0.0]])) == ()
