@@ -22,7 +22,6 @@ import numpy as np
 
 from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
-from primitives.pose import frame_along
 from primitives.surface import RayHits
 
 TINY = 1e-12  # [mm] distances below this are on the axis
@@ -82,7 +81,7 @@ class Revolution(ABC):
     @cached_property
     def frame(self) -> Floats:
         """(3, 3) rotation with columns t1, t2, axis."""
-        return frozen(frame_along(self.direction))
+        return frozen(_basis(*self.direction.tolist()))
 
     def profile_at(self, points: Floats) -> tuple[Floats, Floats, Profile]:
         """Points in the shape's frame (n, 3), their unit radial directions (n, 2), and the profile."""
@@ -171,6 +170,14 @@ class Revolution(ABC):
     def _anchor_step(self, anchor: Floats, axis: Floats) -> Floats:
         moved: Floats = self.frame[:, list(self.translations)].T @ (anchor - self.anchor)
         return moved
+
+
+def _basis(x: float, y: float, z: float) -> list[list[float]]:
+    """Rows of a rotation whose last column is (x, y, z) (Duff et al., JCGT 6(1), 2017)."""
+    sign = 1.0 if z >= 0 else -1.0
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    return [[1.0 + sign * x * x * a, b, x], [sign * b, sign + y * y * a, y], [-sign * x, -y, z]]
 
 
 def point(value: object, name: str) -> Floats:

@@ -119,6 +119,14 @@ def test_cone_has_one_nappe():
     assert cone.signed_distance(np.array([[0.0, 0, -4]]))[0] == pytest.approx(4.0)
 
 
+@pytest.mark.parametrize("axis", [[0, 0, 1.0], [0, 0, -1.0], [1.0, 0, 0], [1e-9, 0, -1.0], [0.3, -0.5, 0.2]])
+def test_frame_is_a_rotation_with_the_axis_last(axis):
+    rod = Cylinder([0, 0, 0], axis, 1.0)
+    assert np.allclose(rod.frame.T @ rod.frame, np.eye(3), atol=1e-12)
+    assert np.linalg.det(rod.frame) == pytest.approx(1.0)
+    assert np.allclose(rod.frame[:, 2], rod.axis)
+
+
 def test_areas_are_those_of_textbooks():
     assert Plane([0, 0, 0], [0, 0, 1]).area((3.0, 4.0)) == 12.0
     assert Cylinder([0, 0, 0], [0, 0, 1], 2.0).area((5.0, 4 * np.pi)) == pytest.approx(20 * np.pi)
