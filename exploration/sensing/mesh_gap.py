@@ -18,7 +18,7 @@ from primitives.arrays import Floats, Ints
 from primitives.pose import transform_points
 from primitives.surface import TriangleSurface
 
-_FEW = 600  # facets near the pad, up to which drawing them is cheaper than rays
+FEW = 600  # facets near the pad, up to which drawing them is cheaper than rays
 _LISTED = 20_000  # triangles of a mesh, beyond which listing the near ones costs more than rays
 _QUEUE = 512  # triangles in one cell, beyond which rays are cheaper
 _LATTICE = staggered_lattice(8)
@@ -27,10 +27,10 @@ _LATTICE = staggered_lattice(8)
 class MeshGap:
     """The buffers that the indentation by one mesh keeps from frame to frame."""
 
-    def __init__(self, surface: TriangleSurface, skin: Skin, start: float) -> None:
+    def __init__(self, surface: TriangleSurface, skin: Skin, start: float, few: int = FEW) -> None:
         rows, columns = skin.shape
         rays = (rows + 1) * (columns + 1)
-        self._surface, self._skin, self._start = surface, skin, start
+        self._surface, self._skin, self._start, self._few = surface, skin, start, few
         self._vertices = np.ascontiguousarray(surface.vertices, dtype=np.float64)
         self._triangles = np.ascontiguousarray(surface.triangles, dtype=np.int32)
         self._neighbors = np.ascontiguousarray(surface.neighbors, dtype=np.int32)
@@ -59,7 +59,7 @@ class MeshGap:
         pose = poses[0]
         if self._near is not None:
             self._near.around(pose[0, 3], pose[1, 3], pose[2, 3])
-            if len(self._near.facets.normals) <= _FEW:
+            if len(self._near.facets.normals) <= self._few:
                 return self._draw(poses, self._near)
         return self._cast(poses)
 

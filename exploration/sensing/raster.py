@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from exploration.sensing.coverage import add_polygon, clip_to_contact
+from exploration.sensing.facet_sides import most_moved, note_sides, pick_sides, see, span
 from primitives.arrays import Bools, Floats, Ints
 
 BEHIND = 10.0  # [mm] past the greatest press: deeper surfaces lie behind the sensor, not in its skin
@@ -47,17 +48,27 @@ def draw(
     partial[:] = False
     rows = len(y_edges) - 1
     deepest = 0.0
-    seen = np.empty((len(loop), 2))
+    seen, about, sides = np.empty((len(loop), 2)), np.empty((len(loop), 3)), np.empty(len(loop), np.int64)
+    slack = np.inf
+    if len(poses) > 1:
+        middle = poses[len(poses) // 2]
+        slack = most_moved(poses, middle, np.hypot(x_edges[-1], y_edges[-1]) - floor)
+        see(middle, loop, about)
     for group in range(1 if len(poses) == 1 else rows):
         whole = len(poses) == 1
         pose = poses[0] if whole else poses[2 * group + 1]
         first, last = (0, rows) if whole else (group, group + 1)
         for f in range(len(normals)):
             facing = normals[f, 0] * pose[0, 2] + normals[f, 1] * pose[1, 2] + normals[f, 2] * pose[2, 2]
-            if facing < -_WALL:
+            if facing >= -_WALL:
+                continue
+            count = pick_sides(
+                start[f], start[f + 1], about, slack, x_edges, y_edges[first], y_edges[last], sides
+            )
+            if count > 0:
                 depth = _draw_facet(
                     f, facing, pose, first, last, x_edges, y_edges, floor,
-                    normals, start, loop, seen, room, head, notes, covered, modes, partial,
+                    normals, start, loop, seen, sides[:count], room, head, notes, covered, modes, partial,
                 )  # fmt: skip
                 deepest = max(deepest, depth)
     return deepest
@@ -77,6 +88,7 @@ def _draw_facet(
     start: Ints,
     loop: Floats,
     seen: Floats,
+    sides: Ints,
     room: Floats,
     head: Ints,
     notes: Ints,
@@ -87,7 +99,12 @@ def _draw_facet(
     s0, s1 = start[f], start[f + 1]
     x_low = y_low = z_low = np.inf
     x_high = y_high = z_high = -np.inf
-    for i in range(s0, s1):
+    for k in range(2 * len(sides)):
+        i = sides[k // 2]
+        if k % 2 == 1:
+            i = i + 1 if i + 1 < s1 else s0
+            if k // 2 + 1 < len(sides) and sides[k // 2 + 1] == i:
+                continue
         dx, dy, dz = loop[i, 0] - pose[0, 3], loop[i, 1] - pose[1, 3], loop[i, 2] - pose[2, 3]
         x = pose[0, 0] * dx + pose[1, 0] * dy + pose[2, 0] * dz
         y = pose[0, 1] * dx + pose[1, 1] * dy + pose[2, 1] * dz
@@ -118,14 +135,14 @@ def _draw_facet(
     for r in range(first, last):
         for c in range(left, right + 1):
             head[r, c] = -1
-    _note_sides(s0, s1, seen, x_edges, y_edges, first, last, left, right, head, notes)
+    note_sides(s0, s1, sides, seen, x_edges, y_edges, first, last, left, right, head, notes)
     a, b = room[0], room[1]
     found = np.zeros(6)
     deepest = 0.0
     for r in range(first, last):
         half_y = 0.5 * (y_edges[r + 1] - y_edges[r])
         y = y_edges[r] + half_y
-        in_from, in_to = _span(s0, s1, seen, y)
+        in_from, in_to = span(s0, s1, sides, seen, y)
         for c in range(left, right + 1):
             half_x = 0.5 * (x_edges[c + 1] - x_edges[c])
             x = x_edges[c] + half_x
@@ -164,59 +181,6 @@ def _draw_facet(
                 deepest = max(deepest, -a[i, 2])
             partial[r, c] = True
     return deepest
-
-
-@njit(cache=True, error_model="numpy")
-def _note_sides(
-    s0: int,
-    s1: int,
-    seen: Floats,
-    x_edges: Floats,
-    y_edges: Floats,
-    first: int,
-    last: int,
-    left: int,
-    right: int,
-    head: Ints,
-    notes: Ints,
-) -> None:
-    """Note each side in every cell of the window that it may cross."""
-    used = 0
-    for i in range(s0, s1):
-        j = i + 1 if i + 1 < s1 else s0
-        ax, ay, bx, by = seen[i, 0], seen[i, 1], seen[j, 0], seen[j, 1]
-        low, high = min(ay, by), max(ay, by)
-        if low >= y_edges[last] or high <= y_edges[first]:
-            continue
-        if min(ax, bx) >= x_edges[right + 1] or max(ax, bx) <= x_edges[left]:
-            continue
-        slope = (bx - ax) / (by - ay) if abs(by - ay) > 1e-12 else 0.0
-        for r in range(first, last):
-            if y_edges[r] >= high or y_edges[r + 1] <= low:
-                continue
-            p, q = ax, bx
-            if slope != 0.0:
-                p = ax + slope * (max(low, y_edges[r]) - ay)
-                q = ax + slope * (min(high, y_edges[r + 1]) - ay)
-            p, q = min(p, q), max(p, q)
-            for c in range(left, right + 1):
-                if x_edges[c] < q + 1e-9 and x_edges[c + 1] > p - 1e-9 and used < len(notes):
-                    notes[used, 0], notes[used, 1] = i, head[r, c]
-                    head[r, c] = used
-                    used += 1
-
-
-@njit(cache=True, error_model="numpy")
-def _span(s0: int, s1: int, seen: Floats, y: float) -> tuple[float, float]:
-    """Where a convex facet begins and ends along the line at y."""
-    begins, ends = np.inf, -np.inf
-    for i in range(s0, s1):
-        j = i + 1 if i + 1 < s1 else s0
-        ay, by = seen[i, 1], seen[j, 1]
-        if (ay <= y < by) or (by <= y < ay):
-            x = seen[i, 0] + (y - ay) / (by - ay) * (seen[j, 0] - seen[i, 0])
-            begins, ends = min(begins, x), max(ends, x)
-    return begins, ends
 
 
 @njit(cache=True, error_model="numpy")

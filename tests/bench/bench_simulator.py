@@ -17,9 +17,10 @@ from embreex.rtcore_scene import EmbreeScene
 from scipy.stats import norm
 
 from exploration.devices.simulated import simulate
-from exploration.sensing.elastomer import Rubber, pressure, wrench
+from exploration.sensing.elastomer import Rubber, wrench
 from exploration.sensing.electronics import Memory, draw_unit, read_out
 from exploration.sensing.gap import gap, indentation
+from exploration.sensing.mesh_gap import FEW, MeshGap
 from exploration.sensing.skin import skin_of
 from exploration.sensing.spec import load_sensor
 from models.csg import Cube, Cylinder, Sphere
@@ -149,7 +150,7 @@ def half_plane_share(nx, ny, c, x0, x1, y0, y1):
     return area / (2 * nx * ny * (x1 - x0) * (y1 - y0))
 
 
-def edge_rows(solid, name):
+def edge_rows(solid, name, few):
     rng, skin, array = np.random.default_rng(0), skin_of(LTS), LTS.array
     sigma, z0, pitch = LTS.elastomer.spread, 0.5, 1.8
     node, weight = np.polynomial.legendre.leggauss(6)
@@ -157,21 +158,22 @@ def edge_rows(solid, name):
     y = (array.y[:, None] + pitch / 2 * node).ravel()[:, None]
     inner = (slice(2, -2), slice(2, -2))
     bare, spread = [], []
+    sensed, rubber = MeshGap(solid, skin, LTS.elastomer.thickness, few), Rubber(LTS)
     for i in range(500):
         angle = 0.0 if i % 4 == 0 else rng.uniform(-0.7, 0.7)
         offset = pitch / 2 * rng.integers(-4, 5) if i % 8 == 0 else rng.uniform(-3.0, 3.0)
         where = pose(DOWN @ rotation_exp([0, 0, angle]), [20.0 + offset, 0.3, 19.5])
-        felt = indentation(solid, where, LTS)
+        sensed.feel(where[None])
         cells = skin.x_edges[None, :], skin.y_edges[:, None]
         edge = (np.cos(angle), -np.sin(angle), -offset)
         exact = half_plane_share(*edge, cells[0][:, :-1], cells[0][:, 1:], cells[1][:-1], cells[1][1:])
-        bare.append(np.abs((felt.depth / z0 - exact).sum(axis=1)).max())
+        bare.append(np.abs((sensed.modes[0] / z0 - exact).sum(axis=1)).max())
         distance = -offset - np.cos(angle) * x + np.sin(angle) * y
         mean = [
             np.einsum("rjci,i,j->rc", v.reshape(array.rows, 6, array.columns, 6), weight, weight)[inner] / 4
             for v in (norm.cdf(distance / sigma), norm.pdf(distance / sigma) / sigma)
         ]
-        error = pressure(felt, LTS)[inner] / LTS.elastomer.stiffness / z0 - mean[0]
+        error = rubber.press(sensed.modes, sensed.partial)[inner] / LTS.elastomer.stiffness / z0 - mean[0]
         spread.append(abs((error * mean[1]).sum() / (mean[1] ** 2).sum()) / pitch)
     return [
         row(name, "place of an edge, no spread, worst row of 500 poses", max(bare), "taxel", 0.01),
@@ -209,8 +211,8 @@ def run():
         *frame_rows("cylinder's rim", cylinder, rim_track()),
         *tick_rows(block),
         compile_row(),
-        *edge_rows(block, "few triangles, drawn"),
-        *edge_rows(_fine_block(), "many triangles, cast"),
+        *edge_rows(block, "drawn facets", FEW),
+        *edge_rows(_fine_block(), "cast rays", -1),
         *force_rows(block),
     ]
 

@@ -65,12 +65,13 @@ def edge_share(angle, offset, skin):
     return half_plane_share(np.cos(angle), -np.sin(angle), -offset, x0, x1, y0, y1)
 
 
-@pytest.mark.parametrize("levels", [0, 2])
-def test_edge_is_placed_within_a_hundredth_of_a_taxel_aligned_or_not(block, levels):
-    surface = solid(split(trimesh.creation.box((40.0, 40.0, 40.0)), levels)) if levels else block
+@pytest.mark.parametrize(("levels", "few"), [(0, 600), (0, -1), (3, -1)])
+def test_edge_is_placed_within_a_hundredth_of_a_taxel_aligned_or_not(levels, few):
     skin = skin_of(LTS)
+    felt = MeshGap(solid(split(trimesh.creation.box((40.0, 40.0, 40.0)), levels)), skin, 3.0, few)
     for angle, offset, where in edge_poses(100, np.random.default_rng(1)):
-        share = indentation(surface, where, LTS).depth / 0.5
+        felt.feel(where[None])
+        share = felt.modes[0] / 0.5
         assert np.abs((share - edge_share(angle, offset, skin)).sum(axis=1)).max() < 0.01
 
 
@@ -101,11 +102,10 @@ def test_drawing_and_casting_agree_on_tilted_corners(block):
     for _ in range(30):
         turn = rotation_exp([0, 0, rng.uniform(-3, 3)]) @ rotation_exp([*rng.uniform(-0.05, 0.05, 2), 0])
         where = pose(DOWN @ turn, [*rng.uniform(14, 22, 2), 19.4])[None]
-        sensed = MeshGap(block, skin, 3.0)
-        sensed.feel(where)
-        drawn = sensed.modes.copy()
-        sensed._cast(where)
-        assert np.abs(drawn - sensed.modes).max() < 1e-4
+        drawn, cast = MeshGap(block, skin, 3.0), MeshGap(block, skin, 3.0, few=-1)
+        drawn.feel(where)
+        cast.feel(where)
+        assert np.abs(drawn.modes - cast.modes).max() < 1e-4
 
 
 @pytest.mark.parametrize("sections", [24, 200])
@@ -184,3 +184,18 @@ def test_nothing_is_felt_from_behind_the_sensor(block):
     felt = indentation(block, pose(np.eye(3), [0.0, 0.0, 70.0]), LTS)
     assert felt.depth.max() == 0.0
     assert felt.deepest == 0.0
+
+
+@pytest.mark.parametrize("few", [600, -1])
+def test_each_row_of_a_scan_feels_the_pose_of_its_own_time(few):
+    surface, skin = solid(trimesh.creation.cylinder(20.0, 40.0, sections=150)), skin_of(LTS)
+    start = pose(DOWN @ rotation_exp([0.01, 0.01, 0.3]), [19.0, 1.0, 19.5])
+    steps = np.linspace(0.0, 1.0, 2 * skin.shape[0] + 1)
+    poses = np.stack(
+        [start @ pose(rotation_exp([0, 0, 0.02 * s]), [0.4 * s, 0.3 * s, 0.05 * s]) for s in steps]
+    )
+    scanned, still = MeshGap(surface, skin, 3.0, few), MeshGap(surface, skin, 3.0, few)
+    scanned.feel(poses)
+    for r in range(skin.shape[0]):
+        still.feel(poses[2 * r + 1][None])
+        assert np.abs(scanned.modes[0, r] - still.modes[0, r]).max() < (2e-3 if few < 0 else 1e-9)
