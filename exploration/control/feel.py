@@ -8,6 +8,7 @@ spread bends the profile, so that rim is left out wherever enough remains (our d
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -29,12 +30,13 @@ class FeelConfig:
 
 @dataclass(frozen=True)
 class Felt:
-    """One frame in five numbers."""
+    """One frame in a few numbers."""
 
     depth: float  # [mm] at the contact's middle, as if the rubber did not spread
     slope: Floats  # (2,) [mm/mm] of depth at the pad's center
     centroid: Floats  # (2,) [mm]
     curvature: Floats  # (2,) [1/mm] principal, larger first; positive where the object is convex
+    hessian: Floats  # (2, 2) [1/mm] the same in the pad's axes
     area: float  # [mm^2] of the touched taxels
     mask: Bools  # (rows, columns) touched
 
@@ -45,7 +47,7 @@ class NotTouching:
 
     reason: str = "no taxel stands out of the noise"
 
-    def __bool__(self) -> bool:
+    def __bool__(self) -> Literal[False]:
         return False
 
 
@@ -84,6 +86,7 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         slope=c[1:3] + k @ centroid,
         centroid=centroid,
         curvature=np.array([middle + spread, middle - spread]),
+        hessian=k,
         area=float(mask.sum()) * image.array.pitch[0] * image.array.pitch[1],
         mask=mask,
     )

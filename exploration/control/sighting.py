@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.control.feel import Felt
 from exploration.devices.guard import Observation
 from exploration.sensing.line import Line
 from primitives.arrays import Floats
@@ -34,3 +35,41 @@ def sight(line: Line, seen: Observation) -> Sighting:
         sigma=float(np.sqrt(line.covariance[1, 1])),
         length=line.length,
     )
+
+
+def brink(seen: Observation, felt: Felt, heading: Floats) -> Sighting:
+    """The edge that ends a contact ahead, where no line is told apart: across the heading, at the contact's end.
+
+    A narrow contact, as of a cylinder, is cut by its edge over a few taxels only; that it ends is plain.
+    """
+    ahead = reach_along(felt, seen, heading)
+    across = float(felt.centroid @ np.array([-heading[1], heading[0]]))
+    foot = ahead * heading + across * np.array([-heading[1], heading[0]])
+    turn = seen.world_from_sensor[:3, :3]
+    return Sighting(
+        point=turn @ np.array([foot[0], foot[1], -felt.depth]) + seen.world_from_sensor[:3, 3],
+        tangent=turn[:, :2] @ np.array([-heading[1], heading[0]]),
+        outward=turn[:, :2] @ heading,
+        normal=-turn[:, 2],
+        sigma=0.7 * float(min(seen.image.array.pitch)),
+        length=float(np.sqrt(felt.area)),
+    )
+
+
+def reach_along(felt: Felt, seen: Observation, heading: Floats) -> float:
+    """How far [mm] contact reaches from the pad's center along a (2,) heading, its outermost tenth left out."""
+    rows, columns = np.nonzero(felt.mask)
+    along = seen.image.array.x[columns] * heading[0] + seen.image.array.y[rows] * heading[1]
+    return float(np.percentile(along, 90))
+
+
+def ends_by_curving(line: Line, felt: Felt, share: float = 0.6, least: float = 0.008) -> bool:
+    """Whether contact would end at a line anyway, because the surface curves away from the pad there.
+
+    A surface of curvature k [1/mm] pressed d deep touches within sqrt(2 d / k) of its deepest place.
+    """
+    curvature = float(line.inward @ felt.hessian @ line.inward)
+    if curvature < least:
+        return False
+    away = float(line.distance(felt.centroid[None])[0])
+    return away > share * float(np.sqrt(2.0 * max(felt.depth, 0.05) / curvature))

@@ -10,9 +10,9 @@ from typing import Literal
 
 import numpy as np
 
-from exploration.control.feel import feel
+from exploration.control.feel import Felt, feel
 from exploration.control.servo import ServoGains, hybrid_twist
-from exploration.control.sighting import Sighting, sight
+from exploration.control.sighting import Sighting, reach_along, sight
 from exploration.devices.guard import Guard, Observation
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough import find_lines
@@ -38,6 +38,8 @@ class StrokeConfig:
     least_round: float = 25.0  # [mm] of travel before that can be
     lost: int = 12  # frames without contact
     every: int = 5  # ticks between looks for an edge
+    recede: float = 0.5  # share of its farthest reach ahead, at which a contact is ending
+    sharp: float = 0.16  # [1/mm] a contact this curved is going over an edge
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,7 @@ class TrustConfig:
     curvature: float = 0.15  # [1/mm] beyond which the rubber blurs too much
     floor: float = 0.01  # [mm] of error common to a whole frame, which its noise does not show
     normal_floor: float = 0.002  # [rad] the same for normals
+    curved_floor: float = 0.04  # [rad] for normals of curved patches, which an edge nearby bends
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,8 @@ def follow_surface(
     cells: list[Floats] = []
     start = guard.world_from_sensor
     at, travel, since, missing, confirmed, ticks = start, 0.0, np.inf, 0, 0, 0
+    farthest, ending, over = 0.0, 0, 0
+    half = 0.5 * float(np.abs(heading) @ np.asarray(guard.sensor.array.size))
     ended: Ended = "length"
     seen = guard.hold()
     while travel < length:
@@ -93,12 +98,20 @@ def follow_surface(
             near = edge_near(find_lines(seen.image, 3), heading, seen.image, config)
             confirmed = confirmed + 1 if near else 0
         ticks += 1
+        reach = reach_along(felt, seen, heading)
+        farthest = max(farthest, reach)
+        ending = ending + 1 if reach < config.recede * farthest and reach < 0.6 * half else 0
+        over = over + 1 if felt.curvature[0] > config.sharp else 0
+        if ending >= config.confirm * 2 or over >= config.confirm:
+            ended = "edge"
+            break
         if confirmed >= config.confirm:
             ended = "edge"
             break
         if since >= config.spacing:
             since = 0.0
-            keep(seen, touch, stroke, kept, cells)
+            keep(seen, touch, stroke, kept)
+            cells.append(touched_cells(seen, felt))
         if travel > config.least_round and _returned(at, start, config):
             ended = "closed"
             break
@@ -134,10 +147,9 @@ def keep(
     touch: int,
     stroke: int,
     kept: list[Contacts],
-    cells: list[Floats],
     trust: TrustConfig = TrustConfig(),
 ) -> None:
-    """Turn a frame into contacts and touched cells, where it shows a smooth surface."""
+    """Turn a frame into contacts, where it shows a smooth surface."""
     what = perceive(seen.image)
     if isinstance(what.surface, NoSurface) or not _trusted(what, what.surface, trust):
         return
@@ -148,13 +160,21 @@ def keep(
         replace(
             found,
             sigma=frozen(np.hypot(found.sigma, trust.floor)),
-            normal_sigma=frozen(np.hypot(found.normal_sigma, trust.normal_floor)),
+            normal_sigma=frozen(
+                np.hypot(
+                    found.normal_sigma, trust.curved_floor if what.surface.curved else trust.normal_floor
+                )
+            ),
         )
     )
-    rows, columns = np.nonzero(what.surface.mask)
-    xy = np.stack([seen.image.array.x[columns], seen.image.array.y[rows]], axis=1)
-    local = np.column_stack([xy, -what.surface.depth_at(xy)])
-    cells.append(se3.transform_points(seen.world_from_sensor, local))
+
+
+def touched_cells(seen: Observation, felt: Felt) -> Floats:
+    """(n, 3) world points under the touched taxels."""
+    rows, columns = np.nonzero(felt.mask)
+    depth = np.maximum(seen.image.depth[rows, columns], 0.0)
+    local = np.column_stack([seen.image.array.x[columns], seen.image.array.y[rows], -depth])
+    return se3.transform_points(seen.world_from_sensor, local)
 
 
 def _trusted(what: Touch, surface: LocalSurface, trust: TrustConfig) -> bool:

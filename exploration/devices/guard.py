@@ -7,6 +7,7 @@ counts what exploration costs, and shows each observation to whoever records or 
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -18,6 +19,9 @@ from exploration.sensing.frame import TactileImage, TaxelFrame
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
+
+_TRAIL = 80  # ticks of the way back that are remembered
+_TRAIL_STEP = 10  # ticks between its stops
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,7 @@ class Guard:
         self.active = 0
         self.cost = Cost()
         self._last: Observation | None = None
+        self._trail: deque[Floats] = deque(maxlen=_TRAIL)
 
     @property
     def sensor(self) -> TactileSensor:
@@ -147,6 +152,7 @@ class Guard:
             self.cost.travel += float(np.linalg.norm(step))
             self.cost.seconds += seen.time - self._last.time
         self._last = seen
+        self._trail.append(seen.world_from_sensor)
 
     def _enforce(self, seen: Observation, live: np.ndarray) -> None:
         alarms = self.stage.events()
@@ -169,11 +175,15 @@ class Guard:
             )
 
     def _back_off(self, distance: float = 5.0) -> None:
+        """Back along the way that the array came, which was free, and then off the surface."""
         self.stage.stop()
-        retreat = self.world_from_sensor @ se3.pose(translation=[0.0, 0.0, -distance])
-        self.stage.go_to(retreat @ se3.inverse(self.sensor.flange_from_sensor))
-        while self.stage.moving:
-            self.sensor.read()
+        way_back = list(self._trail)[-2::-_TRAIL_STEP]
+        lift = se3.pose(translation=[0.0, 0.0, -distance])
+        for world_from_sensor in [*way_back, (way_back[-1] if way_back else self.world_from_sensor) @ lift]:
+            self.stage.go_to(world_from_sensor @ se3.inverse(self.sensor.flange_from_sensor))
+            while self.stage.moving:
+                self.sensor.read()
+        self._trail.clear()
         self.stage.events()
 
 

@@ -16,10 +16,11 @@ from exploration.control.dwell import dwell
 from exploration.control.feel import feel
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
 from exploration.control.procedures.land import land
-from exploration.control.sighting import Sighting, sight
+from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_edge import follow_edge
-from exploration.control.track_surface import Stroke, follow_surface, keep
+from exploration.control.track_surface import Stroke, follow_surface, keep, touched_cells
 from exploration.devices.guard import Collision, Guard, OverPress
+from exploration.planning.consistency import drop_contradicted
 from exploration.planning.frontier import Frontier, OpenEdge, Predicted
 from exploration.planning.search import sweeps
 from exploration.planning.touched import Touched
@@ -27,9 +28,10 @@ from exploration.planning.transit import Support, box_supports, way
 from exploration.sensing.hough import find_lines
 from primitives import pose as se3
 from primitives.arrays import Floats
+from primitives.classify import RankOptions
 from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit
-from primitives.patch_graph import PatchGraph
+from primitives.patch_graph import MergeOptions, PatchGraph
 
 
 @dataclass(frozen=True)
@@ -44,13 +46,30 @@ class ExplorerConfig:
     roll: tuple[float, ...] = (60.0, 95.0, 30.0)  # [deg] attitudes from which an edge is crossed, in turn
     overlap: float = 5.0  # [mm] of the pad that reaches back over the edge
     tries: int = 2  # at the same open thing
+    near: float = 0.1  # [mm] a contact this far from a known face belongs to it
+    turned: float = 0.06  # [rad] as long as its normal is no farther off
+    least_contacts: int = 5  # that make a new face
+    least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one
+
+
+_MERGE = MergeOptions(
+    rank=RankOptions(
+        prior={
+            "plane": 0.5,
+            "cylinder": 0.25,
+            "cone": 0.1,
+            "sphere": 0.1,
+            "torus": 1e-9,
+        },  # no torus is convex
+    )
+)
 
 
 @dataclass
 class Findings:
     """What exploration has so far; read it whenever the generator yields."""
 
-    graph: PatchGraph = field(default_factory=PatchGraph)
+    graph: PatchGraph = field(default_factory=lambda: PatchGraph(options=_MERGE))
     traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
     ended: str = ""
     open: int = 0  # things still open, when last counted
@@ -75,14 +94,17 @@ class Explorer:
         self._seen: list[tuple[Sighting, int]] = []
         self._crossed: list[Floats] = []
         self._tried: list[Floats] = []
-        self._pose: dict[int, Floats] = {}
 
     def run(self) -> Iterator[Findings]:
         """Explore; yields after every move."""
         if not self._find():
             self.found.ended = "nothing was found in the workspace"
             return
-        face = self._study()
+        face: int | None = None
+        try:
+            face = self._study()
+        except (OverPress, Collision) as error:
+            self.found.warnings.append(str(error))
         yield self._say("found the object")
         while self.guard.cost.touches < self.config.max_touches:
             move = self._next(face)
@@ -94,7 +116,6 @@ class Explorer:
             except (OverPress, Collision) as error:
                 self.found.warnings.append(str(error))
                 done, note = None, f"backed off: {error}"
-                self._leave()
             face = done if done is not None else face
             yield self._say(note)
         self.found.ended = "budget"
@@ -153,52 +174,88 @@ class Explorer:
         strokes: list[Contacts] = [first]
         edges: list[Sighting] = self._sightings()
         axis = self._axes()
-        for heading in (axis[:, 0], axis[:, 1]):
-            strokes_back = 0.0
-            for sign in (1.0, -1.0):
-                stroke = self._stroke(sign * heading)
-                strokes.append(stroke.contacts)
-                if stroke.ended == "edge":
-                    edges.extend(self._sightings())
-                strokes_back = stroke.travel
-                if stroke.ended in ("closed", "lost"):
-                    break
-            if strokes_back > 4.0:
-                self._stroke(heading, strokes_back / 2.0)
+        try:
+            for heading in (axis[:, 0], axis[:, 1]):
+                self._stroke_across(heading, strokes, edges)
+        except (OverPress, Collision) as error:
+            self.found.warnings.append(str(error))
         contacts = Contacts.concatenate(strokes)
-        if len(contacts) < 3:
+        face = self._take_in(contacts)
+        if face is None:
             self.found.warnings.append("a face was too small to be measured")
             return None
-        self.found.graph, face = self.found.graph.add_stroke(contacts)
-        self._pose[face] = self.guard.world_from_sensor
         self._seen.extend((edge, face) for edge in edges)
         return face
+
+    def _take_in(self, contacts: Contacts) -> int | None:
+        """Give contacts to the faces that explain them; what is left over is a new face, if there is enough."""
+        owner = np.full(len(contacts), -1)
+        best = np.full(len(contacts), np.inf)
+        for face in self.found.graph.faces:
+            if isinstance(face.fit, Fit) and len(contacts):
+                off = self._misfit(face.fit, contacts)
+                closer = off < np.minimum(best, 1.0)
+                owner[closer], best[closer] = face.id, off[closer]
+        home: int | None = None
+        for face_id in np.unique(owner[owner >= 0]):
+            self.found.graph = self.found.graph.add_contacts(contacts.select(owner == face_id), int(face_id))
+        if (owner >= 0).any():
+            home = int(np.bincount(owner[owner >= 0]).argmax())
+        rest = contacts.select(owner < 0)
+        if len(rest) >= max(self.config.least_contacts, self.config.least_share * len(contacts)):
+            self.found.graph, home = self.found.graph.add_stroke(rest)
+        self.found.graph = drop_contradicted(self.found.graph)
+        return home if any(face.id == home for face in self.found.graph.faces) else None
+
+    def _misfit(self, fit: Fit, contacts: Contacts) -> Floats:
+        """(n,) distance and turn from a fitted face, in units of what still belongs to it."""
+        off = np.abs(fit.shape.signed_distance(contacts.points)) / np.hypot(
+            4.0 * contacts.sigma, self.config.near
+        )
+        side = 1.0 if fit.convex else -1.0
+        facing = side * (fit.shape.normals(contacts.points) * contacts.normals).sum(axis=1)
+        turn = np.arccos(np.clip(facing, -1.0, 1.0)) / np.hypot(
+            3.0 * contacts.normal_sigma, self.config.turned
+        )
+        return np.asarray(np.maximum(off, turn))
+
+    def _stroke_across(self, heading: Floats, strokes: list[Contacts], edges: list[Sighting]) -> None:
+        """To the edge on one side, to the edge on the other, and back to the middle."""
+        travel = 0.0
+        for sign in (1.0, -1.0):
+            stroke = self._stroke(sign * heading)
+            strokes.append(stroke.contacts)
+            if stroke.ended == "edge":
+                edges.extend(self._sightings(sign * heading))
+            travel = stroke.travel
+            if stroke.ended in ("closed", "lost"):
+                return
+        if travel > 4.0:
+            self._stroke(heading, travel / 2.0)
 
     def _known(self, contacts: Contacts) -> int | None:
         """The face that these contacts lie on, if it is one of those found."""
         for face in self.found.graph.faces:
-            if not isinstance(face.fit, Fit) or not len(contacts):
-                continue
-            off = np.abs(face.fit.shape.signed_distance(contacts.points))
-            side = 1.0 if face.fit.convex else -1.0
-            facing = side * (face.fit.shape.normals(contacts.points) * contacts.normals).sum(axis=1)
-            if np.median(off) < 0.12 and np.median(facing) > np.cos(np.radians(3.0)):
+            if (
+                isinstance(face.fit, Fit)
+                and len(contacts)
+                and np.median(self._misfit(face.fit, contacts)) < 1.0
+            ):
                 return face.id
         return None
 
     def _join(self, contacts: Contacts, face: int) -> None:
         if len(contacts):
             self.found.graph = self.found.graph.add_contacts(contacts, face)
-        self._pose[face] = self.guard.world_from_sensor
 
     def _feel_here(self) -> Contacts:
         """Contacts of the place under the pad, from averaged frames."""
         seen = dwell(self.guard, 8)
         kept: list[Contacts] = []
-        cells: list[Floats] = []
         self.guard.cost.strokes += 1
-        keep(seen, self.guard.cost.touches, self.guard.cost.strokes, kept, cells)
-        self._lie(np.concatenate(cells) if cells else np.empty((0, 3)))
+        keep(seen, self.guard.cost.touches, self.guard.cost.strokes, kept)
+        felt = feel(seen.image)
+        self._lie(touched_cells(seen, felt) if felt else np.empty((0, 3)))
         return Contacts.concatenate(kept)
 
     def _stroke(self, heading: Floats, length: float | None = None) -> Stroke:
@@ -236,10 +293,18 @@ class Explorer:
             long = np.array([1.0, 0.0])
         return np.array([[long[0], -long[1]], [long[1], long[0]]])
 
-    def _sightings(self) -> list[Sighting]:
+    def _sightings(self, heading: Floats | None = None) -> list[Sighting]:
+        """Edges under the pad; where contact ends ahead and no line says where, the end itself."""
         seen = dwell(self.guard, 6)
-        lines = find_lines(seen.image, 3)
-        return [sight(line, seen) for line in lines if line.length > self.config.least_line]
+        felt = feel(seen.image)
+        if not felt:
+            return []
+        lines = [line for line in find_lines(seen.image, 3) if line.length > self.config.least_line]
+        lines = [line for line in lines if not ends_by_curving(line, felt)]
+        found = [sight(line, seen) for line in lines]
+        if heading is not None and not any(-line.inward @ heading > 0.4 for line in lines):
+            found.append(brink(seen, felt, heading))
+        return found
 
     # -- edges
 
@@ -263,10 +328,19 @@ class Explorer:
             point = sighting.point[None]
             side = 1.0 if face.fit.convex else -1.0
             normal = side * face.fit.shape.normals(point)[0]
-            near = abs(float(face.fit.shape.signed_distance(point)[0])) < self.config.explained
-            if near and abs(normal @ sighting.tangent) < 0.3 and normal @ sighting.outward > 0.1:
+            slack = self.config.explained + 2.0 * sighting.sigma
+            near = abs(float(face.fit.shape.signed_distance(point)[0])) < slack
+            if near and abs(normal @ sighting.tangent) < 0.5 and normal @ sighting.outward > 0.1:
                 return True
-        return False
+        return self._goes_on(sighting, own)
+
+    def _goes_on(self, sighting: Sighting, own: int) -> bool:
+        """Whether the face was touched beyond the edge that was seen, which then was none."""
+        fit = next((f.fit for f in self.found.graph.faces if f.id == own), None)
+        if not isinstance(fit, Fit):
+            return fit is None
+        beyond = fit.shape.project((sighting.point + 5.0 * sighting.outward)[None])
+        return bool(self.touched.covers(beyond, 2.0)[0])
 
     def _cross(self, sighting: Sighting, own: int) -> tuple[int | None, str]:
         """Roll over an edge onto the face behind it."""
@@ -327,19 +401,15 @@ class Explorer:
             distance = float(np.linalg.norm(toward))
             if distance > 1.0:
                 stroke = self._stroke(toward / distance, distance + self.config.feature)
-                self._note_edges(stroke, face)
-                if len(stroke.contacts):
-                    if self._known(stroke.contacts) == face:
-                        self._join(stroke.contacts, face)
-                    else:
-                        self.found.graph, face = self.found.graph.add_stroke(stroke.contacts)
-                return face, "stroked what was untouched"
+                self._note_edges(stroke, face, toward / distance)
+                taken = self._take_in(stroke.contacts) if len(stroke.contacts) else None
+                return face if taken is None else taken, "stroked what was untouched"
         nearest = int(np.argmin(np.linalg.norm(missing.points - self._here.point, axis=1)))
         return self._visit(missing.points[nearest], missing.normals[nearest])
 
-    def _note_edges(self, stroke: Stroke, face: int) -> None:
+    def _note_edges(self, stroke: Stroke, face: int, heading: Floats) -> None:
         if stroke.ended == "edge":
-            self._seen.extend((edge, face) for edge in self._sightings())
+            self._seen.extend((edge, face) for edge in self._sightings(heading))
 
     def _visit(self, point: Floats, normal: Floats) -> tuple[int | None, str]:
         """Touch down at a predicted point."""
@@ -358,8 +428,8 @@ class Explorer:
             return False
         return abs(float(fit.shape.signed_distance(self._here.point[None])[0])) < 2.0
 
-    def _given_up(self, point: Floats) -> bool:
-        return sum(float(np.linalg.norm(p - point)) < 1.5 for p in self._tried) >= self.config.tries
+    def _given_up(self, point: Floats, within: float = 1.5) -> bool:
+        return sum(float(np.linalg.norm(p - point)) < within for p in self._tried) >= self.config.tries
 
     def _unfinished(self, missing: Predicted) -> Predicted:
         keep_ = np.array([not self._given_up(p) for p in missing.points], dtype=bool)

@@ -18,6 +18,7 @@ from primitives.evidence import EdgeTrace
 from primitives.fit import Fit
 from primitives.half_spaces import HalfSpaces
 from primitives.patch_graph import Face
+from primitives.shapes import Plane, Shape
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class Frontier:
         on &= ((points > self.box[0]) & (points < self.box[1])).all(axis=1)
         points = points[on]
         a, b = self.body.shapes[i].normals(points), self.body.shapes[j].normals(points)
-        return points[(a * b).sum(axis=1) < 0.95]
+        return np.asarray(points[(a * b).sum(axis=1) < 0.95])
 
     def _runs(self, i: int, j: int, points: Floats) -> list[OpenEdge]:
         runs: list[OpenEdge] = []
@@ -114,7 +115,7 @@ class Frontier:
             member = np.zeros(len(left), dtype=bool)
             member[0] = True
             for _ in range(200):
-                grown = KDTree(left[member]).query(left)[0] < 2.5 * self.config.spacing
+                grown = np.asarray(KDTree(left[member]).query(left)[0] < 2.5 * self.config.spacing)
                 if grown.sum() == member.sum():
                     break
                 member = grown
@@ -139,9 +140,7 @@ class Frontier:
         return runs
 
 
-def _outward(fit: Fit):  # type: ignore[no-untyped-def]
+def _outward(fit: Fit) -> Shape:
     """A plane's normal turned out of the material; other shapes as they are."""
-    from primitives.shapes import Plane
-
     shape = fit.shape
     return Plane(shape.origin, -shape.normal) if isinstance(shape, Plane) and not fit.convex else shape

@@ -58,11 +58,11 @@ def _via(
     legs = [near, far] if stop is None else [near, stop, far]
     if any(a.normal @ b.normal < config.wedge for a, b in itertools.pairwise(legs)):
         return []
-    at = start[:3, 3] + near.normal * max(0.0, config.clearance - (start[:3, 3] - near.point) @ near.normal)
+    at = start[:3, 3] + near.normal * _short(start[:3, 3], near, config.clearance)
     points = [at]
     for a, b in itertools.pairwise(legs):
         points.append(_into_wedge(points[-1], a, b, config.clearance))
-    above = goal[:3, 3] + far.normal * max(0.0, config.clearance - (goal[:3, 3] - far.point) @ far.normal)
+    above = goal[:3, 3] + far.normal * _short(goal[:3, 3], far, config.clearance)
     points.append(above)
     turns = np.linspace(0.0, 1.0, len(points))
     turn = se3.rotation_log(goal[:3, :3] @ start[:3, :3].T)
@@ -81,10 +81,17 @@ def _into_wedge(point: Floats, a: Support, b: Support, clearance: float) -> Floa
     straight: Floats = point + short * b.normal
     if (straight - a.point) @ a.normal >= clearance:
         return straight
+    if a.normal @ b.normal > 0.999:
+        return straight
     normals = np.stack([a.normal, b.normal])
     need = np.array([clearance - (point - a.point) @ a.normal, short])
     step: Floats = point + normals.T @ np.linalg.solve(normals @ normals.T, need)
     return step
+
+
+def _short(point: Floats, support: Support, clearance: float) -> float:
+    """How much [mm] a point lacks to be `clearance` in front of a plane."""
+    return max(0.0, clearance - float((point - support.point) @ support.normal))
 
 
 def _length(start: Floats, poses: list[Floats]) -> float:
