@@ -111,28 +111,33 @@ def parse_numbers(text: str, count: int, flag: str, form: str) -> tuple[float, .
 
 def to_toml(options: ExploreOptions, version: str, resolved: Mapping[str, object] | None = None) -> str:
     """`config.toml`: the settings, and under `[resolved]` what they came to (sensor presets, drawn poses)."""
-    settings = {
-        _EDGE_NAMES.get(field.name, field.name): getattr(options, field.name)
-        for field in fields(options)
-        if field.name not in _NOT_SETTINGS
-    }
-    lines = [*toml_lines({"version": version, "command": "explore"}), "", "[settings]", *toml_lines(settings)]
+    head = toml_lines({"version": version, "command": "explore"})
+    lines = [*head, "", "[settings]", *toml_lines(settings(options))]
     if resolved:
         lines += ["", "[resolved]", *toml_lines(resolved)]
     return "\n".join(lines) + "\n"
 
 
+def settings(options: ExploreOptions) -> dict[str, object]:
+    """The settings under the names that they have in files."""
+    return {
+        _EDGE_NAMES.get(field.name, field.name): getattr(options, field.name)
+        for field in fields(options)
+        if field.name not in _NOT_SETTINGS
+    }
+
+
 def from_toml(path: Path) -> ExploreOptions:
     """The settings of a saved run."""
     try:
-        settings = tomllib.loads(path.read_text(encoding="utf-8"))["settings"]
+        told = tomllib.loads(path.read_text(encoding="utf-8"))["settings"]
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError) as error:
         raise PalpateError(f"{path} is not the config.toml of a run: {_first_line(error)}") from error
     names = {_EDGE_NAMES.get(field.name, field.name): field.name for field in fields(ExploreOptions)}
-    unknown = sorted(set(settings) - set(names))
+    unknown = sorted(set(told) - set(names))
     _require(not unknown, f"{path} has the unknown setting {', '.join(unknown)}; remove it")
     try:
-        arguments: dict[str, Any] = {names[key]: _tuples(value) for key, value in settings.items()}
+        arguments: dict[str, Any] = {names[key]: _tuples(value) for key, value in told.items()}
         return ExploreOptions(**arguments)
     except TypeError as error:
         raise PalpateError(f"{path} is not the config.toml of a run: {_first_line(error)}") from error

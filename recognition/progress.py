@@ -1,6 +1,9 @@
 """What a run tells whoever watches it; the watcher draws, the run never does."""
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -15,3 +18,8 @@ class Progress:
     device_time: float = 0.0  # [s]
     open: int = 0  # frontier items that exploration still has to close
     note: str = ""  # the last move, in a few words
+    folder: Path | None = None  # where the run is being written
+
+    def within(self, folder: Path) -> Progress:
+        """The same, of a run that is written to `folder`."""
+        return replace(self, folder=folder)

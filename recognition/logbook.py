@@ -1,0 +1,112 @@
+"""What a run sees, written down: every frame and event to the recording, and a choice of frames for the report.
+
+The choice is bounded while the run lasts: when a list is full every second frame of it goes and half as many are
+taken from then on.  Frames in contact have their own, longer list, because those are what one wants to look at.
+The wrench is that of the pressure on the taxels about the pad's center: with f the force on a taxel at (x, y),
+force (0, 0, -sum f) and torque (-sum y f, sum x f, 0), in the sensor's frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.devices.guard import Guard, Observation
+from exploration.recordings.mcap import Recorder
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.hough import find_lines
+from primitives.arrays import Floats
+from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
+
+
+@dataclass(frozen=True)
+class LogConfig:
+    """How much is kept for the report."""
+
+    contact_frames: int = 1150
+    free_frames: int = 350
+    sigmas: float = 6.0  # a frame is in contact when its force is this far out of its noise
+
+
+@dataclass(frozen=True)
+class _Kept:
+    seen: Observation
+    touch: int  # -1 where nothing is touched
+
+
+class Logbook:
+    """Watches a guard."""
+
+    def __init__(self, recorder: Recorder, config: LogConfig | None = None) -> None:
+        self._recorder = recorder
+        self._config = config or LogConfig()
+        self._contact = Thinned(self._config.contact_frames)
+        self._free = Thinned(self._config.free_frames)
+        self._time = 0.0
+
+    def observe(self, guard: Guard, seen: Observation) -> None:
+        """Write one observation down."""
+        self._time = seen.time
+        self._recorder.frame(seen.image.array.name, seen.frame, seen.world_from_sensor, wrench(seen.image))
+        if seen.force > self._config.sigmas * force_sigma(seen.image):
+            self._contact.offer(_Kept(seen, guard.cost.touches - 1))
+        else:
+            self._free.offer(_Kept(seen, -1))
+
+    def announce(self, kind: str, detail: Mapping[str, object]) -> None:
+        """Write down that something happened, now."""
+        self._recorder.event(self._time, kind, detail)
+
+    def frames(self) -> ReportFrames:
+        """The frames that were kept, in order, and the lines in those that touched."""
+        kept = sorted([*self._contact.kept, *self._free.kept], key=lambda item: item.seen.time)
+        if not kept:
+            return EMPTY_FRAMES
+        return ReportFrames(
+            times=np.array([item.seen.time for item in kept]),
+            poses=np.stack([item.seen.world_from_sensor for item in kept]),
+            counts=np.stack([item.seen.frame.counts for item in kept]),
+            forces=np.array([item.seen.force for item in kept]),
+            touch=np.array([item.touch for item in kept]),
+            lines=[_lines(item) for item in kept],
+        )
+
+
+class Thinned:
+    """At most `most` of what it is offered, evenly spread, without knowing how much will come."""
+
+    def __init__(self, most: int) -> None:
+        self.kept: list[_Kept] = []
+        self._most, self._stride, self._count = most, 1, 0
+
+    def offer(self, item: _Kept) -> None:
+        """Keep it if its turn has come."""
+        if self._count % self._stride == 0:
+            if len(self.kept) == self._most:
+                self.kept = self.kept[::2]
+                self._stride *= 2
+            if self._count % self._stride == 0:
+                self.kept.append(item)
+        self._count += 1
+
+
+def wrench(image: TactileImage) -> Floats:
+    """(6,) force [N] and torque about the pad's center [N mm], in the sensor's frame."""
+    array = image.array
+    area = array.pitch[0] * array.pitch[1]
+    pressed = np.where(np.isfinite(image.sigma), image.depth, 0.0) * (image.stiffness * area)
+    return np.array([0.0, 0.0, -pressed.sum(), -(array.y @ pressed).sum(), (pressed @ array.x).sum(), 0.0])
+
+
+def force_sigma(image: TactileImage) -> float:
+    """[N] standard deviation of the sum over the taxels."""
+    live = image.sigma[np.isfinite(image.sigma)]
+    return float(image.stiffness * image.array.pitch[0] * image.array.pitch[1] * np.sqrt((live**2).sum()))
+
+
+def _lines(item: _Kept) -> Floats:
+    if item.touch < 0:
+        return np.empty((0, 2))
+    return np.array([(line.angle, line.offset) for line in find_lines(item.seen.image)]).reshape(-1, 2)

@@ -1,0 +1,171 @@
+"""Evidence -> model: the faces that were felt become a boundary and a CSG tree, each part of it with its status.
+
+A face is measured when contacts lie on it.  An edge is measured when a trace ran along it, or when both its faces
+are measured and were touched beside it: most of its points have a contact of each face within reach.  What is not
+measured is inferred from the surfaces that meet there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from models.brep import Edge
+from models.triangle_tree import TriangleTree
+from primitives.arrays import Floats, Ints
+from primitives.errors import PalpateError
+from primitives.evidence import Contacts, EdgeTrace
+from primitives.fit import Fit
+from primitives.patch_graph import PatchGraph
+from primitives.shapes import parameters
+from recognition.assembly import Assembly, NotClosed, assemble
+from recognition.assembly.described import (
+    LinkedBoundary,
+    describe_edges,
+    describe_faces,
+    describe_primitives,
+    link,
+)
+from recognition.assembly.uncertainty import face_sigma
+
+Rows = list[dict[str, Any]]
+NO_FACE = -1
+
+
+@dataclass(frozen=True)
+class ReconstructOptions:
+    """What counts as touched."""
+
+    beside: float = 10.0  # [mm] from a point of an edge to the nearest contact of a face that meets there
+    most: float = 0.5  # share of an edge's points that must have such contacts
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """A closed body, or why there is none; and what was felt either way."""
+
+    assembly: Assembly | NotClosed
+    boundary: LinkedBoundary | None
+    faces: Rows  # as in the summary
+    edges: Rows
+    primitives: Rows
+    contacts: Contacts
+    face_of_contact: Ints  # (n,) id of a face of the summary; -1 where it lies on none
+    warnings: tuple[str, ...]
+
+    def brep_json(self) -> dict[str, Any]:
+        """`brep.json`: the summary's faces and edges with loops, curves and vertices."""
+        if self.boundary is None:
+            return {"faces": self.faces, "edges": self.edges, "vertices_mm": []}
+        whole = self.boundary.brep.as_json()
+        for kind, rows in (("faces", self.faces), ("edges", self.edges)):
+            whole[kind] = [geometry | told for geometry, told in zip(whole[kind], rows, strict=True)]
+        return whole
+
+
+@dataclass(frozen=True)
+class _FeltFace:
+    fit: Fit
+    contacts: Contacts
+
+
+def reconstruct(
+    graph: PatchGraph,
+    traces: Sequence[EdgeTrace],
+    box: Floats,
+    options: ReconstructOptions | None = None,
+) -> Reconstruction:
+    """The body behind the faces of a graph, in the (2, 3) workspace `box` [mm]."""
+    options = options or ReconstructOptions()
+    felt = [_FeltFace(face.fit, face.contacts) for face in graph.faces if isinstance(face.fit, Fit)]
+    loose = [face.contacts for face in graph.faces if not isinstance(face.fit, Fit)]
+    contacts = Contacts.concatenate([*(face.contacts for face in felt), *loose])
+    fit_of_contact = np.repeat(
+        [*range(len(felt)), *(NO_FACE for _ in loose)],
+        [len(table) for table in (*(face.contacts for face in felt), *loose)],
+    ).astype(np.int64)
+    assembly = _assembled(felt, box)
+    if isinstance(assembly, NotClosed):
+        rows = [_open_face(number, face.fit) for number, face in enumerate(felt)]
+        reason = (f"no closed body: {assembly.reason}",)
+        return Reconstruction(assembly, None, rows, [], [], contacts, fit_of_contact, reason)
+    boundary = link(assembly)
+    face_of_contact = _faces_of(assembly, boundary, contacts, fit_of_contact)
+    faces = describe_faces(assembly, boundary)
+    edges = describe_edges(assembly, boundary, traces)
+    touched = {k: contacts.points[face_of_contact == k] for k in set(face_of_contact.tolist()) - {NO_FACE}}
+    for face in faces:
+        face["status"] = "measured" if face["id"] in touched else "inferred"
+    for row, edge in zip(edges, boundary.brep.edges, strict=True):
+        if _touched_beside(edge, touched, options):
+            row["status"] = "measured"
+    return Reconstruction(
+        assembly, boundary, faces, edges, describe_primitives(assembly), contacts, face_of_contact,
+        assembly.warnings,
+    )  # fmt: skip
+
+
+def _assembled(felt: Sequence[_FeltFace], box: Floats) -> Assembly | NotClosed:
+    """The assembly; surfaces that contradict each other leave no body, and that is an answer too."""
+    if not felt:
+        return NotClosed("no face was measured")
+    try:
+        return assemble(felt, box)
+    except (PalpateError, ArithmeticError, ValueError, RuntimeError) as error:  # LinAlgError, QhullError
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        return NotClosed(f"the measured faces contradict each other ({reason})")
+
+
+def _open_face(number: int, fit: Fit) -> dict[str, Any]:
+    """A face whose extent is not known because the boundary is not closed."""
+    return {
+        "id": number,
+        "shape": fit.kind,
+        "status": "measured",
+        "convex": fit.convex,
+        "parameters": parameters(fit.shape),
+        "sigma": face_sigma(fit.shape, fit.covariance),
+        "extent_mm": None,
+        "area_mm2": None,
+        "hardness_n_mm": None,
+        "roughness_mm": None,
+    }
+
+
+def _faces_of(assembly: Assembly, boundary: LinkedBoundary, contacts: Contacts, fit_of_contact: Ints) -> Ints:
+    """(n,) the face of each contact: of those on its surface, the nearest."""
+    owner = np.full(len(contacts), NO_FACE, dtype=np.int64)
+    for fit, speaker in enumerate(assembly.surface_of_fit):
+        rows = np.flatnonzero(fit_of_contact == fit)
+        faces = [k for k, made in enumerate(boundary.fit_of_face) if speaker is not None and made == speaker]
+        if len(faces) == 1 or not len(rows):
+            owner[rows] = faces[0] if faces else NO_FACE
+        elif faces:
+            solid = assembly.solid
+            away = [
+                TriangleTree(solid.vertices, solid.triangles[boundary.of_triangle == k]).nearest(
+                    contacts.points[rows]
+                )
+                for k in faces
+            ]
+            owner[rows] = np.array(faces)[np.argmin([found.distance for found in away], axis=0)]
+    return owner
+
+
+def _touched_beside(edge: Edge, touched: dict[int, Floats], options: ReconstructOptions) -> bool:
+    if any(face not in touched for face in edge.faces):
+        return False
+    along = _evenly(edge.points, options.beside / 4.0)
+    away = [cKDTree(touched[face]).query(along)[0] for face in edge.faces]
+    return bool(np.mean(np.max(away, axis=0) < options.beside) > options.most)
+
+
+def _evenly(points: Floats, step: float) -> Floats:
+    """(m, 3) points along a (n, 3) polyline, at most `step` [mm] apart."""
+    reached = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    at = np.linspace(0.0, reached[-1], max(2, int(np.ceil(reached[-1] / step)) + 1))
+    return np.column_stack([np.interp(at, reached, points[:, axis]) for axis in range(3)])

@@ -1,0 +1,110 @@
+"""The simulated world of a run: the object at its pose, one array over it, and the guard in front of that array.
+
+The object stays here.  What leaves is the guard, and the truth once exploration has ended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from exploration.devices.guard import Guard, GuardLimits, Observation
+from exploration.devices.simulated import simulate
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import SensorSpec, load_sensor
+from models.part import Part, load_part
+from models.solid import Solid
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+from recognition.config import ExploreOptions
+
+
+@dataclass(frozen=True)
+class WorldConfig:
+    """Room round the workspace."""
+
+    offset: float = 60.0  # [mm] greatest distance of a randomly placed part's middle from the workspace's
+    reach: float = 300.0  # [mm] that the stage travels past the workspace, to go round the object
+    start: float = 60.0  # [mm] above the workspace, where the stage begins, facing down
+
+
+@dataclass(frozen=True)
+class World:
+    """What a simulated run takes place in."""
+
+    part: Part
+    solid: Solid  # the part at its pose
+    spec: SensorSpec
+    box: Floats  # (2, 3) the workspace [mm]
+    config: WorldConfig
+
+    def resolved(self) -> dict[str, Any]:
+        """What the settings came to, for `config.toml`."""
+        return {
+            "world_from_part": {
+                "translation_mm": self.solid.pose[:3, 3],
+                "quaternion_wxyz": se3.quaternion_wxyz(self.solid.pose),
+            },
+            "sensor": asdict(self.spec),
+        }
+
+
+def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> World:
+    """Part and sensor, checked before anything is written; the same for the same seed."""
+    config = config or WorldConfig()
+    if len(options.sensors) != 1:
+        raise PalpateError(
+            f"one --sensor explores at a time for now; choose one of {', '.join(options.sensors)}"
+        )
+    spec = load_sensor(options.sensors[0])
+    if options.noise is not None:
+        spec = replace(spec, electronics=replace(spec.electronics, noise=options.noise))
+    part = load_part(options.part, options.units, options.scale)  # type: ignore[arg-type]
+    box = np.reshape(options.workspace, (2, 3))
+    world_from_part = options.fixed_pose
+    if world_from_part is None:
+        world_from_part = random_pose(part.solid, box, np.random.default_rng(options.seed), config)
+    solid = part.solid.placed(world_from_part)
+    _require_inside(solid, box)
+    return World(part, solid, spec, box, config)
+
+
+def random_pose(solid: Solid, box: Floats, rng: np.random.Generator, config: WorldConfig) -> Floats:
+    """Any attitude alike; the part's middle in a ball round the workspace's, smaller where room is scarce."""
+    middle = solid.bounds.mean(axis=0)
+    radius = float(np.linalg.norm(solid.vertices - middle, axis=1).max())
+    room = float(np.ptp(box, axis=0).min()) / 2.0 - radius
+    turn = se3.random_rotation(rng)
+    way = rng.normal(size=3)
+    distance = min(config.offset, max(room, 0.0)) * rng.uniform() ** (1.0 / 3.0)
+    center = box.mean(axis=0) + distance * way / np.linalg.norm(way)
+    return se3.pose(turn, center - turn @ middle)
+
+
+def guarded(world: World, options: ExploreOptions, observer: Callable[[Guard, Observation], None]) -> Guard:
+    """The array over the object, behind a guard that shows every observation to `observer`."""
+    low, high = world.box
+    x, y = (low + high)[:2] / 2.0
+    above = se3.pose(np.diag([1.0, -1.0, -1.0]), [x, y, high[2] + world.config.start])
+    rng = np.random.default_rng(options.seed)
+    stage, arrays = simulate(world.solid, [world.spec], rng, pose_noise=options.pose_noise, start_pose=above)
+    reach = (*(low - world.config.reach), *(high + world.config.reach))
+    guard = Guard(
+        stage, arrays, [Calibration.nominal(world.spec)], GuardLimits(reach=tuple(map(float, reach)))
+    )
+    guard.observers = (lambda seen: observer(guard, seen),)
+    return guard
+
+
+def _require_inside(solid: Solid, box: Floats) -> None:
+    low, high = solid.bounds
+    if (low < box[0]).any() or (high > box[1]).any():
+        spans = ", ".join(f"{a:.0f} to {b:.0f}" for a, b in zip(low, high, strict=True))
+        raise PalpateError(
+            f"the part would reach out of the workspace ({spans} mm in x, y, z); "
+            "give a larger --workspace, another --pose, or --scale"
+        )

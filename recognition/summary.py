@@ -1,0 +1,81 @@
+"""`summary.json` of an exploration, and the settings as a report lists them."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable
+from importlib.metadata import version
+from typing import Any
+
+from exploration.devices.guard import Cost
+from recognition.assembly import NotClosed
+from recognition.config import ExploreOptions
+from recognition.reconstruct import Reconstruction
+from recognition.simulation import World
+from recognition.truth import Truth
+
+CLOSED = "closed"
+_OPEN = "nothing reachable is open"
+_COUNTED = (
+    (r"collision of .*", "the housing met the object"),
+    (r"overpress of .*", "the skin was pressed through"),
+    (r"pressed to .*", "the press passed its limit"),
+)
+
+
+def summarize(
+    options: ExploreOptions,
+    world: World,
+    ended: str,
+    cost: Cost,
+    made: Reconstruction,
+    truth: Truth | None,
+    warnings: Iterable[str],
+    wall_seconds: float,
+) -> dict[str, Any]:
+    """Everything that one exploration found; only `wall_seconds` differs from run to run of a seed."""
+    assembly = None if isinstance(made.assembly, NotClosed) else made.assembly
+    closed = ended == CLOSED and assembly is not None
+    files = {"report": "report.html"}
+    if assembly is not None:
+        files = {"model": "model.csg", "mesh": "model.stl", **files}
+    return {
+        "command": "explore",
+        "version": version("palpate"),
+        "part": world.part.name,
+        "sensor": world.spec.name,
+        "seed": options.seed,
+        "closed": closed,
+        "ended": _OPEN if ended == CLOSED and not closed else ended,
+        "touches": cost.touches,
+        "strokes": cost.strokes,
+        "frames": cost.frames,
+        "travel_mm": cost.travel,
+        "device_seconds": cost.seconds,
+        "wall_seconds": wall_seconds,
+        "faces": made.faces,
+        "edges": made.edges,
+        "primitives": made.primitives,
+        "volume_mm3": None if assembly is None else assembly.solid.volume,
+        "csg": None if assembly is None else {"leaves": sum(1 for _ in assembly.tree.leaves())},
+        "truth": None if truth is None else truth_json(truth, bool(world.solid.surfaces)),
+        "warnings": counted([*world.part.warnings, *warnings, *made.warnings]),
+        "files": files,
+    }
+
+
+def truth_json(truth: Truth, has_faces: bool) -> dict[str, Any]:
+    """The comparison; a mesh has no faces of known shape to compare with."""
+    told = truth.as_dict()
+    return told if has_faces else told | {"face_shape_accuracy": None, "missed_faces": None}
+
+
+def counted(warnings: Iterable[str]) -> list[str]:
+    """Each kind of warning once, in order of appearance, with how often it came."""
+    times = Counter(_worded(warning) for warning in warnings)
+    return [text if n == 1 else f"{text} ({n} times)" for text, n in times.items()]
+
+
+def _worded(warning: str) -> str:
+    return next((text for pattern, text in _COUNTED if re.fullmatch(pattern, warning)), warning)
