@@ -20,7 +20,7 @@ from exploration.sensing.edges import EdgePoints, edge_points
 from exploration.sensing.footprint import Footprint
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.line import Line, clipped, normalized
-from exploration.sensing.line_evidence import fit_lines
+from exploration.sensing.line_evidence import fit_lines, worth
 from exploration.sensing.line_fit import LineFit, fit_line
 from exploration.sensing.response import Response, response_of
 from primitives.arrays import Bools, Floats, frozen
@@ -38,8 +38,11 @@ class HoughConfig:
     band: float = 0.7  # [response widths] within which a point belongs to a line
     least_votes: float = 2.0  # sum of weights
     least_length: float = 1.6  # [taxels] seen
+    least_strength: float = 5.0  # [sigma] of the step's height
     least_step: float = 0.6  # of the deepest taxel, at the edge, for a line to need no comparison
-    greatest_misfit: float = 5.0  # [standard deviations of chi2] before a single line is doubted
+    many: int = 7  # edge points on a line that needs no comparison
+    clear: float = 25.0  # [chi2] more than it is worth, by which it fits better than a rim without a step
+    greatest_misfit: float = 3.0  # [standard deviations of chi2] before a single line is doubted
 
 
 def find_lines(
@@ -55,18 +58,24 @@ def find_lines(
     response = response_of(image, response)
     points = edge_points(image, response)
     found = candidates(points, image, max_lines, response, config)
+    if not found:
+        return ()
+    sure = False
     if len(found) == 1:
         angle, offset, side, members = found[0]
         fit = fit_line(image, response, angle, offset, side)
-        if fit.converged and _stands_alone(image, fit, config):
+        lead = _lead(image, response, fit, side, members, config)
+        fits = fit.chi2 < fit.dof + config.greatest_misfit * np.sqrt(2 * max(1, fit.dof))
+        if fits and lead > config.clear:
             return (
                 _line(
                     image, points, members, side, fit.parameters[:3], fit.covariance[:3, :3], _inflation(fit)
                 ),
             )
-    if not found:
-        return ()
-    joint = fit_lines(image, [peak[:3] for peak in found])
+        if fits and np.isfinite(lead) and lead < 0.0:
+            return ()
+        sure = lead > 0.0
+    joint = fit_lines(image, [peak[:3] for peak in found], sure)
     if not (joint and joint.fit.converged):
         return ()
     lines = []
@@ -79,19 +88,29 @@ def find_lines(
         unknowns = np.array([angle, offset, height])
         covariance = joint.fit.covariance[np.ix_(rows, rows)]
         lines.append(_line(image, points, members, found[k][2], unknowns, covariance, _inflation(joint.fit)))
-    return tuple(sorted(lines, key=lambda line: -line.strength))
+    strong = [line for line in lines if line.strength > config.least_strength]
+    return tuple(sorted(strong, key=lambda line: -line.strength))
 
 
 def _inflation(fit: LineFit | Footprint) -> float:
     return max(1.0, fit.chi2 / max(1, fit.dof))
 
 
-def _stands_alone(image: TactileImage, fit: LineFit, config: HoughConfig) -> bool:
-    """Whether one line explains the frame, on a plateau that does not merely run out."""
-    if fit.chi2 > fit.dof + config.greatest_misfit * np.sqrt(2 * max(1, fit.dof)):
-        return False
+def _lead(
+    image: TactileImage, response: Response, fit: LineFit, side: int, members: Bools, config: HoughConfig
+) -> float:
+    """[chi2] by which one long line on a high plateau is better than a rim without a step; -inf if it is not long."""
+    if not fit.converged or members.sum() < config.many:
+        return -np.inf
     height, sigma = float(fit.parameters[2]), float(np.sqrt(fit.covariance[2, 2]))
-    return height - 2 * sigma > config.least_step * float(image.depth.max())
+    if height - 2 * sigma < config.least_step * float(image.depth.max()):
+        return -np.inf
+    angle, offset = float(fit.parameters[0]), float(fit.parameters[1])
+    outside = offset - side * response.width((-np.sin(angle), np.cos(angle)))
+    rim = fit_line(image, response, angle, outside, side, order=1)
+    if not rim.converged:
+        return 0.0
+    return (rim.chi2 - fit.chi2) / _inflation(fit) - worth(-float(rim.parameters[3]))
 
 
 def candidates(

@@ -6,8 +6,11 @@ material, v the coordinate along the line, w the response's width across it and 
     depth(p) = (A + c v) edge(t/w) + b w ramp(t/w),
 
 so that a plateau that rises away from the edge (b) or along it (c), because the pad or the face is tilted,
-does not move the line.  Unknowns are angle, offset, A, b, c; the covariance is the inverse of the weighted
-normal matrix.  Residuals beyond `HUBER` sigma weigh less, for taxels that died without telling.
+does not move the line.  Unknowns are angle, offset, A, b, c; the covariance is the inverse of the weighted normal matrix.  Residuals beyond
+`HUBER` sigma weigh less, for taxels that died without telling.
+
+The same with every response integrated once (`order` 1) is the rim of a smooth surface that runs out without
+a step, depth = (A + c v) w ramp(t/w) + b w^2 bend(t/w): the cheap alternative that an edge must beat.
 """
 
 from dataclasses import dataclass
@@ -36,11 +39,13 @@ class LineFit:
     converged: bool
 
 
-def fit_line(image: TactileImage, response: Response, angle: float, offset: float, side: int) -> LineFit:
+def fit_line(
+    image: TactileImage, response: Response, angle: float, offset: float, side: int, order: int = 0
+) -> LineFit:
     """Polish a line that is known to about a response width and 15 degrees."""
     px, py = image.array.pitch
     parameters, covariance, chi2, count, converged = _fit(
-        image.depth, image.sigma, px, py, response.table, response.variance, angle, offset, float(side)
+        image.depth, image.sigma, px, py, response.table, response.variance, angle, offset, float(side), order
     )
     return LineFit(parameters, covariance, chi2, count - 5, converged)
 
@@ -55,6 +60,7 @@ def _accumulate(
     variance: Floats,
     p: Floats,
     side: float,
+    order: int,
     normal: Floats,
     rhs: Floats,
 ) -> tuple[float, int]:
@@ -64,6 +70,7 @@ def _accumulate(
     ca, sa = np.cos(p[0]), np.sin(p[0])
     offset, height, rise, along = p[1], p[2], p[3], p[4]
     width = np.sqrt(variance[0] * sa * sa + variance[1] * ca * ca)
+    first = width if order == 1 else 1.0
     chi2 = 0.0
     count = 0
     j5 = np.empty(5)
@@ -75,9 +82,9 @@ def _accumulate(
             x = (j - (columns - 1) / 2) * px
             across = -sa * x + ca * y
             v = ca * x + sa * y
-            line, edge, ramp = look_up(table, side * (across - offset) / width)
-            ramp *= width
-            r = (depth[i, j] - (height + along * v) * edge - rise * ramp) / sigma[i, j]
+            change, step, slant = look_up(table, side * (across - offset) / width, order)
+            change, step, slant = change * first / width, step * first, slant * first * width
+            r = (depth[i, j] - (height + along * v) * step - rise * slant) / sigma[i, j]
             count += 1
             weight = 1.0 / sigma[i, j]
             size = abs(r)
@@ -88,12 +95,12 @@ def _accumulate(
                 r *= share
             else:
                 chi2 += r * r
-            slope = (height + along * v) * line / width + rise * edge
-            j5[0] = (-side * v * slope + along * across * edge) * weight
+            slope = (height + along * v) * change + rise * step
+            j5[0] = (-side * v * slope + along * across * step) * weight
             j5[1] = -side * slope * weight
-            j5[2] = edge * weight
-            j5[3] = ramp * weight
-            j5[4] = v * edge * weight
+            j5[2] = step * weight
+            j5[3] = slant * weight
+            j5[4] = v * step * weight
             for a in range(5):
                 rhs[a] += j5[a] * r
                 for b in range(a + 1):
@@ -115,11 +122,12 @@ def _fit(
     angle: float,
     offset: float,
     side: float,
+    order: int,
 ) -> tuple[Floats, Floats, float, int, bool]:
     normal = np.zeros((5, 5))
     rhs = np.zeros(5)
     p = np.array([angle, offset, 0.0, 0.0, 0.0])
-    chi2, count = _accumulate(depth, sigma, px, py, table, variance, p, side, normal, rhs)
+    chi2, count = _accumulate(depth, sigma, px, py, table, variance, p, side, order, normal, rhs)
     covariance = np.zeros((5, 5))
     free = np.zeros((3, 3))
     free[:] = normal[2:, 2:]
@@ -127,7 +135,7 @@ def _fit(
     if not ok:
         return p, covariance, chi2, count, False
     p[2:] += inverse @ rhs[2:]
-    chi2, count = _accumulate(depth, sigma, px, py, table, variance, p, side, normal, rhs)
+    chi2, count = _accumulate(depth, sigma, px, py, table, variance, p, side, order, normal, rhs)
     converged = False
     damping = 0.0
     for _ in range(STEPS):
@@ -139,10 +147,10 @@ def _fit(
             break
         step = inverse @ rhs
         trial = p + step
-        new, count = _accumulate(depth, sigma, px, py, table, variance, trial, side, normal, rhs)
+        new, count = _accumulate(depth, sigma, px, py, table, variance, trial, side, order, normal, rhs)
         if not new < chi2 + 1e-9:
             damping = max(1e-2, damping * 10.0)
-            _accumulate(depth, sigma, px, py, table, variance, p, side, normal, rhs)
+            _accumulate(depth, sigma, px, py, table, variance, p, side, order, normal, rhs)
             if damping > 1e4:
                 break
             continue

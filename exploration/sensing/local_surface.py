@@ -20,7 +20,11 @@ from primitives.arrays import Bools, Floats, frozen
 from primitives.pose import frame_along
 
 WORTH = 20.0  # [chi2] that three curvatures must gain to be kept
+ENOUGH = 3.0  # [standard deviations of chi2] within which no second start is tried
 SIGNIFICANT = 4.0  # [sigma] of a principal curvature, for the contact point to follow it
+
+
+NO_LINES = frozen(np.empty(0))
 
 
 @dataclass(frozen=True)
@@ -74,22 +78,34 @@ def fit_surface(image: TactileImage, lines: Sequence[Line] = ()) -> LocalSurface
     mask = contact_mask(image)
     if not mask.any():
         return NoSurface("nothing is felt above the noise")
-    fit, curved = _best_fit(image, mask, lines)
+    cuts = np.array([value for line in lines for value in (line.angle, line.offset)])
+    fit, curved = fit_smooth(image, mask, cuts, np.array([line.material_side for line in lines], dtype=float))
     if not fit.converged:
         return NoSurface("the fit of the sensor model did not converge")
     return surface_of(image, mask, fit, curved)
 
 
-def _best_fit(image: TactileImage, mask: Bools, lines: Sequence[Line]) -> tuple[Footprint, bool]:
-    sides = np.array([line.material_side for line in lines], dtype=float)
-    cuts = [value for line in lines for value in (line.angle, line.offset)]
-    start = np.concatenate([start_of(image, mask, curved=not lines), cuts])
-    plane = fit_footprint(image, np.concatenate([start_of(image, mask, False), cuts]), sides, curved=False)
-    paraboloid = fit_footprint(image, start, sides)
-    better = paraboloid.converged and plane.chi2 - paraboloid.chi2 > WORTH * max(
-        1.0, paraboloid.chi2 / paraboloid.dof
+def fit_smooth(
+    image: TactileImage,
+    mask: Bools,
+    cuts: Floats = NO_LINES,
+    sides: Floats = NO_LINES,
+    union: bool = False,
+    least_gain: float = WORTH,
+) -> tuple[Footprint, bool]:
+    """The best plane, or the best paraboloid where it is worth it, cut by (angle, offset) pairs; is it curved?"""
+    plane = fit_footprint(
+        image, np.concatenate([start_of(image, mask, False), cuts]), sides, union, curved=False
     )
-    return (paraboloid, True) if better or not plane.converged else (plane, False)
+    good = plane.dof + ENOUGH * np.sqrt(2 * plane.dof)
+    best = fit_footprint(image, plane.parameters, sides, union)
+    for start in (start_of(image, mask, True), _dome(image, mask)) if not len(sides) else ():
+        if best.chi2 > good:
+            other = fit_footprint(image, start, sides, union)
+            best = other if other.chi2 < best.chi2 else best
+    gain = plane.chi2 - best.chi2
+    worth = best.converged and gain > least_gain * max(1.0, best.chi2 / max(1, best.dof))
+    return (best, True) if worth or not plane.converged else (plane, False)
 
 
 def start_of(image: TactileImage, mask: Bools, curved: bool) -> Floats:
@@ -105,6 +121,17 @@ def start_of(image: TactileImage, mask: Bools, curved: bool) -> Floats:
     elif len(z):
         out[0] = float(z.mean())
     return out
+
+
+def _dome(image: TactileImage, mask: Bools) -> Floats:
+    """A round dome over the mask, for contacts too small to read a curvature off."""
+    keep = mask & np.isfinite(image.sigma)
+    x, y = np.meshgrid(image.array.x, image.array.y)
+    px, py = image.array.pitch
+    top = float(image.depth[keep].max(initial=0.0)) + 1e-6
+    cx, cy = (float(x[keep].mean()), float(y[keep].mean())) if keep.any() else (0.0, 0.0)
+    k = 2 * top / max(float(keep.sum()) * px * py / np.pi, image.spread**2)
+    return np.array([top - 0.5 * k * (cx**2 + cy**2), k * cx, k * cy, k, 0.0, k])
 
 
 def surface_of(image: TactileImage, mask: Bools, fit: Footprint, curved: bool) -> LocalSurface:

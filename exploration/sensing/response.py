@@ -12,7 +12,8 @@ u = t/w the distance into the material in widths, k = fourth cumulant / w^4 and 
 
     line(u) = phi(u) (1 + k/24 He4(u))                  what a thin line of pressure looks like,
     edge(u) = Phi(u) - k/24 He3(u) phi(u)               its integral: a step,
-    ramp(u) = u Phi(u) + phi(u) + k/24 He2(u) phi(u)    its integral: a plateau that slopes away from the edge.
+    ramp(u) = u Phi(u) + phi(u) + k/24 He2(u) phi(u)    its integral: a plateau that slopes away from the edge,
+    bend(u) = ((u^2 + 1) Phi(u) + u phi(u))/2 - k/24 u phi(u)    and again: one that curves.
 
 The half-height crossing is the edge.  Another physics is another `line`: `Response.of_line_spread` integrates
 any that is sampled, and all detectors take the `Response` as an argument.
@@ -37,7 +38,7 @@ CELLS = 1536  # of the table; linear interpolation errs by less than 2e-6 of the
 class Response:
     """The response across a straight edge, in units of its width."""
 
-    table: Floats  # (CELLS + 1, 3) line, edge and ramp at u = -REACH .. REACH
+    table: Floats  # (CELLS + 1, 4) line, edge, ramp and bend at u = -REACH .. REACH
     variance: Floats  # (2,) [mm^2] of the width across edges whose normal is x, and y
 
     def width(self, normal: ArrayLike) -> float:
@@ -51,12 +52,13 @@ class Response:
 
     @staticmethod
     def of_line_spread(line: Floats, variance: ArrayLike) -> "Response":
-        """A response from a line spread sampled at `CELLS + 1` points of u in -REACH .. REACH."""
+        """A response from a line spread of unit variance, at `CELLS + 1` points of u in -REACH .. REACH."""
         step = 2 * REACH / CELLS
         line = line / (np.sum(line) * step)
         edge = np.concatenate([[0.0], np.cumsum((line[1:] + line[:-1]) * step / 2)])
         ramp = np.concatenate([[0.0], np.cumsum((edge[1:] + edge[:-1]) * step / 2)])
-        return Response(frozen(np.stack([line, edge, ramp], axis=1)), frozen(variance))
+        bend = np.concatenate([[0.0], np.cumsum((ramp[1:] + ramp[:-1]) * step / 2)])
+        return Response(frozen(np.stack([line, edge, ramp, bend], axis=1)), frozen(variance))
 
 
 @lru_cache(maxsize=64)
@@ -71,7 +73,8 @@ def rubber(spread: float, pitch: tuple[float, float]) -> Response:
     line = phi * (1 + k * (u**4 - 6 * u**2 + 3))
     edge = ndtr(u) - k * (u**3 - 3 * u) * phi
     ramp = u * ndtr(u) + phi * (1 + k * (u**2 - 1))
-    return Response(frozen(np.stack([line, edge, ramp], axis=1)), frozen(variance))
+    bend = ((u**2 + 1) * ndtr(u) + u * phi) / 2 - k * u * phi
+    return Response(frozen(np.stack([line, edge, ramp, bend], axis=1)), frozen(variance))
 
 
 def response_of(image: TactileImage, response: Response | None = None) -> Response:
@@ -84,17 +87,17 @@ def _abscissa() -> Floats:
 
 
 @numba.njit(cache=True, inline="always")
-def look_up(table: Floats, u: float) -> tuple[float, float, float]:
-    """Line, edge and ramp at u."""
+def look_up(table: Floats, u: float, order: int) -> tuple[float, float, float]:
+    """Line, edge and ramp at u; or edge, ramp and bend, of `order` 1."""
     if u <= -REACH:
         return 0.0, 0.0, 0.0
     if u >= REACH:
-        return 0.0, 1.0, u
+        return (0.0, 1.0, u) if order == 0 else (1.0, u, 0.5 * (u * u + 1.0))
     place = (u + REACH) * (CELLS / (2 * REACH))
     i = int(place)
     f = place - i
     return (
-        table[i, 0] + f * (table[i + 1, 0] - table[i, 0]),
-        table[i, 1] + f * (table[i + 1, 1] - table[i, 1]),
-        table[i, 2] + f * (table[i + 1, 2] - table[i, 2]),
+        table[i, order] + f * (table[i + 1, order] - table[i, order]),
+        table[i, order + 1] + f * (table[i + 1, order + 1] - table[i, order + 1]),
+        table[i, order + 2] + f * (table[i + 1, order + 2] - table[i, order + 2]),
     )
