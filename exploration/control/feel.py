@@ -39,6 +39,7 @@ class Felt:
     hessian: Floats  # (2, 2) [1/mm] the same in the pad's axes
     area: float  # [mm^2] of the touched taxels
     mask: Bools  # (rows, columns) touched
+    inner: Bools  # (rows, columns) touched, and away from where contact ends inside the pad
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,7 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         hessian=k,
         area=float(mask.sum()) * image.array.pitch[0] * image.array.pitch[1],
         mask=mask,
+        inner=inner,
     )
 
 

@@ -14,10 +14,11 @@ from exploration.control.feel import Felt, feel
 from exploration.control.servo import ServoGains, hybrid_twist
 from exploration.control.sighting import Sighting, reach_along, sight
 from exploration.devices.guard import Guard, Observation
+from exploration.sensing.flat_patch import flat_patch
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough import find_lines
 from exploration.sensing.line import Line
-from exploration.sensing.local_surface import LocalSurface, NoSurface
+from exploration.sensing.local_surface import LocalSurface
 from exploration.sensing.touch import Touch, contacts_of, perceive
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
@@ -39,6 +40,7 @@ class StrokeConfig:
     lost: int = 12  # frames without contact
     every: int = 5  # ticks between looks for an edge
     recede: float = 0.5  # share of its farthest reach ahead, at which a contact is ending
+    curving: float = 0.008  # [1/mm] a surface this curved along the heading ends its contact by itself
     sharp: float = 0.16  # [1/mm] a contact this curved is going over an edge
 
 
@@ -100,7 +102,9 @@ def follow_surface(
         ticks += 1
         reach = reach_along(felt, seen, heading)
         farthest = max(farthest, reach)
-        ending = ending + 1 if reach < config.recede * farthest and reach < 0.6 * half else 0
+        curving = float(heading @ felt.hessian @ heading) > config.curving
+        receding = not curving and reach < config.recede * farthest and reach < 0.6 * half
+        ending = ending + 1 if receding else 0
         over = over + 1 if felt.curvature[0] > config.sharp else 0
         if ending >= config.confirm * 2 or over >= config.confirm:
             ended = "edge"
@@ -151,9 +155,13 @@ def keep(
 ) -> None:
     """Turn a frame into contacts, where it shows a smooth surface."""
     what = perceive(seen.image)
-    if isinstance(what.surface, NoSurface) or not _trusted(what, what.surface, trust):
-        return
-    found = contacts_of(what, seen.image, seen.world_from_sensor, touch, stroke, seen.sensor)
+    surface = what.surface
+    where = (seen.world_from_sensor, touch, stroke, seen.sensor)
+    if isinstance(surface, LocalSurface) and _trusted(what, surface, trust):
+        found, curved = contacts_of(what, seen.image, *where), surface.curved
+    else:
+        felt = feel(seen.image)
+        found, curved = flat_patch(seen.image, felt.inner, *where) if felt else Contacts.of([]), False
     if not len(found):
         return
     kept.append(
@@ -161,9 +169,7 @@ def keep(
             found,
             sigma=frozen(np.hypot(found.sigma, trust.floor)),
             normal_sigma=frozen(
-                np.hypot(
-                    found.normal_sigma, trust.curved_floor if what.surface.curved else trust.normal_floor
-                )
+                np.hypot(found.normal_sigma, trust.curved_floor if curved else trust.normal_floor)
             ),
         )
     )

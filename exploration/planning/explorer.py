@@ -45,7 +45,7 @@ class ExplorerConfig:
     explained: float = 0.8  # [mm] from a known face, an edge seen needs no crossing
     roll: tuple[float, ...] = (60.0, 95.0, 30.0)  # [deg] attitudes from which an edge is crossed, in turn
     overlap: float = 5.0  # [mm] of the pad that reaches back over the edge
-    tries: int = 2  # at the same open thing
+    tries: int = 3  # at the same open thing
     near: float = 0.1  # [mm] a contact this far from a known face belongs to it
     turned: float = 0.06  # [rad] as long as its normal is no farther off
     least_contacts: int = 5  # that make a new face
@@ -204,6 +204,9 @@ class Explorer:
         rest = contacts.select(owner < 0)
         if len(rest) >= max(self.config.least_contacts, self.config.least_share * len(contacts)):
             self.found.graph, home = self.found.graph.add_stroke(rest)
+            self.found.graph, gone = self.found.graph.merge_faces()
+            home = gone.get(home, home)
+            self._seen = [(sighting, gone.get(own, own)) for sighting, own in self._seen]
         self.found.graph = drop_contradicted(self.found.graph)
         return home if any(face.id == home for face in self.found.graph.faces) else None
 
@@ -391,7 +394,8 @@ class Explorer:
 
     def _cover(self, missing: Predicted, face: int | None) -> tuple[int | None, str]:
         """Stroke from here over what is untouched on this face, or touch down where it is nearest."""
-        on_face = missing.face == face
+        fresh = np.array([self._tries(p, 1.5) == 0 for p in missing.points])
+        on_face = (missing.face == face) & fresh
         if face is not None and on_face.any() and self._flush_on(face):
             points = missing.points[on_face]
             goal = points[np.argmin(np.linalg.norm(points - self._here.point, axis=1))]
@@ -429,7 +433,13 @@ class Explorer:
         return abs(float(fit.shape.signed_distance(self._here.point[None])[0])) < 2.0
 
     def _given_up(self, point: Floats, within: float = 1.5) -> bool:
-        return sum(float(np.linalg.norm(p - point)) < within for p in self._tried) >= self.config.tries
+        return self._tries(point, within) >= self.config.tries
+
+    def _tries(self, point: Floats, within: float) -> int:
+        """How often a move has gone for this place."""
+        if not self._tried:
+            return 0
+        return int((np.linalg.norm(np.array(self._tried) - point, axis=1) < within).sum())
 
     def _unfinished(self, missing: Predicted) -> Predicted:
         keep_ = np.array([not self._given_up(p) for p in missing.points], dtype=bool)

@@ -1,0 +1,65 @@
+"""The flat part of a contact of any outline: a plane through the taxels that no edge blurs.
+
+Where contact ends along an arc or in several corners, no straight line describes its outline, but two taxels
+inside it the spread of the rubber is symmetric and a plane is felt as it is (our derivation).  The plane's
+least-squares information is handed out as four points whose own plane fit has the same covariance.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.sensing.frame import TactileImage
+from primitives import pose as se3
+from primitives.arrays import Bools, Floats
+from primitives.evidence import Contacts
+
+
+@dataclass(frozen=True)
+class FlatPatchConfig:
+    """When the inside of a contact is flat enough."""
+
+    taxels: int = 12
+    misfit: float = 1.6  # chi2 per degree of freedom of the plane
+    spread: float = 1.5  # [mm] least standard deviation of the taxels' places, along the narrower axis
+
+
+def flat_patch(
+    image: TactileImage,
+    inner: Bools,
+    world_from_sensor: Floats,
+    touch: int,
+    stroke: int,
+    sensor: int,
+    config: FlatPatchConfig = FlatPatchConfig(),
+) -> Contacts:
+    """Four contacts on the plane under the (rows, columns) `inner` taxels; none where they are not flat."""
+    rows, columns = np.nonzero(inner)
+    none = Contacts.of(np.empty((0, 3)))
+    if len(rows) < config.taxels:
+        return none
+    xy = np.stack([image.array.x[columns], image.array.y[rows]], axis=1)
+    center = xy.mean(axis=0)
+    values, vectors = np.linalg.eigh(np.cov((xy - center).T))
+    if values[0] < config.spread**2:
+        return none
+    basis = np.column_stack([np.ones(len(xy)), xy - center])
+    depth, sigma = image.depth[rows, columns], image.sigma[rows, columns]
+    plane, *_ = np.linalg.lstsq(basis / sigma[:, None], depth / sigma, rcond=None)
+    misfit = float((((depth - basis @ plane) / sigma) ** 2).sum()) / (len(rows) - 3)
+    if misfit > config.misfit:
+        return none
+    arms = np.sqrt(2.0 * values) * vectors
+    at = np.concatenate([arms.T, -arms.T])
+    local = np.column_stack([center + at, -(plane[0] + at @ plane[1:])])
+    outward = np.array([-plane[1], -plane[2], -1.0]) / np.sqrt(1.0 + plane[1] ** 2 + plane[2] ** 2)
+    each = float(np.median(sigma)) * 2.0 / np.sqrt(len(rows))
+    return Contacts.of(
+        se3.transform_points(world_from_sensor, local),
+        np.tile(world_from_sensor[:3, :3] @ outward, (4, 1)),
+        each,
+        each / np.sqrt(float(values.mean())),
+        touch,
+        stroke,
+        sensor,
+    )
