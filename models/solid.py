@@ -16,9 +16,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from models.csg import Csg, Leaf
+from models.csg import Csg, Difference, Intersection, Leaf, Operation, Placed
 from models.facets import facets
 from models.raycast import RayCaster, caster
+from models.topology import triangle_neighbors
 from models.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
@@ -246,18 +247,6 @@ def iou(a: Solid, b: Solid) -> float:
     return shared / (a.volume + b.volume - shared)
 
 
-def triangle_neighbors(triangles: Ints) -> Ints:
-    """(t, 3) triangle across the edge from corner i to corner i + 1; -1 where there is none."""
-    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
-    top = int(triangles.max(initial=0)) + 1
-    forth, back = ends[:, 0] * top + ends[:, 1], ends[:, 1] * top + ends[:, 0]
-    order = np.argsort(forth)
-    place = np.minimum(np.searchsorted(forth[order], back), len(order) - 1)
-    twin = order[place]
-    neighbors: Ints = np.where(forth[twin] == back, twin // 3, -1).reshape(-1, 3)
-    return neighbors
-
-
 def _manifold_of(
     leaf: Leaf, number: int, tolerance: float, identity: int
 ) -> tuple[Any, list[LabeledSurface]]:
@@ -283,8 +272,6 @@ def _outward(shape: Shape, adds: bool) -> tuple[Shape, bool]:
 
 
 def _evaluate(tree: Csg, parts: Any) -> Any:
-    from models.expression import Difference, Intersection, Operation, Placed
-
     if isinstance(tree, Placed):
         return _evaluate(tree.child, parts)
     if not isinstance(tree, Operation):

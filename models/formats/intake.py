@@ -1,0 +1,148 @@
+"""A file's bytes, or one line that says why not: what is checked before any parser sees them.
+
+Counts in a header are held against the bytes that follow, so that a short file cannot ask for much memory.
+"""
+
+import json
+import os
+import re
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+from primitives.errors import PalpateError
+
+LARGEST = 500_000_000  # [bytes] of a file that is read
+_PLY_SIZES = {
+    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
+    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
+    **dict.fromkeys(("int", "uint", "int32", "uint32", "float", "float32"), 4),
+    **dict.fromkeys(("double", "float64", "int64", "uint64"), 8),
+}
+
+
+def read(path: Path) -> bytes:
+    """All bytes of a regular file of sensible size that is not blank."""
+    name = path.name or str(path)
+    if path.is_symlink() and not path.exists():
+        raise PalpateError(f"{name} is a link to {os.readlink(path)}, which is gone; give the file itself")
+    if path.is_dir():
+        raise PalpateError(f"{name} is a folder; give one of the files in it")
+    if not path.exists():
+        raise PalpateError(f"no file {path}; check the path")
+    if not path.is_file():
+        raise PalpateError(f"{name} is not a regular file; copy its content to one")
+    if path.stat().st_size > LARGEST:
+        raise PalpateError(f"{name} has more than {LARGEST // 10**6} MB; reduce its triangles first")
+    try:
+        data = path.read_bytes()
+    except PermissionError:
+        raise PalpateError(f"{name} may not be read; change its permissions (chmod +r)") from None
+    except OSError as error:
+        raise PalpateError(
+            f"{name} cannot be read ({error.strerror}); copy it somewhere else first"
+        ) from None
+    if not data:
+        raise PalpateError(f"{name} is empty; export it again")
+    if not data[:4096].strip() and not data.strip():
+        raise PalpateError(f"{name} holds only blanks; export it again")
+    return data
+
+
+def checked(data: bytes, suffix: str, name: str) -> bytes:
+    """The bytes, if they are what the suffix says and as many as their header says."""
+    found = _sniff(data)
+    if found not in (None, suffix):
+        raise PalpateError(f"{name} is {found[1:].upper()} inside; rename it to end in {found}")
+    return _CHECKS[suffix](data, name)
+
+
+def _sniff(data: bytes) -> str | None:
+    head = data[:512].lstrip()
+    if head.startswith(b"glTF"):
+        return ".glb"
+    if re.match(rb"ply\s", head):
+        return ".ply"
+    if re.match(rb"(ST)?(C)?(N)?OFF\b", head):
+        return ".off"
+    if re.match(rb"solid\b.*?\bfacet\b", data[:4096].lstrip(), re.DOTALL):
+        return ".stl"
+    if head.startswith(b"ISO-10303-21"):
+        return ".step"
+    return None
+
+
+def _stl(data: bytes, name: str) -> bytes:
+    if _is_text(data) and data.lstrip().startswith(b"solid"):
+        if not data.rstrip().lower().rsplit(b"\n", 1)[-1].lstrip().startswith(b"endsolid"):
+            raise PalpateError(f"{name} ends in the middle (no endsolid); it is truncated: export it again")
+        return data
+    if _is_text(data):
+        raise PalpateError(f"{name} is text but not STL; export it again")
+    if len(data) < 84:
+        raise PalpateError(f"{name} is too short for STL; export it again")
+    count = struct.unpack_from("<I", data, 80)[0]
+    held = (len(data) - 84) // 50
+    if count > held:
+        raise PalpateError(
+            f"{name} announces {count} triangles and holds {held}; it is truncated: export it again"
+        )
+    return data[: 84 + 50 * count]
+
+
+def _ply(data: bytes, name: str) -> bytes:
+    header, mark, _ = data[:65536].partition(b"end_header")
+    if not header.startswith(b"ply") or not mark:
+        raise PalpateError(f"{name} has no complete PLY header; export it again")
+    binary, need, size, count = b"format ascii" not in header, 0, 0, 0
+    for line in [*header.decode("ascii", "replace").splitlines(), "element end 0"]:
+        words = line.split()
+        if words[:1] == ["element"] and len(words) == 3:
+            need += count * (size if binary else 2)
+            count, size = (int(words[2]) if words[2].isdecimal() else 0), 0
+        elif words[:1] == ["property"] and len(words) >= 3:
+            size += _PLY_SIZES.get(words[2] if words[1] == "list" else words[1], 1)
+    held = len(data) - len(header) - len(mark)
+    if need > held:
+        raise PalpateError(
+            f"{name} announces {need} bytes and holds {held}; it is truncated: export it again"
+        )
+    return data
+
+
+def _glb(data: bytes, name: str) -> bytes:
+    broken = PalpateError(f"{name} is not a whole GLB file; export it again")
+    if len(data) < 20 or data[:4] != b"glTF" or struct.unpack_from("<I", data, 8)[0] > len(data):
+        raise broken
+    try:
+        tree = json.loads(data[20 : 20 + struct.unpack_from("<I", data, 12)[0]])
+        counts = [int(accessor["count"]) for accessor in tree.get("accessors", [])]
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        raise broken from None
+    if sum(counts) > len(data) or min(counts, default=0) < 0:
+        raise PalpateError(f"{name} announces more data than it holds; it is truncated: export it again")
+    return data
+
+
+def _text(data: bytes, name: str) -> bytes:
+    if not _is_text(data):
+        raise PalpateError(f"{name} is binary where text should be; export it again")
+    return data
+
+
+def _truncated(name: str, wanted: str, held: int) -> PalpateError:
+    return PalpateError(f"{name} announces {wanted} and holds {held}; it is truncated: export it again")
+
+
+def _is_text(data: bytes) -> bool:
+    sample = data[:4096]
+    return b"\0" not in sample and sum(byte > 126 or byte < 9 for byte in sample) * 10 <= len(sample)
+
+
+_CHECKS: dict[str, Callable[[bytes, str], bytes]] = {
+    ".stl": _stl,
+    ".obj": _text,
+    ".ply": _ply,
+    ".off": _text,
+    ".glb": _glb,
+}
