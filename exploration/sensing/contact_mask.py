@@ -1,7 +1,7 @@
 """Which taxels are in contact, and how high the contact stands beside each.
 
-The plateau next to a taxel is the highest mean of 3 x 3 taxels within `PLATEAU_REACH` response widths; a taxel is in
-contact where that rises above the noise and the taxel is deeper than half of it.  Contrast is measured against
+The plateau next to a taxel is the highest mean of 3 x 3 taxels within `PLATEAU_REACH` response widths; a taxel is
+in contact where that rises above the noise and the taxel is deeper than half of it.  Contrast is measured against
 this plateau, never against a fixed threshold, so a light press is read like a firm one.
 """
 
@@ -89,7 +89,8 @@ def local_plateau(depth: Floats, reach_rows: int, reach_columns: int) -> Floats:
 def plateau_of(depth: Floats, px: float, py: float, width: float) -> Floats:
     """`local_plateau` within `PLATEAU_REACH` of a response width [mm]."""
     reach = PLATEAU_REACH * width
-    return local_plateau(depth, int(np.ceil(reach / py)), int(np.ceil(reach / px)))
+    plateau: Floats = local_plateau(depth, int(np.ceil(reach / py)), int(np.ceil(reach / px)))
+    return plateau
 
 
 @numba.njit(cache=True)

@@ -1,10 +1,10 @@
 """Edge points between taxels: where depth crosses half of the plateau that stands beside it.
 
 A pressed edge is seen as z(d) = z0/2 (1 - erf(d / (sqrt(2) sigma))) (see `response`), so the edge is the z0/2
-crossing.  z0 is taken from the contact next to the crossing, not from a threshold: the highest mean of 3 x 3
-taxels within `contact_mask.PLATEAU_REACH` response widths.  A crossing between two neighboring taxels is interpolated linearly;
-noise sigma_z there moves it by sigma_z / |gradient| along the normal.  Its weight is its sharpness: the gradient
-over that of a perfect edge, z0 / (sqrt(2 pi) width), squared and at most 1.
+crossing.  z0 is taken from the contact next to the crossing, not from a threshold: its local plateau (see
+`contact_mask`).  A crossing between two neighboring taxels is interpolated linearly; noise sigma_z there moves it
+by sigma_z / |gradient| along the normal.  Its weight is its sharpness: the gradient over that of a perfect edge,
+z0 / (sqrt(2 pi) width), squared and at most 1.
 """
 
 from dataclasses import dataclass

@@ -20,7 +20,7 @@ from exploration.sensing.edges import EdgePoints, edge_points
 from exploration.sensing.footprint import Footprint
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.line import Line, clipped, normalized
-from exploration.sensing.line_evidence import fit_lines, worth
+from exploration.sensing.line_evidence import beats_smooth, fit_lines, worth
 from exploration.sensing.line_fit import LineFit, fit_line
 from exploration.sensing.response import Response, response_of
 from primitives.arrays import Bools, Floats, frozen
@@ -40,7 +40,8 @@ class HoughConfig:
     least_length: float = 1.6  # [taxels] seen
     least_strength: float = 5.0  # [sigma] of the step's height
     least_step: float = 0.6  # of the deepest taxel, at the edge, for a line to need no comparison
-    many: int = 7  # edge points on a line that needs no comparison
+    many: int = 7  # edge points on a line that is compared with a straight rim
+    plenty: int = 12  # edge points on a line that needs no comparison with a paraboloid
     clear: float = 25.0  # [chi2] more than it is worth, by which it fits better than a rim without a step
     greatest_misfit: float = 3.0  # [standard deviations of chi2] before a single line is doubted
 
@@ -61,24 +62,23 @@ def find_lines(
     if not found:
         return ()
     sure = False
-    if len(found) == 1:
-        angle, offset, side, members = found[0]
-        fit = fit_line(image, response, angle, offset, side)
+    angle, offset, side, members = max(found, key=lambda peak: float(points.weight[peak[3]].sum()))
+    fit = fit_line(image, response, angle, offset, side)
+    if fit.converged:
         lead = _lead(image, response, fit, side, members, config)
-        fits = fit.chi2 < fit.dof + config.greatest_misfit * np.sqrt(2 * max(1, fit.dof))
-        if fits and lead > config.clear:
-            return (
-                _line(
-                    image, points, members, side, fit.parameters[:3], fit.covariance[:3, :3], _inflation(fit)
-                ),
-            )
-        if fits and np.isfinite(lead) and lead < 0.0:
-            return ()
-        sure = lead > 0.0
+        if fit.chi2 < fit.dof + config.greatest_misfit * np.sqrt(2 * max(1, fit.dof)) and np.isfinite(lead):
+            shown = len(found) == 1 and lead > config.clear and members.sum() >= config.plenty
+            if shown or (lead > 0.0 and beats_smooth(image, fit.chi2)):
+                unknowns, covariance = fit.parameters[:3], fit.covariance[:3, :3]
+                return (_line(image, points, members, side, unknowns, covariance, _inflation(fit)),)
+            if len(found) == 1:
+                return ()
+        sure = lead > 0.0 and len(found) == 1
     joint = fit_lines(image, [peak[:3] for peak in found], sure)
     if not (joint and joint.fit.converged):
         return ()
     lines = []
+    least = config.least_length * min(image.array.pitch)
     for place, k in enumerate(joint.chosen):
         angle, offset = joint.fit.parameters[6 + 2 * place : 8 + 2 * place]
         rows = [6 + 2 * place, 7 + 2 * place, 0]
@@ -88,7 +88,7 @@ def find_lines(
         unknowns = np.array([angle, offset, height])
         covariance = joint.fit.covariance[np.ix_(rows, rows)]
         lines.append(_line(image, points, members, found[k][2], unknowns, covariance, _inflation(joint.fit)))
-    strong = [line for line in lines if line.strength > config.least_strength]
+    strong = [line for line in lines if line.strength > config.least_strength and line.length >= least]
     return tuple(sorted(strong, key=lambda line: -line.strength))
 
 
@@ -99,7 +99,7 @@ def _inflation(fit: LineFit | Footprint) -> float:
 def _lead(
     image: TactileImage, response: Response, fit: LineFit, side: int, members: Bools, config: HoughConfig
 ) -> float:
-    """[chi2] by which one long line on a high plateau is better than a rim without a step; -inf if it is not long."""
+    """[chi2] by which one long line on a high plateau beats a rim without a step; -inf if it is none."""
     if not fit.converged or members.sum() < config.many:
         return -np.inf
     height, sigma = float(fit.parameters[2]), float(np.sqrt(fit.covariance[2, 2]))

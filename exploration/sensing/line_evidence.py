@@ -1,15 +1,15 @@
 """Whether a frame needs its lines: edges against smooth surfaces, and how many edges.
 
 An edge is where the measured depth drops clearly below what the extrapolated local surface predicts.  A long
-line on a high plateau is compared with a rim without a step (`line_fit`, order 1), which costs 20 us.  Everything
-else is compared with a smooth paraboloid: lines join, strongest first, while each lowers chi2 by
-`worth`, all lines and the surface being fitted together (`footprint`), as corner and wall or as inside corner and
-slot.
+line on a high plateau is compared with a rim without a step (`line_fit`, order 1), which costs 20 us, and only
+when that is close with a smooth paraboloid.  Everything else is compared with the paraboloid: lines join,
+strongest first, while each lowers chi2 by `WORTH`, all lines and the surface being fitted together
+(`footprint`), as corner and wall or as inside corner and slot.
 
-One flank of a cylinder and an edge differ little: at 0.5 mm and 5 % noise by 20 to 600 in chi2 mostly, at 10 % often
-by nothing.  So the likelier of a long line and a smooth surface is taken, except that a lone flank sharper than `SHARP`
-must be `PRIOR` likelier than an edge (our choice: thin bars are rarer than faces).  Short lines, second lines and
-lines in curved faces have smooth alternatives nested in them, and must gain `WORTH`.
+One flank of a cylinder and an edge differ little: at 0.5 mm and 5 % noise by 20 to 600 in chi2 mostly, at 10 %
+often by nothing.  So the likelier of a long line and a smooth surface is taken, except that a lone flank sharper
+than `SHARP` must be `PRIOR` likelier than an edge (our choice: thin bars are rarer than faces).  Short lines,
+further lines and lines in curved faces have smooth alternatives nested in them, and must gain `WORTH`.
 """
 
 from collections.abc import Sequence
@@ -46,6 +46,12 @@ class JointFit:
         return bool(self.chosen)
 
 
+def beats_smooth(image: TactileImage, chi2: float) -> bool:
+    """Whether a single line of this chi2 is likelier than the best smooth surface."""
+    smooth = fit_smooth(image, contact_mask(image), least_gain=0.0)[0]
+    return smooth.chi2 - chi2 > _worth(smooth) or not smooth.converged
+
+
 def fit_lines(image: TactileImage, cuts: Sequence[tuple[float, float, int]], sure: bool = False) -> JointFit:
     """Which (angle, offset, material side) candidates the frame needs, polished together.
 
@@ -60,7 +66,8 @@ def fit_lines(image: TactileImage, cuts: Sequence[tuple[float, float, int]], sur
             for union in (False, True)[: 1 + len(best.chosen)]
         ]
         trial = min(trials, key=lambda t: t.fit.chi2)
-        needed = _worth(best.fit) if sure and not best else WORTH
+        curved = bool(np.any(trial.fit.parameters[3:6]))
+        needed = _worth(best.fit) if sure and not best and not curved else WORTH
         if best.fit.chi2 - trial.fit.chi2 > needed * max(1.0, trial.fit.chi2 / trial.fit.dof):
             best = trial
     return best

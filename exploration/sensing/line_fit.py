@@ -6,8 +6,8 @@ material, v the coordinate along the line, w the response's width across it and 
     depth(p) = (A + c v) edge(t/w) + b w ramp(t/w),
 
 so that a plateau that rises away from the edge (b) or along it (c), because the pad or the face is tilted,
-does not move the line.  Unknowns are angle, offset, A, b, c; the covariance is the inverse of the weighted normal matrix.  Residuals beyond
-`HUBER` sigma weigh less, for taxels that died without telling.
+does not move the line.  Unknowns are angle, offset, A, b, c; the covariance is the inverse of the weighted
+normal matrix.  Residuals beyond `HUBER` sigma weigh less, for taxels that died without telling.
 
 The same with every response integrated once (`order` 1) is the rim of a smooth surface that runs out without
 a step, depth = (A + c v) w ramp(t/w) + b w^2 bend(t/w): the cheap alternative that an edge must beat.

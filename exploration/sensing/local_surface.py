@@ -99,7 +99,9 @@ def fit_smooth(
     )
     good = plane.dof + ENOUGH * np.sqrt(2 * plane.dof)
     best = fit_footprint(image, plane.parameters, sides, union)
-    for start in (start_of(image, mask, True), _dome(image, mask)) if not len(sides) else ():
+    for start in (
+        () if len(sides) else (start_of(image, mask, True), _dome(image, mask, 1.0), _dome(image, mask, 2.0))
+    ):
         if best.chi2 > good:
             other = fit_footprint(image, start, sides, union)
             best = other if other.chi2 < best.chi2 else best
@@ -123,12 +125,12 @@ def start_of(image: TactileImage, mask: Bools, curved: bool) -> Floats:
     return out
 
 
-def _dome(image: TactileImage, mask: Bools) -> Floats:
-    """A round dome over the mask, for contacts too small to read a curvature off."""
+def _dome(image: TactileImage, mask: Bools, height: float) -> Floats:
+    """A round dome over the mask, so much higher than what is felt, for small contacts."""
     keep = mask & np.isfinite(image.sigma)
     x, y = np.meshgrid(image.array.x, image.array.y)
     px, py = image.array.pitch
-    top = float(image.depth[keep].max(initial=0.0)) + 1e-6
+    top = height * float(image.depth[keep].max(initial=0.0)) + 1e-6
     cx, cy = (float(x[keep].mean()), float(y[keep].mean())) if keep.any() else (0.0, 0.0)
     k = 2 * top / max(float(keep.sum()) * px * py / np.pi, image.spread**2)
     return np.array([top - 0.5 * k * (cx**2 + cy**2), k * cx, k * cy, k, 0.0, k])

@@ -61,7 +61,7 @@ def contacts_of(
 ) -> Contacts:
     """Points of the object's surface in the world frame, with outward normals; empty where none is sure."""
     surface = touch.surface
-    if isinstance(surface, NoSurface) or (surface.curved and touch.kind in ("ridge", "corner")):
+    if isinstance(surface, NoSurface):
         return Contacts.of(np.empty((0, 3)))
     xy, sigma, normal_sigma = _design(surface, image)
     c = surface.coefficients
