@@ -19,7 +19,7 @@ from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough import find_lines
 from exploration.sensing.line import Line
 from exploration.sensing.local_surface import LocalSurface
-from exploration.sensing.touch import Touch, contacts_of, perceive
+from exploration.sensing.touch import contacts_of, perceive
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
@@ -48,7 +48,10 @@ class StrokeConfig:
 class TrustConfig:
     """Which frames are good enough to become contacts; the rest only steer."""
 
-    misfit: float = 1.8  # chi2 per degree of freedom of the local surface
+    misfit: float = 1.8  # chi2 per degree of freedom of a flat patch
+    curved_misfit: float = (
+        8.0  # of a curved one, which an unseen edge may cut; its errors grow with the misfit
+    )
     taxels: int = 8  # in contact
     flat_taxels: int = 20  # in contact, where the surface is taken for flat
     curvature: float = 0.15  # [1/mm] beyond which the rubber blurs too much
@@ -157,22 +160,18 @@ def keep(
     what = perceive(seen.image)
     surface = what.surface
     where = (seen.world_from_sensor, touch, stroke, seen.sensor)
-    if isinstance(surface, LocalSurface) and _trusted(what, surface, trust):
-        found, curved = contacts_of(what, seen.image, *where), surface.curved
+    floor, normal_floor = trust.floor, trust.normal_floor
+    if isinstance(surface, LocalSurface) and _trusted(surface, trust):
+        found = contacts_of(what, seen.image, *where)
+        if surface.curved:
+            excess = max(1.0, _misfit(surface))
+            floor, normal_floor = trust.floor * excess, trust.curved_floor * excess
     else:
         felt = feel(seen.image)
-        found, curved = flat_patch(seen.image, felt.inner, *where) if felt else Contacts.of([]), False
-    if not len(found):
-        return
-    kept.append(
-        replace(
-            found,
-            sigma=frozen(np.hypot(found.sigma, trust.floor)),
-            normal_sigma=frozen(
-                np.hypot(found.normal_sigma, trust.curved_floor if curved else trust.normal_floor)
-            ),
-        )
-    )
+        found = flat_patch(seen.image, felt.inner, *where) if felt else Contacts.of([])
+    if len(found):
+        sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
+        kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
 
 
 def touched_cells(seen: Observation, felt: Felt) -> Floats:
@@ -183,16 +182,16 @@ def touched_cells(seen: Observation, felt: Felt) -> Floats:
     return se3.transform_points(seen.world_from_sensor, local)
 
 
-def _trusted(what: Touch, surface: LocalSurface, trust: TrustConfig) -> bool:
-    """Beside an edge a curvature cannot be told from the edge's own blur, so only flat patches count there."""
+def _trusted(surface: LocalSurface, trust: TrustConfig) -> bool:
+    taxels = int(surface.mask.sum())
     if surface.curved:
         sharp = float(np.abs(surface.principal[0]).max()) > trust.curvature
-        return not what.lines and not sharp and _fits(surface, trust, trust.taxels)
-    return _fits(surface, trust, trust.flat_taxels)
+        return not sharp and _misfit(surface) < trust.curved_misfit and taxels >= trust.taxels
+    return _misfit(surface) < trust.misfit and taxels >= trust.flat_taxels
 
 
-def _fits(surface: LocalSurface, trust: TrustConfig, taxels: int) -> bool:
-    return surface.chi2 < trust.misfit * surface.dof and int(surface.mask.sum()) >= taxels
+def _misfit(surface: LocalSurface) -> float:
+    return surface.chi2 / max(surface.dof, 1)
 
 
 def _returned(at: Floats, start: Floats, config: StrokeConfig) -> bool:

@@ -46,6 +46,7 @@ class ExplorerConfig:
     roll: tuple[float, ...] = (60.0, 95.0, 30.0)  # [deg] attitudes from which an edge is crossed, in turn
     overlap: float = 5.0  # [mm] of the pad that reaches back over the edge
     tries: int = 3  # at the same open thing
+    first_tries: int = 60  # touches after which an object that shows no face is given up
     near: float = 0.1  # [mm] a contact this far from a known face belongs to it
     turned: float = 0.06  # [rad] as long as its normal is no farther off
     least_contacts: int = 5  # that make a new face
@@ -127,6 +128,9 @@ class Explorer:
 
     def _next(self, face: int | None) -> Callable[[], tuple[int | None, str]] | None:
         """The next move: cross an edge, touch what is untouched, trace an edge; None when nothing is open."""
+        if not any(isinstance(f.fit, Fit) for f in self.found.graph.faces):
+            self.found.open = 1
+            return self._look_again if self.guard.cost.touches < self.config.first_tries else None
         crossing = self._open_sighting(face)
         if crossing is not None:
             sighting, own = crossing
@@ -161,6 +165,21 @@ class Explorer:
             here = self.guard.world_from_sensor
             self.guard.go_to(se3.pose(start[:3, :3], [here[0, 3], here[1, 3], start[2, 3]]))
         return False
+
+    def _look_again(self) -> tuple[int | None, str]:
+        """Come down again beside a first contact that told nothing, each time from another side."""
+        turn = se3.turn_about(
+            self._here.point,
+            self.guard.world_from_sensor[:3, self.guard.cost.touches % 2],
+            0.35 * (-1.0) ** (self.guard.cost.touches // 2),
+        )
+        retreat(self.guard, 15.0)
+        target = turn @ self.guard.world_from_sensor
+        self.guard.go_to(target)
+        self.guard.cost.touches += 1
+        if not land(self.guard, target[:3, 2], 40.0, ApproachConfig().speed):
+            return None, "looked for the object again in vain"
+        return self._study(), "came down beside the first contact"
 
     # -- one face
 
