@@ -6,9 +6,11 @@ with C the indicator of the material: the product of the half-planes of its edge
 complement of the product of their complements (`union`: an inside corner, a slot).  The field is laid on cells
 about a blur wide that reach `MARGIN` blurs past the pad.  Each cell holds its own mean, taken as if q were linear
 in it and smeared over a box of the cell's variance; exact integrals of Gaussian and box, which separate
-into x and y, carry it to the taxels.  Box mean and box integral blur by h^2/12 each, so the Gaussian is made h^2/6
-narrower: then the model errs by 2 um on smooth contacts, 5 um at edges (our derivation).  Gauss-Newton with
-Levenberg's damping on all unknowns at once, and a weak prior on curvature for contacts smaller than the blur; no closed form exists for a clipped paraboloid.
+into x and y, carry it to the taxels.  Box mean and box integral blur by h^2/12 each, so the Gaussian is made
+h^2/6 narrower: then the model errs by 2 um on smooth contacts, 5 um at edges (our derivation).
+
+Gauss-Newton with Levenberg's damping on all unknowns at once, for no closed form of a clipped paraboloid exists,
+with a weak prior on curvature for contacts smaller than the blur.
 """
 
 from dataclasses import dataclass
@@ -20,7 +22,7 @@ from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.normal_equations import invert
-from primitives.arrays import Floats, Ints
+from primitives.arrays import Floats, Ints, frozen
 
 MARGIN = 3.0  # [blurs]
 CELL = 1.05  # [blurs] no cell is wider
@@ -28,6 +30,8 @@ LEAST_BLUR = 0.25  # [taxels] a sharper skin is treated as this blurred
 HUBER = 3.0  # [sigma]
 CURVATURE = 0.3  # [1/mm] standard deviation of the prior: sharper than most that a pad can read
 STEPS = 30
+GAINED = 0.02  # [chi2] a step that gains less is the last
+PLANE, ROUND, PARABOLOID = "plane", "round", "paraboloid"
 
 
 @dataclass(frozen=True)
@@ -47,26 +51,35 @@ def fit_footprint(
     start: Floats,
     sides: Floats,
     union: bool = False,
-    curved: bool = True,
+    shape: str = PARABOLOID,
     free_lines: bool = True,
     steps: int = STEPS,
 ) -> Footprint:
-    """Fit from `start` (6 + 2 n,); `sides` (n,) is +1 where the material is on a line's positive side."""
+    """Fit from `start` (6 + 2 n,); `sides` (n,) is +1 where the material is on a line's positive side.
+
+    `shape` is PLANE (curvature held), ROUND (kxx = kyy, kxy = 0) or PARABOLOID.
+    """
     geometry = _geometry(image.array.rows, image.array.columns, image.array.pitch, image.spread)
-    free = np.ones(len(start), dtype=np.bool_)
-    free[3:6] = curved
-    free[6:] = free_lines
+    unknown = _unknowns(shape, len(start), free_lines)
     p, covariance, chi2, count, converged, residual = _fit(
         image.depth,
         image.sigma,
         *geometry,
         np.array(start, dtype=float),
         np.asarray(sides, dtype=float),
-        free,
+        unknown,
         union,
         steps,
     )
-    return Footprint(p, covariance, chi2, count - int(free.sum()), converged, residual)
+    return Footprint(p, covariance, chi2, count - int(unknown.max()) - 1, converged, residual)
+
+
+@lru_cache(maxsize=64)
+def _unknowns(shape: str, count: int, free_lines: bool) -> Ints:
+    """Which unknown each parameter is; -1 where it is held, the same twice where two are one."""
+    first = {PLANE: [0, 1, 2, -1, -1, -1], ROUND: [0, 1, 2, 3, -1, 3], PARABOLOID: [0, 1, 2, 3, 4, 5]}[shape]
+    lines = np.arange(count - 6) + max(first) + 1 if free_lines else np.full(count - 6, -1)
+    return frozen(np.concatenate([np.array(first), lines]), np.int64)
 
 
 @lru_cache(maxsize=32)
@@ -165,7 +178,7 @@ def _fields(x: Floats, y: Floats, p: Floats, sides: Floats, union: bool, fields:
 
 
 @numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
-def _to_taxels(fields: Floats, to_columns: Floats, to_rows: Floats, active: Ints, out: Floats) -> None:
+def _to_taxels(fields: Floats, to_columns: Floats, to_rows: Floats, unknown: Ints, out: Floats) -> None:
     columns, nx = to_columns.shape
     rows, ny = to_rows.shape
     first, last = np.empty(columns, dtype=np.int64), np.empty(columns, dtype=np.int64)
@@ -177,8 +190,9 @@ def _to_taxels(fields: Floats, to_columns: Floats, to_rows: Floats, active: Ints
             b -= 1
         first[c], last[c] = a, b
     row = np.empty(columns)
-    for a in range(1 + len(active)):
-        f = 0 if a == 0 else 1 + active[a - 1]
+    for f in range(len(fields)):
+        if f > 0 and unknown[f - 1] < 0:
+            continue
         out[f] = 0.0
         for i in range(ny):
             filled = False
@@ -206,13 +220,13 @@ def _normal_equations(
     sigma: Floats,
     p: Floats,
     model: Floats,
-    active: Ints,
+    unknown: Ints,
     normal: Floats,
     rhs: Floats,
     residual: Floats,
 ) -> tuple[float, int]:
     rows, columns = depth.shape
-    m = len(active)
+    m = len(rhs)
     normal[:] = 0.0
     rhs[:] = 0.0
     chi2 = 0.0
@@ -233,16 +247,19 @@ def _normal_equations(
                 weight = HUBER / size
             else:
                 chi2 += r * r
-            for a in range(m):
-                jacobian[a] = model[1 + active[a], i, j] / sigma[i, j]
+            jacobian[:] = 0.0
+            for k in range(len(unknown)):
+                if unknown[k] >= 0:
+                    jacobian[unknown[k]] += model[1 + k, i, j] / sigma[i, j]
             for a in range(m):
                 rhs[a] += jacobian[a] * r * weight
                 for b in range(a + 1):
                     normal[a, b] += jacobian[a] * jacobian[b] * weight
-    for a in range(m):
-        if 3 <= active[a] < 6:
-            chi2 += (p[active[a]] / CURVATURE) ** 2
-            rhs[a] -= p[active[a]] / CURVATURE**2
+    for k in range(3, 6):
+        a = unknown[k]
+        if a >= 0:
+            chi2 += (p[k] / CURVATURE) ** 2
+            rhs[a] -= p[k] / CURVATURE**2
             normal[a, a] += 1.0 / CURVATURE**2
     for a in range(m):
         for b in range(a):
@@ -260,12 +277,11 @@ def _fit(
     to_rows: Floats,
     start: Floats,
     sides: Floats,
-    free: Floats,
+    unknown: Ints,
     union: bool,
     steps: int,
 ) -> tuple[Floats, Floats, float, int, bool, Floats]:
-    active = np.nonzero(free)[0]
-    m = len(active)
+    m = unknown.max() + 1
     total = len(start)
     fields = np.zeros((1 + total, len(y), len(x)))
     model = np.zeros((1 + total, depth.shape[0], depth.shape[1]))
@@ -273,8 +289,8 @@ def _fit(
     trial_normal, trial_rhs, trial_residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
     p = start.copy()
     _fields(x, y, p, sides, union, fields)
-    _to_taxels(fields, to_columns, to_rows, active, model)
-    chi2, count = _normal_equations(depth, sigma, p, model, active, normal, rhs, residual)
+    _to_taxels(fields, to_columns, to_rows, unknown, model)
+    chi2, count = _normal_equations(depth, sigma, p, model, unknown, normal, rhs, residual)
     damping = 1e-3
     converged = False
     for _ in range(steps):
@@ -289,12 +305,13 @@ def _fit(
             continue
         step = inverse @ rhs
         trial = p.copy()
-        for a in range(m):
-            trial[active[a]] += step[a]
+        for k in range(total):
+            if unknown[k] >= 0:
+                trial[k] += step[unknown[k]]
         _fields(x, y, trial, sides, union, fields)
-        _to_taxels(fields, to_columns, to_rows, active, model)
+        _to_taxels(fields, to_columns, to_rows, unknown, model)
         new, count = _normal_equations(
-            depth, sigma, trial, model, active, trial_normal, trial_rhs, trial_residual
+            depth, sigma, trial, model, unknown, trial_normal, trial_rhs, trial_residual
         )
         if new < chi2:
             gained = chi2 - new
@@ -304,11 +321,11 @@ def _fit(
             rhs[:] = trial_rhs
             residual[:] = trial_residual
             damping = damping * 0.1 if damping > 1e-6 else 0.0
-            if gained < 1e-3 + 1e-5 * chi2:
+            if gained < GAINED:
                 converged = True
                 break
         else:
-            if np.dot(step, rhs) < 1e-3:
+            if np.dot(step, rhs) < GAINED:
                 converged = True
                 break
             damping = max(1e-3, damping * 10.0)
@@ -317,7 +334,8 @@ def _fit(
     covariance = np.zeros((total, total))
     ok, inverse = invert(normal)
     if ok:
-        for a in range(m):
-            for b in range(m):
-                covariance[active[a], active[b]] = inverse[a, b]
+        for k in range(total):
+            for j in range(total):
+                if unknown[k] >= 0 and unknown[j] >= 0:
+                    covariance[k, j] = inverse[unknown[k], unknown[j]]
     return p, covariance, chi2, count, converged and ok, residual

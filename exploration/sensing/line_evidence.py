@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.sensing.contact_mask import contact_mask
-from exploration.sensing.footprint import Footprint, fit_footprint
+from exploration.sensing.footprint import PLANE, Footprint, fit_footprint
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.local_surface import fit_smooth, start_of
 from primitives.arrays import Floats
@@ -82,9 +82,9 @@ def _trial(
 ) -> JointFit:
     sides = np.array([cuts[k][2] for k in chosen], dtype=float)
     start = np.concatenate([plane, *([cuts[k][0], cuts[k][1]] for k in chosen)])
-    fit = fit_footprint(image, start, sides, union=union, curved=False)
+    fit = fit_footprint(image, start, sides, union=union, shape=PLANE)
     if fit.chi2 > fit.dof + CURVED * np.sqrt(2 * fit.dof):
-        curved = fit_footprint(image, fit.parameters, sides, union=union, curved=True)
+        curved = fit_footprint(image, fit.parameters, sides, union=union)
         if fit.chi2 - curved.chi2 > WORTH and curved.converged:
             fit = curved
     return JointFit(fit, sides, chosen)

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.sensing.contact_mask import contact_mask, usable
-from exploration.sensing.footprint import Footprint, fit_footprint
+from exploration.sensing.footprint import PLANE, ROUND, Footprint, fit_footprint
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.line import Line
 from primitives.arrays import Bools, Floats, frozen
 from primitives.pose import frame_along
 
 WORTH = 20.0  # [chi2] that three curvatures must gain to be kept
+AS_ROUND = 6.0  # [chi2] that two different principal curvatures must gain over equal ones (95 %)
 ENOUGH = 3.0  # [standard deviations of chi2] within which no second start is tried
 SIGNIFICANT = 4.0  # [sigma] of a principal curvature, for the contact point to follow it
 
@@ -95,7 +96,7 @@ def fit_smooth(
 ) -> tuple[Footprint, bool]:
     """The best plane, or the best paraboloid where it is worth it, cut by (angle, offset) pairs; is it curved?"""
     plane = fit_footprint(
-        image, np.concatenate([start_of(image, mask, False), cuts]), sides, union, curved=False
+        image, np.concatenate([start_of(image, mask, False), cuts]), sides, union, shape=PLANE
     )
     good = plane.dof + ENOUGH * np.sqrt(2 * plane.dof)
     best = fit_footprint(image, plane.parameters, sides, union)
@@ -106,8 +107,15 @@ def fit_smooth(
             other = fit_footprint(image, start, sides, union)
             best = other if other.chi2 < best.chi2 else best
     gain = plane.chi2 - best.chi2
-    worth = best.converged and gain > least_gain * max(1.0, best.chi2 / max(1, best.dof))
-    return (best, True) if worth or not plane.converged else (plane, False)
+    if plane.converged and gain < least_gain * max(1.0, best.chi2 / max(1, best.dof)):
+        return plane, False
+    kxx, _, kyy = best.parameters[3:6]
+    if len(sides) or min(kxx, kyy) < 0.3 * max(kxx, kyy):
+        return best, True
+    start = best.parameters.copy()
+    start[3:6] = (kxx + kyy) / 2, 0.0, (kxx + kyy) / 2
+    ball = fit_footprint(image, start, sides, union, ROUND)
+    return (ball if ball.converged and ball.chi2 - best.chi2 < AS_ROUND else best), True
 
 
 def start_of(image: TactileImage, mask: Bools, curved: bool) -> Floats:
