@@ -63,7 +63,11 @@ def explore(
     ] = "-300,-300,-300,300,300,300",
     feature_mm: Annotated[float, typer.Option(help="Smallest feature that must not be missed [mm].")] = 10.0,
     pose: Annotated[
-        str, typer.Option(help="Where the object is: random, as-is, or X,Y,Z,QW,QX,QY,QZ.")
+        str,
+        typer.Option(
+            help="Where the object is: random (any attitude, its middle within 60 mm of the workspace's), "
+            "as-is (the file's coordinates), or X,Y,Z,QW,QX,QY,QZ."
+        ),
     ] = "random",
     sensor: Annotated[
         str, typer.Option(metavar="NAME|FILE.toml", help="The tactile array (palpate sensors).")
@@ -85,7 +89,7 @@ def explore(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the run in --out.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Explore an object of unknown shape and pose by touch, and reconstruct it."""
+    """Explore a convex object of unknown shape and pose by touch, and reconstruct it."""
     from recognition.config import ExploreOptions, parse_numbers, parse_pose
 
     with one_line_errors(exit_code=2):
@@ -108,12 +112,12 @@ def explore(
         from recognition.explore import run
         from recognition.report.terminal import summary_text, watching
 
-        with watching(quiet=as_json) as progress:
-            summary = run(options, progress)
+        with watching(quiet=as_json) as watch:
+            summary = run(options, watch)
     if as_json:
         print_json(summary)
     else:
-        typer.echo(summary_text(summary))
+        typer.echo(summary_text(summary, watch.folder))
 
 
 @contextmanager

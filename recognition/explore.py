@@ -32,6 +32,7 @@ from recognition.simulation import World, guarded, load_world
 from recognition.summary import summarize
 from recognition.truth import LabeledFaces, Truth, evaluate
 
+_DRAWN_FACET = 0.02  # [mm] between a drawn facet and the surface that it stands for
 Watcher = Callable[[Progress], None]
 _log = logging.getLogger(__name__)
 
@@ -139,7 +140,7 @@ def _report(
         summary=summary,
         settings=settings(options),
         model=model,
-        truth=_drawn(world.solid, LabeledFaces.of(world.solid).of_triangle),
+        truth=_truth_to_draw(world),
         contacts=made.contacts.points,
         contact_face=made.face_of_contact,
         traces=[trace.points for trace, _ in findings.traces],
@@ -147,6 +148,14 @@ def _report(
         pad_size=world.spec.array.size,
         housing_size=world.spec.housing.size,
     )
+
+
+def _truth_to_draw(world: World) -> ReportMesh:
+    """The object, in facets as coarse as a drawing allows where it was made from a tree."""
+    solid = world.solid
+    if world.part.csg is not None:
+        solid = Solid.from_csg(world.part.csg, _DRAWN_FACET).placed(solid.pose)
+    return _drawn(solid, LabeledFaces.of(solid).of_triangle)
 
 
 def _drawn(solid: Solid, of_triangle: Ints) -> ReportMesh:

@@ -25,8 +25,8 @@ from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 class LogConfig:
     """How much is kept for the report."""
 
-    contact_frames: int = 1150
-    free_frames: int = 350
+    contact_frames: int = 750
+    free_frames: int = 250
     sigmas: float = 6.0  # a frame is in contact when its force is this far out of its noise
 
 

@@ -160,8 +160,8 @@ def _touched_beside(edge: Edge, touched: dict[int, Floats], options: Reconstruct
     if any(face not in touched for face in edge.faces):
         return False
     along = _evenly(edge.points, options.beside / 4.0)
-    away = [cKDTree(touched[face]).query(along)[0] for face in edge.faces]
-    return bool(np.mean(np.max(away, axis=0) < options.beside) > options.most)
+    first, second = (np.asarray(cKDTree(touched[face]).query(along)[0]) for face in edge.faces)
+    return bool(np.mean(np.maximum(first, second) < options.beside) > options.most)
 
 
 def _evenly(points: Floats, step: float) -> Floats:

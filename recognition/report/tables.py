@@ -46,6 +46,10 @@ def lede(summary: Json) -> str:
     )
 
 
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def legend(summary: Json, traces: bool) -> str:
     """One swatch per shape that occurs."""
     shapes = dict.fromkeys(str(face["shape"]) for face in summary.get("faces") or [])

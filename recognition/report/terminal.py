@@ -4,62 +4,68 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from recognition.progress import Progress
 
-Watcher = Callable[[Progress], None]
+_TRUTH = (
+    ("surface_rms_mm", "surface rms", " mm"),
+    ("hausdorff_mm", "Hausdorff", " mm"),
+    ("iou", "IoU", ""),
+    ("face_shape_accuracy", "share of faces right", ""),
+)
+
+
+class Watch:
+    """Takes progress, shows it, and remembers where the run is written."""
+
+    def __init__(self, show: Callable[[str], object]) -> None:
+        self.folder: Path | None = None
+        self._show = show
+
+    def __call__(self, progress: Progress) -> None:
+        """Show where the run stands."""
+        self.folder = progress.folder or self.folder
+        self._show(_progress_text(progress))
 
 
 @contextmanager
-def watching(quiet: bool = False) -> Iterator[Watcher]:
+def watching(quiet: bool = False) -> Iterator[Watch]:
     """Something to tell progress to; it draws on stderr, and only where that is a terminal."""
     from rich.console import Console
 
     console = Console(stderr=True, highlight=False)
     if quiet or not console.is_terminal:
-        yield lambda _: None
+        yield Watch(lambda _: None)
         return
     with console.status("starting") as status:
-        yield lambda progress: status.update(_progress_text(progress))
+        yield Watch(status.update)
 
 
-def summary_text(summary: Mapping[str, Any]) -> str:
+def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
     """What `explore` prints: how it ended, what it found, how true that is, where the report lies."""
     s = summary
+    ended = "closed" if s["closed"] else f"not closed ({s.get('ended') or 'open'})"
     lines = [
-        f"{s['part']}: {s.get('ended', 'ended')} after {s['touches']} touches, {s.get('strokes', 0)} strokes, "
-        f"{s['frames']} frames, {s['travel_mm']:.0f} mm of travel, {s['device_seconds']:.1f} s on the device "
-        f"({s['wall_seconds']:.1f} s here)"
+        f"{s['part']}: {ended} after {_many(s['touches'], 'touch', 'touches')}, "
+        f"{_many(s.get('strokes', 0), 'stroke')}, {_many(s['frames'], 'frame')}",
+        f"{s['travel_mm']:.0f} mm of travel in {s['device_seconds']:.1f} s on the device, "
+        f"{s['wall_seconds']:.1f} s here",
     ]
-    faces = [
-        {
-            "face": f["id"],
-            "shape": f["shape"],
-            "status": f["status"],
-            "extent_mm": " x ".join(f"{x:.2f}" for x in f.get("extent_mm") or []),
-            "radius_mm": _number((f.get("parameters") or {}).get("radius_mm")),
-        }
-        for f in s.get("faces", [])
-    ]
-    if faces:
-        lines += ["", table_text(faces)]
+    if s.get("faces"):
+        lines += ["", table_text(_with_something([_face_row(face) for face in s["faces"]]))]
     if s.get("primitives"):
-        lines += ["", "as CSG: " + ", ".join(_primitive_text(p) for p in s["primitives"])]
+        lines += ["", "as CSG: " + _csg_text(s["primitives"])]
     if truth := s.get("truth"):
-        named = {
-            "surface_rms_mm": "surface rms",
-            "hausdorff_mm": "Hausdorff",
-            "iou": "IoU",
-            "face_shape_accuracy": "face shapes right",
-        }
-        lines.append(
-            "against the truth: "
-            + ", ".join(f"{word} {_number(truth[key])}" for key, word in named.items() if key in truth)
-        )
-    lines += [f"warning: {warning}" for warning in s.get("warnings", [])]
+        told = [
+            f"{word} {_number(truth[key])}{unit}" for key, word, unit in _TRUTH if truth.get(key) is not None
+        ]
+        lines += ["against the truth: " + ", ".join(told)]
+    if s.get("warnings"):
+        lines += ["", *(f"warning: {warning}" for warning in s["warnings"])]
     if report := (s.get("files") or {}).get("report"):
-        lines += ["", f"report: {report}"]
+        lines += ["", f"report: {folder / report if folder else report}"]
     return "\n".join(lines)
 
 
@@ -98,9 +104,36 @@ def _number(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def _primitive_text(primitive: Mapping[str, Any]) -> str:
-    sign = "- " if primitive.get("operation") == "subtract" else ""
-    return f"{sign}{primitive['kind']} " + " x ".join(f"{x:.2f}" for x in primitive.get("extent_mm") or [])
+def _face_row(face: Mapping[str, Any]) -> dict[str, object]:
+    parameters, sigma = face.get("parameters") or {}, face.get("sigma") or {}
+    row: dict[str, object] = {
+        "face": face["id"],
+        "shape": face["shape"],
+        "status": face["status"],
+        "extent_mm": " x ".join(f"{x:.2f}" for x in face.get("extent_mm") or []),
+    }
+    for key in ("radius_mm", "semi_angle_deg"):
+        spread = f" +- {sigma[key]:.1g}" if key in sigma else ""
+        row[key] = f"{parameters[key]:.3f}{spread}" if key in parameters else ""
+    return row
+
+
+def _with_something(rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
+    """The columns in which any row says something."""
+    return [{name: row[name] for name in row if any(other[name] != "" for other in rows)} for row in rows]
+
+
+def _csg_text(primitives: Sequence[Mapping[str, Any]]) -> str:
+    signs = {"add": " | ", "subtract": " - ", "intersect": " & "}
+    texts = [f"{p['kind']} " + " x ".join(f"{x:.2f}" for x in p.get("extent_mm") or []) for p in primitives]
+    joined = [
+        signs.get(str(p.get("operation")), ", ") + text for p, text in zip(primitives, texts, strict=True)
+    ]
+    return "".join(joined).removeprefix(" | ")
+
+
+def _many(count: int, noun: str, nouns: str = "") -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {nouns or noun + 's'}"
 
 
 def _progress_text(p: Progress) -> str:
