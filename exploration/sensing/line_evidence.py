@@ -25,7 +25,7 @@ from primitives.arrays import Floats
 
 WORTH = 25.0  # [chi2] that a short or further line, or a curved face beside the lines, must gain
 SHARP = 0.04  # [1/mm]
-PRIOR = 6.0  # [chi2]
+PRIOR = 4.0  # [chi2]
 CURVED = 4.0  # [standard deviations of chi2] of misfit from which the cut surface may curve
 
 

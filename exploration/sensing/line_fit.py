@@ -25,7 +25,7 @@ from primitives.arrays import Floats
 
 HUBER = 3.0  # [sigma]
 STEPS = 12
-DONE = 0.02  # [sigma] steps of angle and offset smaller than this end the iteration
+DONE = 0.1  # [sigma] steps of angle and offset smaller than this end the iteration
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def fit_line(
     return LineFit(parameters, covariance, chi2, count - 5, converged)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
 def _accumulate(
     depth: Floats,
     sigma: Floats,
@@ -95,6 +95,8 @@ def _accumulate(
                 r *= share
             else:
                 chi2 += r * r
+            if step == 0.0:
+                continue
             slope = (height + along * v) * change + rise * step
             j5[0] = (-side * v * slope + along * across * step) * weight
             j5[1] = -side * slope * weight
@@ -161,7 +163,7 @@ def _fit(
         damping *= 0.1
         if damping < 1e-3:
             damping = 0.0
-        if small or (gained < 1e-3 and damping == 0.0):
+        if small or (gained < 0.01 and damping == 0.0):
             converged = True
             break
     ok, covariance = invert(normal)

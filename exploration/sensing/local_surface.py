@@ -95,20 +95,22 @@ def fit_smooth(
     least_gain: float = WORTH,
 ) -> tuple[Footprint, bool]:
     """The best plane, or the best paraboloid where it is worth it, cut by (angle, offset) pairs; is it curved?"""
-    plane = fit_footprint(
-        image, np.concatenate([start_of(image, mask, False), cuts]), sides, union, shape=PLANE
-    )
-    good = plane.dof + ENOUGH * np.sqrt(2 * plane.dof)
-    best = fit_footprint(image, plane.parameters, sides, union)
-    for start in (
-        () if len(sides) else (start_of(image, mask, True), _dome(image, mask, 1.0), _dome(image, mask, 2.0))
-    ):
-        if best.chi2 > good:
+    flat = np.concatenate([start_of(image, mask, False), cuts])
+    best = fit_footprint(image, flat if len(sides) else start_of(image, mask, True), sides, union)
+    good = best.dof + ENOUGH * np.sqrt(2 * best.dof)
+    curved = best.chi2 < good and _wald(best) > 4 * least_gain
+    plane = None if curved else fit_footprint(image, flat, sides, union, PLANE)
+    if plane and best.chi2 > good:
+        domes = () if len(sides) else (_dome(image, mask, 1.0), _dome(image, mask, 2.0))
+        for start in (plane.parameters, *domes):
             other = fit_footprint(image, start, sides, union)
             best = other if other.chi2 < best.chi2 else best
-    gain = plane.chi2 - best.chi2
-    if plane.converged and gain < least_gain * max(1.0, best.chi2 / max(1, best.dof)):
-        return plane, False
+            if best.chi2 < good:
+                break
+    if plane and plane.converged:
+        gain = plane.chi2 - best.chi2
+        if gain < least_gain * max(1.0, best.chi2 / max(1, best.dof)):
+            return plane, False
     kxx, _, kyy = best.parameters[3:6]
     if len(sides) or min(kxx, kyy) < 0.3 * max(kxx, kyy):
         return best, True
@@ -131,6 +133,12 @@ def start_of(image: TactileImage, mask: Bools, curved: bool) -> Floats:
     elif len(z):
         out[0] = float(z.mean())
     return out
+
+
+def _wald(fit: Footprint) -> float:
+    """[chi2] that curvature gains, to second order."""
+    k = fit.parameters[3:6]
+    return float(k @ np.linalg.solve(fit.covariance[3:6, 3:6], k)) if fit.converged else 0.0
 
 
 def _dome(image: TactileImage, mask: Bools, height: float) -> Floats:

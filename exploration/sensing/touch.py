@@ -1,14 +1,23 @@
 """What one frame is: nothing, flat, edge, ridge, corner or curved; and the contacts it yields.
 
-Kinds are weighed by exp(-misfit/2), the misfit of each reading of the frame, tempered because no sensor model is
-exact.  A touched patch yields a few points whose information is that of the fit and no more.
+The likeliest reading of the frame gets what the others leave: a line that is weak may be a curved rim, a surface
+sharper than `SHARP` is a ridge or a corner as far as its curvature is known (our choice of weights).
+
+A touched patch yields a few points whose information is that of the fit and no more (our derivation).  With C the
+covariance of (d0, gx, gy) and C^-1 = N [[1, c^t], [c, S + c c^t]], the four points c +- sqrt(2 l) e, (l, e) the
+eigenpairs of S, each of variance 4/N, have just this information: sums of 1, of (x - c) and of (x - c)(x - c)^t
+over 4/N are N, 0 and N S.  So the plane fitted to their positions has the patch's own covariance.  Their
+normals come from that same fit: each is given twice the gradient's sigma, so that the four together say it once
+more and no oftener; whoever fits positions and normals of a flat patch at once counts its tilt twice.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import exp, sin, sqrt
 from types import MappingProxyType
 
 import numpy as np
+from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough import find_lines
@@ -17,6 +26,10 @@ from exploration.sensing.local_surface import LocalSurface, NoSurface, fit_surfa
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points
+
+SHARP = 0.3  # [1/mm] curvature from which a contact is a ridge or a corner
+PARALLEL = 0.3  # [sine of the angle] between the two edges of a ridge
+LEAST = 0.005  # of the probability, left to every kind
 
 KINDS = ("nothing", "flat", "edge", "ridge", "corner", "curved")
 
@@ -104,13 +117,28 @@ def _design(surface: LocalSurface, image: TactileImage) -> tuple[Floats, Floats,
 
 
 def _kinds(lines: tuple[Line, ...], surface: LocalSurface | NoSurface) -> dict[str, float]:
+    share = dict.fromkeys(KINDS, LEAST)
     if isinstance(surface, NoSurface):
-        likely = "nothing"
+        share["nothing"] = 1.0
     elif not lines:
-        likely = "curved" if surface.curved else "flat"
-    elif len(lines) == 1:
-        likely = "edge"
+        sharp, both = _sharpness(surface)
+        share["ridge"] += sharp * (1.0 - both)
+        share["corner"] += sharp * both
+        share["curved" if surface.curved else "flat"] += 1.0 - sharp
     else:
-        parallel = abs(np.sin(lines[0].angle - lines[1].angle)) < 0.3
-        likely = "ridge" if parallel else "corner"
-    return {kind: 0.95 if kind == likely else 0.01 for kind in KINDS}
+        doubt = 0.5 * exp(-(lines[-1].strength - 5.0) / 5.0)
+        parallel = len(lines) > 1 and abs(sin(lines[0].angle - lines[1].angle)) < PARALLEL
+        many = "ridge" if parallel else "corner"
+        share["edge" if len(lines) == 1 else many] += 1.0 - doubt
+        share["curved" if len(lines) == 1 else "edge"] += doubt
+    total = sum(share.values())
+    return {kind: value / total for kind, value in share.items()}
+
+
+def _sharpness(surface: LocalSurface) -> tuple[float, float]:
+    """Probabilities that the greater, and the lesser, principal curvature is sharp."""
+    if not surface.curved:
+        return 0.0, 0.0
+    sigma = sqrt(float(surface.curvature_covariance[[0, 2], [0, 2]].max())) + 1e-6
+    greatest, least = surface.principal[0]
+    return float(ndtr((greatest - SHARP) / sigma)), float(ndtr((least - SHARP / 2) / sigma))
