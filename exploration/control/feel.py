@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.ndimage import binary_erosion, uniform_filter
 
 from exploration.sensing.frame import TactileImage
 from primitives.arrays import Bools, Floats
@@ -59,12 +60,12 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         return NotTouching("every taxel is dead")
     sigma = float(np.median(image.sigma[live]))
     depth = np.where(live, image.depth, 0.0)
-    smooth = _box_mean(depth)
+    smooth = uniform_filter(depth, 3, mode="nearest")
     peak = float(smooth.max())
     if peak < config.sigmas * sigma / 2.0:
         return NotTouching()
     mask = live & (smooth > max(config.share * peak, 1.5 * sigma))
-    inner = live & _erode(mask, config.rim)
+    inner = live & binary_erosion(mask, iterations=config.rim, border_value=1)
     used = inner if int(inner.sum()) >= config.enough and _spans(inner, 3) else mask
     x, y = image.array.x, image.array.y
     rows, columns = np.nonzero(used)
@@ -92,28 +93,6 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         mask=mask,
         inner=inner,
     )
-
-
-def _box_mean(depth: Floats) -> Floats:
-    """Mean over 3 x 3 taxels, over fewer along the pad's border."""
-    r, c = depth.shape
-    pad = np.pad(depth, 1)
-    count = np.pad(np.ones_like(depth), 1)
-    total = np.zeros_like(depth)
-    n = np.zeros_like(depth)
-    for i in range(3):
-        for j in range(3):
-            total += pad[i : i + r, j : j + c]
-            n += count[i : i + r, j : j + c]
-    return np.asarray(total / n)
-
-
-def _erode(mask: Bools, times: int) -> Bools:
-    """The mask less a rim; the pad's own border does not erode it."""
-    for _ in range(times):
-        m = np.pad(mask, 1, constant_values=True)
-        mask = m[1:-1, 1:-1] & m[:-2, 1:-1] & m[2:, 1:-1] & m[1:-1, :-2] & m[1:-1, 2:]
-    return mask
 
 
 def _spans(mask: Bools, least: int) -> bool:

@@ -13,8 +13,9 @@ import numpy as np
 
 from exploration.control.feel import feel
 from exploration.control.servo import ServoGains, hybrid_twist
-from exploration.devices.guard import Guard, Observation
+from exploration.devices.guard import Guard
 from exploration.sensing.edges import edge_points
+from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough import find_lines
 from exploration.sensing.line import Line
 from primitives.arrays import Floats, frozen
@@ -32,12 +33,15 @@ class EdgeConfig:
     gain_offset: float = 6.0  # [1/s]
     gain_angle: float = 6.0  # [1/s]
     spacing: float = 1.5  # [mm] between trace points
-    window: float = 4.0  # [mm] along the edge, of the crossings that make a trace point
-    corner: float = 2.5  # [mm] of line ahead of the center, below which it has ended
+    window: float = 6.0  # [mm] along the edge, of the crossings that make a trace point
+    ahead: float = 3.5  # [mm] ahead and inside, where material must go on
+    share: float = 0.4  # of the plateau, below which it does not
+    beside: float = 3.0  # [mm] across the line, within which a crossing is the edge's
+    crossings: int = 4  # least number of crossings for a direction of their own
     closing: float = 2.0  # [mm]
     least_loop: float = 25.0  # [mm]
     patience: int = 10  # frames without the line
-    every: int = 3  # ticks between looks for the line; between them it is held in place
+    every: int = 4  # ticks between looks for the line; between them it is held in place
 
 
 @dataclass(frozen=True)
@@ -67,7 +71,7 @@ def follow_edge(
     normals: list[Floats] = []
     heading = guard.world_from_sensor[:3, :2].T @ along
     rest = 0.0 if heading[0] >= 0 else np.pi
-    travel, since, missing, age = 0.0, np.inf, 0, 0
+    travel, since, missing, age, ended_ahead = 0.0, np.inf, 0, 0, 0
     line: Line | None = None
     ended: Ended = "length"
     seen = guard.hold()
@@ -86,22 +90,21 @@ def follow_edge(
             seen = guard.hold()
             continue
         missing = 0
-        heading = line.direction if line.direction @ heading > 0 else -line.direction
+        heading, foot = _beside_center(line, heading, seen.image, config)
         if since >= config.spacing:
             since = 0.0
-            found = _trace_point(line, heading, seen, config)
-            if found is not None:
-                turn = seen.world_from_sensor[:3, :3]
-                points.append(found)
-                tangents.append(turn[:, :2] @ heading)
-                normals.append(-turn[:, 2])
-        if max(float(line.start @ heading), float(line.end @ heading)) < config.corner:
+            turn = seen.world_from_sensor[:3, :3]
+            points.append(turn @ np.array([*foot, -line.plateau]) + seen.world_from_sensor[:3, 3])
+            tangents.append(turn[:, :2] @ heading)
+            normals.append(-turn[:, 2])
+        ended_ahead = ended_ahead + 1 if _ends_ahead(line, heading, foot, seen.image, config) else 0
+        if ended_ahead > config.every:
             ended = "corner"
             break
         if travel > config.least_loop and points and _returned(points, tangents, config):
             ended = "closed"
             break
-        inside = float(line.distance(np.zeros((1, 2)))[0])
+        inside = -float(foot @ line.inward)
         aside = np.clip(config.gain_offset * (config.inside - inside), -config.speed, config.speed)
         angle = (np.arctan2(heading[1], heading[0]) - rest + np.pi) % (2.0 * np.pi) - np.pi
         seen = guard.move(
@@ -127,23 +130,39 @@ def _expected(lines: tuple[Line, ...], heading: Floats) -> Line | None:
     return min(fitting, key=lambda line: abs(line.offset), default=None)
 
 
-def _trace_point(line: Line, heading: Floats, seen: Observation, config: EdgeConfig) -> Floats | None:
-    """The edge beside the pad's center, from the crossings there rather than from the whole line.
+def _beside_center(
+    line: Line, heading: Floats, image: TactileImage, config: EdgeConfig
+) -> tuple[Floats, Floats]:
+    """The edge's direction and its (2,) point beside the pad's center, from the crossings there.
 
     A straight line fitted across the pad cuts a curved edge short; crossings within a few mm do not.
     """
-    found = edge_points(seen.image)
+    direction = line.direction if line.direction @ heading > 0 else -line.direction
     foot = line.offset * line.normal
+    found = edge_points(image)
     if len(found):
-        along = (found.points - foot) @ heading
-        off = line.distance(found.points)
-        near = (np.abs(along) < config.window) & (np.abs(off) < 1.5)
-        if near.any():
-            weight = 1.0 / found.sigma[near] ** 2
-            foot = foot + line.inward * float(np.average(off[near], weights=weight))
-    turn, origin = seen.world_from_sensor[:3, :3], seen.world_from_sensor[:3, 3]
-    point: Floats = turn @ np.array([foot[0], foot[1], -line.plateau]) + origin
-    return point
+        near = (np.abs((found.points - foot) @ direction) < config.window) & (
+            np.abs(line.distance(found.points)) < config.beside
+        )
+        if int(near.sum()) >= config.crossings:
+            points = found.points[near]
+            foot = np.average(points, axis=0, weights=found.sigma[near] ** -2.0)
+            along = np.linalg.eigh(np.cov(points.T))[1][:, 1]
+            along = along if along @ heading > 0 else -along
+            direction = along if along @ direction > 0.7 else direction
+            foot = foot - (foot @ direction) * direction
+    return direction, foot
+
+
+def _ends_ahead(line: Line, heading: Floats, foot: Floats, image: TactileImage, config: EdgeConfig) -> bool:
+    """Whether the material beside the edge ends a little ahead, as it does at a corner."""
+    at = foot + config.ahead * heading + config.ahead * line.inward
+    column = int(
+        np.clip(np.round((at[0] - image.array.x[0]) / image.array.pitch[0]), 1, image.array.columns - 2)
+    )
+    row = int(np.clip(np.round((at[1] - image.array.y[0]) / image.array.pitch[1]), 1, image.array.rows - 2))
+    felt = float(image.depth[row - 1 : row + 2, column - 1 : column + 2].mean())
+    return felt < config.share * line.plateau
 
 
 def _returned(points: list[Floats], tangents: list[Floats], config: EdgeConfig) -> bool:

@@ -31,14 +31,14 @@ Ended = Literal["edge", "length", "closed", "lost"]
 class StrokeConfig:
     """How a surface is stroked."""
 
-    speed: float = 30.0  # [mm/s]
+    speed: float = 40.0  # [mm/s]
     spacing: float = 3.0  # [mm] between the frames that are kept as contacts
     stop_share: float = 0.4  # an edge this share of the half pad ahead of the center ends the stroke
     confirm: int = 3  # frames in a row that must show the edge
     closing: float = 3.0  # [mm] from its start, a stroke has gone round
     least_round: float = 25.0  # [mm] of travel before that can be
     lost: int = 12  # frames without contact
-    every: int = 5  # ticks between looks for an edge
+    every: int = 8  # ticks between looks for an edge
     recede: float = 0.5  # share of its farthest reach ahead, at which a contact is ending
     curving: float = 0.008  # [1/mm] a surface this curved along the heading ends its contact by itself
     sharp: float = 0.16  # [1/mm] a contact this curved is going over an edge
@@ -99,7 +99,7 @@ def follow_surface(
             seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
             continue
         missing = 0
-        if ticks % config.every == 0 or confirmed:
+        if not felt.mask.all() and (ticks % config.every == 0 or confirmed):
             near = edge_near(find_lines(seen.image, 3), heading, seen.image, config)
             confirmed = confirmed + 1 if near else 0
         ticks += 1

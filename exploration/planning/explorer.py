@@ -54,6 +54,7 @@ class ExplorerConfig:
 
 
 _MERGE = MergeOptions(
+    slack=3.0,  # errors common to a stroke are larger than its frames' noise
     rank=RankOptions(
         prior={
             "plane": 0.5,
