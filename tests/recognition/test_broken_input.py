@@ -1,0 +1,137 @@
+"""Whatever is wrong with a CAD file, the real command says so in one line and leaves nothing behind."""
+
+import os
+import struct
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+TETRAHEDRON = np.array([[0, 0, 0], [20, 0, 0], [0, 20, 0], [0, 0, 20]], dtype=float)
+TRIANGLES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+
+def binary_stl(points, triangles, announced=None):
+    body = b"".join(
+        struct.pack("<12fH", 0, 0, 0, *np.asarray(points)[list(corners)].ravel(), 0) for corners in triangles
+    )
+    return bytes(80) + struct.pack("<I", len(triangles) if announced is None else announced) + body
+
+
+def obj(points, triangles):
+    lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles]
+    return "\n".join(lines).encode()
+
+
+def off(points, triangles):
+    lines = ["OFF", f"{len(points)} {len(triangles)} 0"]
+    lines += [f"{x} {y} {z}" for x, y, z in points] + [f"3 {a} {b} {c}" for a, b, c in triangles]
+    return "\n".join(lines).encode()
+
+
+def with_a_nan():
+    points = TETRAHEDRON.copy()
+    points[3, 2] = np.nan
+    return points
+
+
+NOISE = np.random.default_rng(0).bytes(4000)
+WHOLE = binary_stl(TETRAHEDRON, TRIANGLES)
+BROKEN = {
+    "empty.stl": b"",
+    "blank.obj": b"  \n\n \n",
+    "truncated.stl": WHOLE[:-30],
+    "header_only.stl": WHOLE[:84],
+    "announces_too_much.stl": binary_stl(TETRAHEDRON, TRIANGLES, announced=2_000_000_000),
+    "cut_in_the_middle.stl": b"solid a\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n",
+    "nan.stl": binary_stl(with_a_nan(), TRIANGLES),
+    "nan.off": off(with_a_nan(), TRIANGLES),
+    "infinite.obj": obj(TETRAHEDRON * np.inf, TRIANGLES),
+    "one_triangle.stl": binary_stl(TETRAHEDRON, TRIANGLES[:1]),
+    "one_face_missing.off": off(TETRAHEDRON, TRIANGLES[:3]),
+    "without_area.obj": obj(TETRAHEDRON * [1, 0, 0], TRIANGLES),
+    "corner_that_is_not_there.obj": obj(TETRAHEDRON[:3], TRIANGLES),
+    "corner_that_is_not_there.off": off(TETRAHEDRON[:3], TRIANGLES),
+    "noise.stl": NOISE,
+    "noise.obj": NOISE,
+    "noise.ply": NOISE,
+    "noise.off": NOISE,
+    "noise.glb": NOISE,
+    "header_only.ply": b"ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\n",
+    "truncated.glb": b"glTF" + struct.pack("<II", 2, 5000) + b"{}",
+    "an_stl_inside.ply": b"solid a\nfacet normal 0 0 1\nouter loop\nendloop\nendfacet\nendsolid a\n",
+    "picture.png": b"\x89PNG\r\n\x1a\n" + NOISE,
+    "no_extension": WHOLE,
+    "small_as_a_molecule.stl": binary_stl(TETRAHEDRON * 1e-6, TRIANGLES),
+    "large_as_a_city.stl": binary_stl(TETRAHEDRON * 1e5, TRIANGLES),
+    "larger_than_the_workspace.stl": binary_stl(TETRAHEDRON * 100, TRIANGLES),
+}
+
+
+def explore(part, cwd):
+    return subprocess.run(
+        [sys.executable, "-m", "recognition.cli", "explore", str(part)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=60,
+    )
+
+
+def is_one_line_and_nothing_else(done, cwd, before):
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert done.stderr.startswith("palpate: ")
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert sorted(entry.name for entry in cwd.rglob("*")) == before
+    return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_file_is_one_line(name, tmp_path):
+    (tmp_path / name).write_bytes(BROKEN[name])
+    done = explore(name if "." in name else f"./{name}", tmp_path)
+    assert is_one_line_and_nothing_else(done, tmp_path, [name])
+
+
+@pytest.mark.slow
+def test_a_folder_is_one_line(tmp_path):
+    (tmp_path / "part.stl").mkdir()
+    assert is_one_line_and_nothing_else(explore("part.stl", tmp_path), tmp_path, ["part.stl"])
+
+
+@pytest.mark.slow
+def test_a_link_to_nothing_is_one_line(tmp_path):
+    (tmp_path / "part.stl").symlink_to(tmp_path / "gone.stl")
+    assert is_one_line_and_nothing_else(explore("part.stl", tmp_path), tmp_path, ["part.stl"])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="left out: no named pipes here")
+def test_a_pipe_that_never_answers_is_one_line(tmp_path):
+    os.mkfifo(tmp_path / "part.stl")
+    assert is_one_line_and_nothing_else(explore("part.stl", tmp_path), tmp_path, ["part.stl"])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="left out: this user may read every file"
+)
+def test_a_file_that_may_not_be_read_is_one_line(tmp_path):
+    (tmp_path / "part.stl").write_bytes(WHOLE)
+    (tmp_path / "part.stl").chmod(0)
+    assert is_one_line_and_nothing_else(explore("part.stl", tmp_path), tmp_path, ["part.stl"])
+
+
+@pytest.mark.slow
+def test_two_sensors_at_once_are_one_line(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "recognition.cli", "explore", "block", "--sensor", "lts210,dsa"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        timeout=60,
+    )
+    assert is_one_line_and_nothing_else(done, tmp_path, [])
