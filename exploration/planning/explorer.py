@@ -63,7 +63,7 @@ _MERGE = MergeOptions(
             "sphere": 0.1,
             "torus": 1e-9,
         },  # no torus is convex
-    )
+    ),
 )
 
 

@@ -19,6 +19,7 @@ class TransitConfig:
     """How far the array keeps away while it travels."""
 
     clearance: float = 62.0  # [mm] of the sensor's origin; covers pad and housing at any attitude
+    farthest: float = 450.0  # [mm] from the middle of a way, beyond which another is preferred
     wedge: float = -0.5  # least cosine between two normals whose shared wedge is used directly
 
 
@@ -47,9 +48,10 @@ def way(
 ) -> list[Floats]:
     """Poses (4, 4) from `start`, in front of `near`, to `goal`, in front of `far`; the shortest over one stop."""
     stops: list[Support | None] = [None, *supports]
-    ways = [_via(start, near, stop, goal, far, config) for stop in stops]
-    usable = [w for w in ways if w]
-    return min(usable, key=lambda w: _length(start, w))
+    ways = [w for stop in stops if (w := _via(start, near, stop, goal, far, config))]
+    middle = 0.5 * (start[:3, 3] + goal[:3, 3])
+    compact = [w for w in ways if all(np.abs(p[:3, 3] - middle).max() < config.farthest for p in w)]
+    return min(compact or ways, key=lambda w: _length(start, w))
 
 
 def _via(
