@@ -23,6 +23,7 @@ from primitives.errors import PalpateError
 from recognition.assembly import NotClosed
 from recognition.config import ExploreOptions, settings, to_toml
 from recognition.logbook import Logbook
+from recognition.patience import Patience
 from recognition.progress import Progress
 from recognition.reconstruct import Reconstruction, reconstruct
 from recognition.report.page import write_report
@@ -80,9 +81,13 @@ def _explored(guard: Guard, options: ExploreOptions, logbook: Logbook, progress:
     """
     config = ExplorerConfig(feature=options.feature, max_touches=options.max_touches)
     explorer = Explorer(guard, np.asarray(options.workspace), config, logbook.announce)
+    patience = Patience()
     try:
         for findings in explorer.run():
             progress(_stand("exploring", guard, findings))
+            known = len(findings.graph.faces) + len(findings.traces)
+            if patience.lost(guard.cost.touches, known, findings.open):
+                raise PalpateError("the last touches taught nothing new; the object may not be convex")
     except Exception as error:
         _log.debug("exploration ended by a fault", exc_info=True)
         fault = str(error) if isinstance(error, PalpateError) else f"{type(error).__name__}: {error}"

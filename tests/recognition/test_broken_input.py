@@ -47,7 +47,7 @@ BROKEN = {
     "cut_in_the_middle.stl": b"solid a\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n",
     "nan.stl": binary_stl(with_a_nan(), TRIANGLES),
     "nan.off": off(with_a_nan(), TRIANGLES),
-    "infinite.obj": obj(TETRAHEDRON * np.inf, TRIANGLES),
+    "infinite.obj": obj(TETRAHEDRON + np.inf, TRIANGLES),
     "one_triangle.stl": binary_stl(TETRAHEDRON, TRIANGLES[:1]),
     "one_face_missing.off": off(TETRAHEDRON, TRIANGLES[:3]),
     "without_area.obj": obj(TETRAHEDRON * [1, 0, 0], TRIANGLES),

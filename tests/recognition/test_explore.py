@@ -1,0 +1,236 @@
+"""Whole runs of the conductor, on small parts; and what it does when exploration goes wrong."""
+
+import csv
+import itertools
+import json
+import tomllib
+from collections import Counter
+
+import numpy as np
+import pytest
+import trimesh
+
+from exploration.planning.explorer import Explorer
+from exploration.recordings.mcap import RecordedEvent, RecordedFrame, read
+from models.boundary import labeled_boundary
+from models.csg import Cube, Cylinder
+from models.solid import Solid
+from primitives.evidence import Contacts, EdgeTrace
+from primitives.patch_graph import PatchGraph
+from recognition.config import ExploreOptions, from_toml
+from recognition.explore import run
+from recognition.reconstruct import reconstruct
+from recognition.run_folder import json_text
+from recognition.summary import counted
+
+BOX = np.array([[-150.0, -150, -150], [150, 150, 150]])
+SMALL = (-60.0, -60.0, -60.0, 60.0, 60.0, 60.0)
+FILES = {
+    "episode.mcap", "contacts.csv", "brep.json", "model.csg", "model.stl", "model.glb", "report.html",
+    "summary.json", "config.toml",
+}  # fmt: skip
+
+
+def without_time(summary):
+    return json_text({key: value for key, value in summary.items() if key != "wall_seconds"})
+
+
+@pytest.fixture(scope="module")
+def sphere(tmp_path_factory):
+    """One run on a ball, watched."""
+    folder, seen = tmp_path_factory.mktemp("runs") / "ball", []
+    summary = run(ExploreOptions("sphere", workspace=SMALL, seed=3, noise=0.05, out=folder), seen.append)
+    return folder, summary, seen
+
+
+@pytest.mark.slow
+def test_a_ball_becomes_a_ball(sphere):
+    _, summary, _ = sphere
+    assert summary["closed"]
+    assert summary["ended"] == "closed"
+    assert [face["shape"] for face in summary["faces"]] == ["sphere"]
+    assert [(p["kind"], p["operation"]) for p in summary["primitives"]] == [("sphere", "add")]
+    assert summary["csg"] == {"leaves": 1}
+    assert summary["truth"]["iou"] > 0.99
+    assert summary["volume_mm3"] == pytest.approx(4 / 3 * np.pi * 25**3, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_folder_holds_what_a_run_holds(sphere):
+    folder, summary, _ = sphere
+    assert {entry.name for entry in folder.iterdir()} == FILES
+    assert json.loads((folder / "summary.json").read_text()) == json.loads(json_text(summary))
+    assert set(summary["files"].values()) <= FILES
+
+
+@pytest.mark.slow
+def test_the_mesh_is_where_the_object_is(sphere):
+    folder, summary, _ = sphere
+    center = summary["truth"]["world_from_part"]["translation_mm"]
+    for name in ("model.stl", "model.glb"):
+        mesh = trimesh.load(folder / name, force="mesh")
+        assert mesh.bounds.mean(axis=0) == pytest.approx(center, abs=0.1)
+        assert np.ptp(mesh.bounds, axis=0) == pytest.approx([50.0] * 3, abs=0.2)
+
+
+@pytest.mark.slow
+def test_every_contact_names_the_face_that_it_lies_on(sphere):
+    folder, summary, _ = sphere
+    with (folder / "contacts.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) > 50
+    faces = Counter(row["face"] for row in rows)
+    assert faces["0"] > 0.95 * len(rows)
+    center = np.array(summary["truth"]["world_from_part"]["translation_mm"])
+    points = np.array([[float(row[k]) for k in "xyz"] for row in rows])
+    assert np.median(np.abs(np.linalg.norm(points - center, axis=1) - 25.0)) < 0.1
+
+
+@pytest.mark.slow
+def test_the_recording_holds_every_frame_and_every_move(sphere):
+    folder, summary, _ = sphere
+    items = list(read(folder / "episode.mcap"))
+    assert sum(isinstance(item, RecordedFrame) for item in items) == summary["frames"]
+    kinds = Counter(item.kind for item in items if isinstance(item, RecordedEvent))
+    assert kinds["move"] >= 1
+    assert kinds["ended"] == 1
+
+
+@pytest.mark.slow
+def test_the_config_repeats_the_run(sphere, tmp_path):
+    folder, summary, _ = sphere
+    resolved = tomllib.loads((folder / "config.toml").read_text())["resolved"]
+    assert resolved["world_from_part"] == summary["truth"]["world_from_part"]
+    assert resolved["sensor"]["electronics"]["noise"] == 0.05
+    told = from_toml(folder / "config.toml")
+    again = run(ExploreOptions(**{**vars(told), "out": tmp_path / "again"}), lambda _: None)
+    assert without_time(again) == without_time(summary)
+    assert (tmp_path / "again" / "contacts.csv").read_text() == (folder / "contacts.csv").read_text()
+
+
+@pytest.mark.slow
+def test_progress_is_told_in_order(sphere):
+    folder, summary, seen = sphere
+    assert list(dict.fromkeys(p.phase for p in seen)) == ["exploring", "reconstructing", "writing"]
+    assert all(a.frames <= b.frames for a, b in itertools.pairwise(seen))
+    assert {p.folder for p in seen} == {folder}
+    assert seen[-1].touches == summary["touches"]
+
+
+def replaced_run(monkeypatch, tmp_path, moves):
+    monkeypatch.setattr(Explorer, "run", moves)
+    return run(ExploreOptions("cube", out=tmp_path / "run"), lambda _: None)
+
+
+def test_a_fault_ends_a_run_that_is_still_told(monkeypatch, tmp_path):
+    def moves(explorer):
+        explorer.guard.hold(5)
+        yield explorer.found
+        raise np.linalg.LinAlgError("singular matrix")
+
+    summary = replaced_run(monkeypatch, tmp_path, moves)
+    assert summary["ended"] == "fault: LinAlgError: singular matrix"
+    assert not summary["closed"]
+    assert summary["csg"] is summary["truth"] is summary["volume_mm3"] is None
+    assert any("no closed body" in warning for warning in summary["warnings"])
+    assert {entry.name for entry in (tmp_path / "run").iterdir()} == {f for f in FILES if "model" not in f}
+
+
+def test_an_exploration_that_learns_nothing_ends(monkeypatch, tmp_path):
+    def moves(explorer):
+        while True:
+            explorer.guard.cost.touches += 1
+            yield explorer.found
+
+    assert "may not be convex" in replaced_run(monkeypatch, tmp_path, moves)["ended"]
+
+
+def test_closed_is_claimed_of_a_body_only(monkeypatch, tmp_path):
+    def moves(explorer):
+        explorer.found.ended = "closed"
+        yield explorer.found
+
+    summary = replaced_run(monkeypatch, tmp_path, moves)
+    assert (summary["closed"], summary["ended"]) == (False, "nothing reachable is open")
+
+
+def test_an_interrupt_leaves_the_recording_whole_and_no_summary(monkeypatch, tmp_path):
+    def moves(explorer):
+        explorer.guard.hold(50)
+        yield explorer.found
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        replaced_run(monkeypatch, tmp_path, moves)
+    assert {entry.name for entry in (tmp_path / "run").iterdir()} == {"config.toml", "episode.mcap"}
+    assert sum(isinstance(item, RecordedFrame) for item in read(tmp_path / "run" / "episode.mcap")) == 50
+
+
+def graph_of(tree, per_face=80, skip=()):
+    """A graph with contacts spread over each face of a solid, but those in `skip`; and its boundary."""
+    solid = Solid.from_csg(tree, 0.01)
+    brep, of_triangle = labeled_boundary(solid)
+    rng, graph = np.random.default_rng(0), PatchGraph()
+    for face in brep.faces:
+        corners = solid.vertices[solid.triangles[of_triangle == face.id]]
+        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        chosen = corners[rng.choice(len(corners), per_face, p=area / area.sum())]
+        points = np.einsum("nk,nkj->nj", rng.dirichlet([1, 1, 1], per_face), chosen)
+        normals = face.shape.normals(points) * (1 if face.convex else -1)
+        points = points - face.shape.signed_distance(points)[:, None] * face.shape.normals(points)
+        if face.id not in skip:
+            graph, _ = graph.add_stroke(Contacts.of(points, normals, 0.01, 0.01))
+    return graph, brep
+
+
+def test_edges_are_measured_where_both_faces_were_touched_beside_them():
+    graph, _ = graph_of(Cube((20, 16, 12)))
+    made = reconstruct(graph, [], BOX)
+    assert made.assembly
+    assert [edge["status"] for edge in made.edges] == ["measured"] * 12
+    assert set(np.unique(made.face_of_contact)) == set(range(6))
+
+
+def test_an_edge_far_from_every_contact_is_inferred_until_it_is_traced():
+    graph, _ = graph_of(Cube((120, 120, 120)), per_face=6)
+    made = reconstruct(graph, [], BOX)
+    assert made.assembly
+    assert "inferred" in {edge["status"] for edge in made.edges}
+    edge = next(
+        e for e, row in zip(made.boundary.brep.edges, made.edges, strict=True) if row["status"] == "inferred"
+    )
+    points = np.linspace(edge.points[0], edge.points[-1], 30)
+    still = np.zeros_like(points)
+    trace = EdgeTrace(points, still, still, np.full(30, 0.1), False, 0, 0)
+    assert reconstruct(graph, [trace], BOX).edges[edge.id]["status"] == "measured"
+
+
+def test_of_two_faces_on_one_cylinder_only_the_touched_one_is_measured():
+    shaft = Cylinder(20, 30) & Cube((60, 24, 60))
+    _, brep = graph_of(shaft)
+    round_faces = [face.id for face in brep.faces if face.kind == "cylinder"]
+    assert len(round_faces) == 2
+    graph, _ = graph_of(shaft, skip=round_faces[1:])
+    made = reconstruct(graph, [], BOX)
+    assert made.assembly
+    states = sorted(face["status"] for face in made.faces if face["shape"] == "cylinder")
+    assert states == ["inferred", "measured"]
+
+
+def test_an_open_boundary_has_faces_without_extent_and_a_reason():
+    graph, _ = graph_of(Cube((20, 16, 12)), skip=(0,))
+    made = reconstruct(graph, [], BOX)
+    assert not made.assembly
+    assert len(made.faces) == 5
+    assert {face["extent_mm"] for face in made.faces} == {None}
+    assert made.warnings[0].startswith("no closed body: ")
+    assert set(np.unique(made.face_of_contact)) == set(range(5))
+
+
+def test_warnings_are_counted_and_not_repeated():
+    raw = [f"collision of lts210 by 0.{k} mm" for k in range(4)] + ["a", "pressed to 61.0 N, 1.20 mm", "a"]
+    assert counted(raw) == [
+        "the housing met the object (4 times)",
+        "a (2 times)",
+        "the press passed its limit",
+    ]
