@@ -22,6 +22,7 @@ from primitives.errors import PalpateError
 from primitives.pose import inverse, pose, rotation_exp, rotation_log, transform_points
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_REPR_DIGITS = (4, 13, 15, 17)  # of axes and angles, the shortest that gives the same pose back
 _SIX = frozen(np.concatenate([np.eye(3), -np.eye(3)]))
 
 
@@ -39,13 +40,13 @@ class Csg:
     name: str
 
     def __or__(self, other: Csg) -> Union:
-        return Union((*_operands(self, Union), other))
+        return Union((self, other))
 
     def __and__(self, other: Csg) -> Intersection:
-        return Intersection((*_operands(self, Intersection), other))
+        return Intersection((self, other))
 
     def __sub__(self, other: Csg) -> Difference:
-        return Difference((*_operands(self, Difference), other))
+        return Difference((self, other))
 
     def placed(self, parent_from_child: ArrayLike) -> Placed:
         """The solid moved by a (4, 4) pose."""
@@ -58,7 +59,7 @@ class Csg:
     def turned(self, axis: str | ArrayLike, angle: float) -> Placed:
         """The solid turned about a line through the origin: `axis` is x, y, z or a direction; [rad]."""
         direction = np.asarray(_AXES[axis] if isinstance(axis, str) else axis, dtype=float)
-        turn = np.round(rotation_exp(direction / np.linalg.norm(direction) * angle), 15)
+        turn = np.round(rotation_exp(direction / np.linalg.norm(direction) * angle), 12)
         return self.placed(pose(turn))
 
     def named(self, name: str) -> Self:
@@ -142,11 +143,10 @@ class Placed(Csg):
         at = f".at({', '.join(map(repr, shift.tolist()))})" if shift.any() else ""
         if np.array_equal(turn, np.eye(3)):
             return f"{self.child!r}{at or '.at(0.0, 0.0, 0.0)'}{label}"
-        vector = rotation_log(turn)
-        angle = float(np.round(np.linalg.norm(vector), 15))
-        axis = np.round(vector / np.linalg.norm(vector), 15) + 0.0
-        if np.array_equal(self.child.turned(axis, angle).pose[:3, :3], turn):
-            return f"{self.child!r}.turned({tuple(axis.tolist())!r}, {angle!r}){at}{label}"
+        for digits in _REPR_DIGITS:
+            axis, angle = _axis_angle(turn, digits)
+            if axis.any() and np.array_equal(self.child.turned(axis, angle).pose[:3, :3], turn):
+                return f"{self.child!r}.turned({tuple(axis.tolist())!r}, {angle!r}){at}{label}"
         return f"{self.child!r}.placed({self.pose.tolist()!r}){label}"
 
     def _key(self) -> tuple[Csg, bytes, str]:
@@ -155,15 +155,19 @@ class Placed(Csg):
 
 @dataclass(frozen=True, repr=False)
 class Operation(Csg):
-    """Two or more solids under one operator."""
+    """Two or more solids under one operator; the same operator in first place is taken apart."""
 
     children: tuple[Csg, ...]
     name: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "children", tuple(self.children))
         if len(self.children) < 2:
             raise PalpateError("an operation needs two solids or more")
+        first, *others = self.children
+        if isinstance(first, type(self)) and not first.name:
+            object.__setattr__(self, "children", (*first.children, *others))
+        else:
+            object.__setattr__(self, "children", (first, *others))
 
     def leaves(self, part_from_self: Floats | None = None, adds: bool = True) -> Iterator[Leaf]:
         """All children's; those after the first are turned over in a difference."""
@@ -221,8 +225,12 @@ class Difference(Operation):
         return self._repr(" - ")
 
 
-def _operands(tree: Csg, operation: type[Operation]) -> tuple[Csg, ...]:
-    return tree.children if isinstance(tree, operation) and not tree.name else (tree,)
+def _axis_angle(turn: Floats, digits: int) -> tuple[Floats, float]:
+    """(3,) axis and angle [rad], rounded; no axis where there is no turn to speak of."""
+    vector = rotation_log(turn)
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle > 1e-12 else np.zeros(3)
+    return np.round(axis, digits) + 0.0, round(angle, digits)
 
 
 def _compose(a_from_b: Floats, b_from_c: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The compiled loops of `models.triangle_tree`: building the tree, nearest points, first hits.
+"""The compiled loops of `models.triangle_tree`: nearest points and first hits.
 
 A node is (first, count) of its triangles in `order` where it is a leaf, else (left child, 0) with the right
 child next to the left.  Nothing is allocated inside a loop.
@@ -7,43 +7,13 @@ child next to the left.  Nothing is allocated inside a loop.
 import numpy as np
 from numba import njit
 
-_LEAF = 4  # triangles a leaf holds at most
-_STACK = 64  # deepest path; a median split of 2^40 triangles needs fewer
+_STACK = 64  # deepest path; halving 2^40 triangles needs fewer
 _WIDER = 1e-9  # share of a triangle's side by which rays may miss it and still hit
 
 
 @njit(cache=True, nogil=True)
-def build_tree(low, high, centers):  # type: ignore[no-untyped-def]
-    count = len(centers)
-    order = np.arange(count)
-    boxes = np.empty((max(2 * count, 1), 6))
-    nodes = np.empty((max(2 * count, 1), 2), dtype=np.int64)  # leaf: (first, count); inner: (left, 0)
-    begin, end = np.empty(max(2 * count, 1), dtype=np.int64), np.empty(max(2 * count, 1), dtype=np.int64)
-    begin[0], end[0], used, node = 0, count, 1, 0
-    while node < used:
-        first, last = begin[node], end[node]
-        for axis in range(3):
-            least, most = np.inf, -np.inf
-            for i in range(first, last):
-                least, most = min(least, low[order[i], axis]), max(most, high[order[i], axis])
-            boxes[node, axis], boxes[node, 3 + axis] = least, most
-        if last - first <= _LEAF:
-            nodes[node, 0], nodes[node, 1] = first, last - first
-        else:
-            sides = boxes[node, 3:] - boxes[node, :3]
-            axis = int(np.argmax(sides))
-            members = order[first:last].copy()
-            order[first:last] = members[np.argsort(centers[members, axis])]
-            middle = (first + last) // 2
-            nodes[node, 0], nodes[node, 1] = used, 0
-            begin[used], end[used], begin[used + 1], end[used + 1] = first, middle, middle, last
-            used += 2
-        node += 1
-    return boxes[:used].copy(), nodes[:used].copy(), order
-
-
-@njit(cache=True, nogil=True)
 def nearest_in_tree(points, corners, boxes, nodes, order):  # type: ignore[no-untyped-def]
+    """Distance, triangle, point and feature of the triangles nearest to (n, 3) points."""
     n = len(points)
     distance, triangle = np.full(n, np.inf), np.full(n, -1, dtype=np.int64)
     closest, feature = np.zeros((n, 3)), np.zeros(n, dtype=np.int64)
@@ -121,6 +91,7 @@ def _closest(p, corners):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def first_hits_in_tree(origins, directions, corners, boxes, nodes, order):  # type: ignore[no-untyped-def]
+    """Distance and triangle where (n, 3) rays first hit."""
     n = len(origins)
     distance, triangle = np.full(n, np.inf, dtype=np.float32), np.full(n, -1, dtype=np.int32)
     stack = np.empty(_STACK, dtype=np.int64)

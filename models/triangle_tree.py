@@ -1,8 +1,8 @@
 """A bounding-volume tree over triangles: nearest points with their sign, and first hits of rays.
 
 The sign of the distance comes from the angle-weighted pseudonormal of the nearest feature, which is right
-for every closed mesh (Baerentzen and Aanaes 2005).  Boxes are split at the median centroid along the longest
-side; the kernels are compiled on first use and cached.
+for every closed mesh (Baerentzen and Aanaes 2005).  Triangles are sorted along Morton's curve and halved level
+by level, without a loop over triangles; the kernels are compiled on first use and cached.
 """
 
 from __future__ import annotations
@@ -13,8 +13,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from models.triangle_kernels import build_tree, first_hits_in_tree, nearest_in_tree
+from models.triangle_kernels import first_hits_in_tree, nearest_in_tree
 from primitives.arrays import Floats, Ints
+
+_LEAF = 4  # triangles a leaf holds at most
+_SPREAD = [  # doubles the gaps between bits until two empty ones follow each
+    (np.uint64(32), np.uint64(0x1F00000000FFFF)),
+    (np.uint64(16), np.uint64(0x1F0000FF0000FF)),
+    (np.uint64(8), np.uint64(0x100F00F00F00F00F)),
+    (np.uint64(4), np.uint64(0x10C30C30C30C30C3)),
+    (np.uint64(2), np.uint64(0x1249249249249249)),
+]
 
 
 class Nearest(NamedTuple):
@@ -34,7 +43,7 @@ class TriangleTree:
         self._triangles = triangles
         self._vertices = vertices
         low, high = self._corners.min(axis=1), self._corners.max(axis=1)
-        self._boxes, self._nodes, self._order = build_tree(low, high, (low + high) / 2)
+        self._boxes, self._nodes, self._order = _build(low, high)
 
     def nearest(self, points: Floats) -> Nearest:
         """The nearest point of the mesh to each of (n, 3) points [mm]."""
@@ -77,3 +86,39 @@ class TriangleTree:
         np.add.at(at_edge, edge_of, np.repeat(normals, 3, axis=0))
         by_edge = at_edge[edge_of].reshape(-1, 3, 3)
         return np.concatenate([normals[:, None], by_edge, at_vertex[triangles]], axis=1)
+
+
+def _build(low: Floats, high: Floats) -> tuple[Floats, Ints, Ints]:
+    """Boxes (m, 6), nodes (m, 2) as `models.triangle_kernels` reads them, and the triangles' order (t,)."""
+    order = np.argsort(_morton((low + high) / 2), kind="stable")
+    low, high = low[order], high[order]
+    begin, end = np.array([0]), np.array([len(order)])
+    boxes: list[Floats] = []
+    nodes: list[Ints] = []
+    made = 1
+    while len(begin):
+        cuts = np.stack([begin, end], axis=1).ravel()
+        cuts = cuts[:-1] if cuts[-1] == len(order) else cuts
+        boxes.append(
+            np.hstack(
+                [np.minimum.reduceat(low, cuts, axis=0)[::2], np.maximum.reduceat(high, cuts, axis=0)[::2]]
+            )
+        )
+        inner = end - begin > _LEAF
+        level = np.stack([begin, end - begin], axis=1)
+        level[inner] = np.stack([made + 2 * np.arange(inner.sum()), np.zeros(inner.sum(), dtype=int)], axis=1)
+        nodes.append(level)
+        made += 2 * int(inner.sum())
+        middle = (begin + end)[inner] // 2
+        begin = np.stack([begin[inner], middle], axis=1).ravel()
+        end = np.stack([middle, end[inner]], axis=1).ravel()
+    return np.concatenate(boxes), np.concatenate(nodes), order
+
+
+def _morton(points: Floats) -> NDArray[np.uint64]:
+    """(n,) place of each point on a curve through the box of all, 2^20 cells a side."""
+    low, size = points.min(axis=0), float(np.ptp(points, axis=0).max()) or 1.0
+    cells = ((points - low) / size * (2**20 - 1)).astype(np.uint64)
+    for shift, mask in _SPREAD:
+        cells = (cells | (cells << shift)) & mask
+    return np.asarray(cells[:, 0] | (cells[:, 1] << np.uint64(1)) | (cells[:, 2] << np.uint64(2)))

@@ -1,0 +1,40 @@
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from models import parts
+from models.part import load_part
+from models.solid import Solid
+from primitives.errors import PalpateError
+
+
+def test_there_are_ten_parts_or_more() -> None:
+    assert len(parts.names()) >= 10
+    assert {"block", "cylinder", "cone", "frustum", "sphere", "d_shaft", "bracket"} <= set(parts.names())
+
+
+@pytest.mark.parametrize("name", parts.names())
+def test_a_part_is_as_large_as_its_line_says(name: str) -> None:
+    line = parts.describe(name)
+    extent = Solid.from_csg(parts.build(name)).extent
+    assert 20 <= extent.max() <= 200
+    assert (extent <= np.array(line.extent) + 0.01).all()
+    assert line.description
+
+
+@pytest.mark.parametrize("name", parts.names())
+def test_convex_parts_fill_their_hull_and_no_others_do(name: str) -> None:
+    solid = Solid.from_csg(parts.build(name))
+    fills = ConvexHull(solid.vertices).volume < 1.001 * solid.volume
+    assert fills == parts.describe(name).convex
+
+
+def test_a_misspelled_part_suggests_the_right_one() -> None:
+    with pytest.raises(PalpateError, match="no part 'brackett'; did you mean bracket"):
+        load_part("brackett")
+
+
+def test_a_built_in_part_keeps_its_tree() -> None:
+    part = load_part("block")
+    assert part.csg == parts.build("block")
+    assert part.solid.volume == pytest.approx(60 * 40 * 12)
