@@ -8,7 +8,7 @@ explains as well (sphere, cylinder, tilted face running out) is no edge.  "No li
 """
 
 from dataclasses import dataclass
-from math import cos, sin, sqrt
+from math import cos, inf, sin, sqrt
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from exploration.sensing.footprint import Footprint
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough_votes import find_peak, members_of
 from exploration.sensing.line import Line, clipped, normalized
-from exploration.sensing.line_evidence import beats_smooth, fit_lines, worth
+from exploration.sensing.line_evidence import beats_rim, beats_smooth, fit_lines, worth
 from exploration.sensing.line_fit import LineFit, fit_line
 from exploration.sensing.response import Response, response_of
 from primitives.arrays import Bools, Floats, frozen
@@ -35,7 +35,7 @@ class HoughConfig:
     least_strength: float = 5.0  # [sigma] of the step's height
     least_step: float = 0.6  # of the deepest taxel, at the edge, for a line to need no comparison
     many: int = 7  # edge points on a line that is compared with a straight rim
-    plenty: int = 12  # edge points on a line that needs no comparison with a paraboloid
+    plenty: int = 9  # edge points on a line that needs no comparison with a paraboloid
     clear: float = 25.0  # [chi2] more than it is worth, by which it fits better than a rim without a step
     greatest_misfit: float = 3.0  # [standard deviations of chi2] before a single line is doubted
 
@@ -55,19 +55,31 @@ def find_lines(
     found = candidates(points, image, max_lines, response, config)
     if not found:
         return ()
-    sure = False
     angle, offset, side, members = found[0]
     fit = fit_line(image, response, angle, offset, side)
-    if fit.converged:
-        lead = _lead(image, response, fit, side, members, config)
-        if fit.chi2 < fit.dof + config.greatest_misfit * np.sqrt(2 * max(1, fit.dof)) and np.isfinite(lead):
-            shown = len(found) == 1 and lead > config.clear and members.sum() >= config.plenty
-            if shown or (lead > 0.0 and beats_smooth(image, fit.chi2)):
-                unknowns, covariance = fit.parameters[:3], fit.covariance[:3, :3]
-                return (_line(image, points, members, side, unknowns, covariance, _inflation(fit)),)
-            if len(found) == 1:
+    alone = len(found) == 1
+    rim = _rim(image, response, fit, side, members, config)
+    lead = -inf
+    if rim is not None:
+        lead = (
+            (rim.chi2 - fit.chi2) / _inflation(fit) - worth(-float(rim.parameters[3]))
+            if rim.converged
+            else 0.0
+        )
+        if fit.chi2 < fit.dof + config.greatest_misfit * sqrt(2 * max(1, fit.dof)):
+            if lead > config.clear and alone and int(members.sum()) >= config.plenty:
+                likelier = True
+            elif alone and lead > 0.0:
+                likelier = beats_rim(image, fit.chi2, rim, side) and (
+                    lead < config.clear or beats_smooth(image, fit.chi2)
+                )
+            else:
+                likelier = lead > 0.0 and beats_smooth(image, fit.chi2)
+            if likelier:
+                return (_single(image, points, members, fit, side),)
+            if alone:
                 return ()
-        sure = lead > 0.0 and len(found) == 1
+    sure = lead > 0.0 and alone
     joint = fit_lines(image, [peak[:3] for peak in found], sure)
     if not (joint and joint.fit.converged):
         return ()
@@ -90,21 +102,18 @@ def _inflation(fit: LineFit | Footprint) -> float:
     return max(1.0, fit.chi2 / max(1, fit.dof))
 
 
-def _lead(
+def _rim(
     image: TactileImage, response: Response, fit: LineFit, side: int, members: Bools, config: HoughConfig
-) -> float:
-    """[chi2] by which one long line on a high plateau beats a rim without a step; -inf if it is none."""
+) -> LineFit | None:
+    """The best straight rim without a step beside one long line on a high plateau; none if it is not that."""
     if not fit.converged or members.sum() < config.many:
-        return -np.inf
-    height, sigma = float(fit.parameters[2]), float(np.sqrt(fit.covariance[2, 2]))
+        return None
+    height, sigma = float(fit.parameters[2]), sqrt(fit.covariance[2, 2])
     if height - 2 * sigma < config.least_step * float(image.depth.max()):
-        return -np.inf
+        return None
     angle, offset = float(fit.parameters[0]), float(fit.parameters[1])
-    outside = offset - side * response.width((-np.sin(angle), np.cos(angle)))
-    rim = fit_line(image, response, angle, outside, side, order=1)
-    if not rim.converged:
-        return 0.0
-    return (rim.chi2 - fit.chi2) / _inflation(fit) - worth(-float(rim.parameters[3]))
+    outside = offset - side * response.width((-sin(angle), cos(angle)))
+    return fit_line(image, response, angle, outside, side, order=1)
 
 
 def candidates(
@@ -131,6 +140,17 @@ def candidates(
             angle, offset, side = normalized(angle, offset, 1 if toward > 0 else -1)
             found.append((angle, offset, side, members))
     return found
+
+
+def _single(image: TactileImage, points: EdgePoints, members: Bools, fit: LineFit, side: int) -> Line:
+    """The line of a fit by itself, its height taken in the middle of the points that support it."""
+    angle = float(fit.parameters[0])
+    middle = points.points[members].mean(axis=0) @ (cos(angle), sin(angle))
+    pick = np.zeros((3, 5))
+    pick[0, 0] = pick[1, 1] = pick[2, 2] = 1.0
+    pick[2, 4] = middle
+    unknowns, covariance = pick @ fit.parameters, pick @ fit.covariance @ pick.T
+    return _line(image, points, members, side, unknowns, covariance, _inflation(fit))
 
 
 def _line(

@@ -50,7 +50,7 @@ def normalized(angle: float, offset: float, side: int) -> tuple[float, float, in
     """The same line with its angle in [0, pi)."""
     turns = int(np.floor(angle / np.pi))
     sign = -1 if turns % 2 else 1
-    angle -= turns * np.pi
+    angle = max(0.0, angle - turns * np.pi)
     if angle >= np.pi:
         angle, sign = 0.0, -sign
     return angle, sign * offset, sign * side

@@ -20,7 +20,8 @@ import numpy as np
 from exploration.sensing.contact_mask import contact_mask
 from exploration.sensing.footprint import PLANE, Footprint, fit_footprint
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.local_surface import fit_smooth, start_of
+from exploration.sensing.line_fit import LineFit
+from exploration.sensing.local_surface import fit_paraboloid, start_of
 from primitives.arrays import Floats
 
 WORTH = 25.0  # [chi2] that a short or further line, or a curved face beside the lines, must gain
@@ -48,8 +49,24 @@ class JointFit:
 
 def beats_smooth(image: TactileImage, chi2: float) -> bool:
     """Whether a single line of this chi2 is likelier than the best smooth surface."""
-    smooth = fit_smooth(image, contact_mask(image), least_gain=0.0)[0]
+    smooth = fit_paraboloid(image, contact_mask(image))
     return smooth.chi2 - chi2 > _worth(smooth) or not smooth.converged
+
+
+def beats_rim(image: TactileImage, chi2: float, rim: LineFit, side: int) -> bool:
+    """The same, the best smooth surface being next to a fitted rim (`line_fit`, order 1).
+
+    The rim's (A + c v) t + b t^2/2, with t = s (n . p - rho) and v = e . p, is a paraboloid in p.
+    """
+    angle, offset, slope, bend, turn = (float(value) for value in rim.parameters)
+    e = np.array([np.cos(angle), np.sin(angle)])
+    n = np.array([-e[1], e[0]])
+    g = slope * side * n - turn * side * offset * e - bend * offset * n
+    k = -bend * np.outer(n, n) - turn * side * (np.outer(e, n) + np.outer(n, e))
+    d0 = -slope * side * offset + bend * offset**2 / 2
+    start = np.array([d0, g[0], g[1], k[0, 0], k[0, 1], k[1, 1]])
+    smooth = fit_footprint(image, start, np.empty(0))
+    return smooth.chi2 - chi2 > _worth(smooth)
 
 
 def fit_lines(image: TactileImage, cuts: Sequence[tuple[float, float, int]], sure: bool = False) -> JointFit:
@@ -58,19 +75,29 @@ def fit_lines(image: TactileImage, cuts: Sequence[tuple[float, float, int]], sur
     `sure` says that there is one candidate, long and on a high plateau.
     """
     mask = contact_mask(image)
-    best = JointFit(fit_smooth(image, mask, least_gain=0.0)[0], np.empty(0), ())
+    best = JointFit(fit_paraboloid(image, mask), np.empty(0), ())
     plane = start_of(image, mask, False)
     for k in range(len(cuts)):
-        trials = [
-            _trial(image, plane, cuts, (*best.chosen, k), union)
-            for union in (False, True)[: 1 + len(best.chosen)]
-        ]
-        trial = min(trials, key=lambda t: t.fit.chi2)
+        trial = _best_trial(image, plane, cuts, (*best.chosen, k))
         curved = bool(np.any(trial.fit.parameters[3:6]))
         needed = _worth(best.fit) if sure and not best and not curved else WORTH
-        if best.fit.chi2 - trial.fit.chi2 > needed * max(1.0, trial.fit.chi2 / trial.fit.dof):
+        if _gain(best, trial) > needed:
             best = trial
+    if not best and len(cuts) > 1:
+        pair = _best_trial(image, plane, cuts, (0, 1))
+        best = pair if _gain(best, pair) > WORTH else best
     return best
+
+
+def _gain(old: JointFit, new: JointFit) -> float:
+    return (old.fit.chi2 - new.fit.chi2) / max(1.0, new.fit.chi2 / max(1, new.fit.dof))
+
+
+def _best_trial(
+    image: TactileImage, plane: Floats, cuts: Sequence[tuple[float, float, int]], chosen: tuple[int, ...]
+) -> JointFit:
+    trials = [_trial(image, plane, cuts, chosen, union) for union in (False, True)[: len(chosen)]]
+    return min(trials, key=lambda trial: trial.fit.chi2)
 
 
 def _trial(

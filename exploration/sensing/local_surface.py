@@ -9,6 +9,7 @@ tangent axes is T^t H T / s, T the coordinates of the tangent basis (convex is p
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
@@ -87,37 +88,42 @@ def fit_surface(image: TactileImage, lines: Sequence[Line] = ()) -> LocalSurface
 
 
 def fit_smooth(
-    image: TactileImage,
-    mask: Bools,
-    cuts: Floats = NO_LINES,
-    sides: Floats = NO_LINES,
-    union: bool = False,
-    least_gain: float = WORTH,
+    image: TactileImage, mask: Bools, cuts: Floats = NO_LINES, sides: Floats = NO_LINES
 ) -> tuple[Footprint, bool]:
     """The best plane, or the best paraboloid where it is worth it, cut by (angle, offset) pairs; is it curved?"""
     flat = np.concatenate([start_of(image, mask, False), cuts])
-    best = fit_footprint(image, flat if len(sides) else start_of(image, mask, True), sides, union)
-    good = best.dof + ENOUGH * np.sqrt(2 * best.dof)
-    curved = best.chi2 < good and _wald(best) > 4 * least_gain
-    plane = None if curved else fit_footprint(image, flat, sides, union, PLANE)
-    if plane and best.chi2 > good:
-        domes = () if len(sides) else (_dome(image, mask, 1.0), _dome(image, mask, 2.0))
-        for start in (plane.parameters, *domes):
-            other = fit_footprint(image, start, sides, union)
+    best = fit_footprint(image, flat, sides) if len(sides) else fit_paraboloid(image, mask)
+    if not _fits(best) or _wald(best) < 4 * WORTH:
+        plane = fit_footprint(image, flat, sides, shape=PLANE)
+        if not _fits(best) and len(sides):
+            other = fit_footprint(image, plane.parameters, sides)
             best = other if other.chi2 < best.chi2 else best
-            if best.chi2 < good:
-                break
-    if plane and plane.converged:
-        gain = plane.chi2 - best.chi2
-        if gain < least_gain * max(1.0, best.chi2 / max(1, best.dof)):
+        if plane.converged and plane.chi2 - best.chi2 < WORTH * max(1.0, best.chi2 / max(1, best.dof)):
             return plane, False
     kxx, _, kyy = best.parameters[3:6]
     if len(sides) or min(kxx, kyy) < 0.3 * max(kxx, kyy):
         return best, True
     start = best.parameters.copy()
     start[3:6] = (kxx + kyy) / 2, 0.0, (kxx + kyy) / 2
-    ball = fit_footprint(image, start, sides, union, ROUND)
+    ball = fit_footprint(image, start, sides, shape=ROUND)
     return (ball if ball.converged and ball.chi2 - best.chi2 < AS_ROUND else best), True
+
+
+def fit_paraboloid(image: TactileImage, mask: Bools) -> Footprint:
+    """The best smooth surface, from as many starts as it takes to explain the frame."""
+    best = fit_footprint(image, start_of(image, mask, True), NO_LINES)
+    if not _fits(best):
+        plane = fit_footprint(image, start_of(image, mask, False), NO_LINES, shape=PLANE)
+        for start in (plane.parameters, _dome(image, mask, 1.0), _dome(image, mask, 2.0)):
+            other = fit_footprint(image, start, NO_LINES)
+            best = other if other.chi2 < best.chi2 else best
+            if _fits(best):
+                break
+    return best
+
+
+def _fits(fit: Footprint) -> bool:
+    return fit.chi2 < fit.dof + ENOUGH * sqrt(2 * max(1, fit.dof))
 
 
 def start_of(image: TactileImage, mask: Bools, curved: bool) -> Floats:

@@ -1,9 +1,9 @@
 """The blurred, taxel-averaged field of a clipped paraboloid that is cut by lines, and its derivatives.
 
-The field is laid on cells about a blur wide that reach `MARGIN` blurs past the pad.  Each cell holds its own mean,
-taken as if q were linear in it and smeared over a box of the cell's variance; exact integrals of Gaussian and
-box, which separate into x and y, carry it to the taxels.  Box mean and box integral blur by h^2/12 each, so the Gaussian is made
-h^2/6 narrower: then the model errs by 2 um on smooth contacts, 5 um at edges (our derivation).
+The field is laid on cells about a blur wide that reach `MARGIN` blurs past the pad.  Each cell holds its own
+mean, taken as if q were linear in it and smeared over a box of the cell's variance; exact integrals of Gaussian
+and box, which separate into x and y, carry it to the taxels.  Box mean and box integral blur by h^2/12 each, so
+the Gaussian is made h^2/6 narrower: then the model errs by 2 um on smooth contacts, 5 um at edges (ours).
 """
 
 from functools import lru_cache
@@ -117,7 +117,7 @@ def fields_of(x: Floats, y: Floats, p: Floats, sides: Floats, union: bool, field
 
 @numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
 def to_taxels(fields: Floats, to_columns: Floats, to_rows: Floats, unknown: Ints, out: Floats) -> None:
-    """Carry the fields (1 + parameters, ny, nx) whose parameter is not held to `out` (1 + parameters, rows, columns)."""
+    """Carry fields (1 + p, ny, nx) to `out` (1 + p, rows, columns), but for parameters that are held."""
     nx, columns = to_columns.shape
     ny, rows = to_rows.shape
     row = np.empty(columns)
