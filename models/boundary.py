@@ -11,10 +11,11 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from models.body import LabeledSurface
 from models.brep import Brep, Edge, Face
 from models.curves import Chain, chains, edge_between, loops_of, refined
 from models.extents import anchored
-from models.solid import LabeledSurface, Solid
+from models.solid import Solid
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.shapes import Plane, Shape, Sphere

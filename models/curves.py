@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from models.body import LabeledSurface
 from models.brep import Curve, Edge, Kind
-from models.solid import LabeledSurface
 from primitives.arrays import Floats, Ints, frozen
 
 

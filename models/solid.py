@@ -9,18 +9,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import manifold3d
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from models.body import Body, LabeledSurface
 from models.csg import Csg, Difference, Intersection, Leaf, Operation, Placed
 from models.facets import facets
-from models.raycast import RayCaster, caster
-from models.topology import triangle_neighbors
-from models.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.pose import inverse, rotate, transform_points
@@ -28,64 +26,6 @@ from primitives.shapes import Shape
 from primitives.surface import RayHits
 
 TOLERANCE = 0.002  # [mm] between a facet and the surface that it stands for
-
-
-class LabeledSurface(NamedTuple):
-    """The exact surface behind a set of triangles, in the part frame."""
-
-    shape: Shape
-    convex: bool  # false where the material is outside a curved shape (a hole); planes are convex
-    leaf: int  # which primitive of the tree it came from, in the order of `Csg.leaves`
-
-
-class Body:
-    """What every posed copy of a solid shares, in the part frame."""
-
-    def __init__(
-        self,
-        mesh: Any,
-        vertices: Floats,
-        triangles: Ints,
-        face_of_triangle: Ints,
-        surfaces: tuple[LabeledSurface, ...],
-    ) -> None:
-        self.mesh = mesh
-        self.vertices: Floats = frozen(vertices)
-        self.triangles: Ints = frozen(triangles, np.int64)
-        self.face_of_triangle: Ints = frozen(face_of_triangle, np.int64)
-        self.surfaces = surfaces
-
-    @cached_property
-    def caster(self) -> RayCaster:
-        """Over the triangles."""
-        return caster(self.vertices, self.triangles)
-
-    @cached_property
-    def tree(self) -> TriangleTree:
-        """Over the triangles."""
-        return TriangleTree(self.vertices, self.triangles)
-
-    @cached_property
-    def neighbors(self) -> Ints:
-        """(t, 3) triangle across the edge from corner i to corner i + 1."""
-        return frozen(triangle_neighbors(self.triangles), np.int64)
-
-    @cached_property
-    def triangle_normals(self) -> Floats:
-        """(t, 3) unit."""
-        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
-        normals = np.cross(b - a, c - a)
-        return frozen(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
-
-    def exact_normals(self, points: Floats, triangles: Ints) -> Floats:
-        """(n, 3) outward normals at (n, 3) points on (n,) triangles, of the surfaces they stand for."""
-        normals = self.triangle_normals[triangles]
-        labels = self.face_of_triangle[triangles]
-        for label in np.unique(labels[labels >= 0]):
-            surface = self.surfaces[label]
-            rows = labels == label
-            normals[rows] = surface.shape.normals(points[rows]) * (1.0 if surface.convex else -1.0)
-        return normals
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,11 @@ meter, which is what `load` takes any other GLB to be in.
 from __future__ import annotations
 
 import io
+import logging
 import os
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -70,8 +74,8 @@ def load(
     unit = own_unit if units == "auto" else units
     vertices = vertices * (_MM[unit or "mm"] * scale)
     used = vertices[np.unique(triangles)]
-    warnings = _size_warnings(float(np.ptp(used, axis=0).max()), name, unit is None, limits or SizeLimits())
-    return _closed(vertices, triangles, name, warnings)
+    said = _size_warnings(float(np.ptp(used, axis=0).max()), name, unit is None, limits or SizeLimits())
+    return _closed(vertices, triangles, name, said)
 
 
 def save(surface: TriangleSurface, path: str | Path) -> None:
@@ -105,7 +109,8 @@ def _parse(data: bytes, suffix: str, name: str) -> tuple[Floats, Ints, Units | N
         return *off.parse(data, name), None
     try:
         options = {"skip_materials": True} if suffix == ".obj" else {}
-        loaded = trimesh.load(io.BytesIO(data), file_type=suffix[1:], process=False, **options)
+        with _quiet_trimesh():
+            loaded = trimesh.load(io.BytesIO(data), file_type=suffix[1:], process=False, **options)
         mesh = loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
         vertices = np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3)
         faces = getattr(mesh, "faces", None)
@@ -120,6 +125,18 @@ def _parse(data: bytes, suffix: str, name: str) -> tuple[Floats, Ints, Units | N
     return vertices, triangles, "mm" if b'"extras":{"unit":"mm"}' in data[:65536].replace(b" ", b"") else "m"
 
 
+@contextmanager
+def _quiet_trimesh() -> Iterator[None]:
+    """Without the tracebacks that trimesh logs for files it then reads another way."""
+    log, was = logging.getLogger("trimesh"), logging.getLogger("trimesh").disabled
+    log.disabled = True
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            yield
+    finally:
+        log.disabled = was
+
+
 def _size_warnings(size: float, name: str, guessed: bool, limits: SizeLimits) -> tuple[str, ...]:
     fits = [u for u, f in _MM.items() if limits.small <= size * f <= limits.large]
     hint = f"give its unit, for example --units {fits[-1]}" if fits else "give --units or --scale"
@@ -132,7 +149,7 @@ def _size_warnings(size: float, name: str, guessed: bool, limits: SizeLimits) ->
     return ()
 
 
-def _closed(vertices: Floats, triangles: Ints, name: str, warnings: tuple[str, ...]) -> LoadedMesh:
+def _closed(vertices: Floats, triangles: Ints, name: str, said: tuple[str, ...]) -> LoadedMesh:
     size = float(np.ptp(vertices, axis=0).max())
     for grid in (0.0, 1e-6 * size, 1e-5 * size):
         points, corners = merged(vertices, triangles, grid)
@@ -149,5 +166,5 @@ def _closed(vertices: Floats, triangles: Ints, name: str, warnings: tuple[str, .
     if (missing := open_edges(corners)) > 0:
         raise PalpateError(f"{name} is not closed: {missing} open edges; repair it in a mesh editor first")
     if turned:
-        warnings = (*warnings, f"{name} had triangles that faced inward; they were turned")
-    return LoadedMesh(frozen(points), frozen(corners, np.int64), warnings)
+        said = (*said, f"{name} had triangles that faced inward; they were turned")
+    return LoadedMesh(frozen(points), frozen(corners, np.int64), said)
