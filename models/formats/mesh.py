@@ -128,13 +128,15 @@ def _parse(data: bytes, suffix: str, name: str) -> tuple[Floats, Ints, Units | N
 @contextmanager
 def _quiet_trimesh() -> Iterator[None]:
     """Without the tracebacks that trimesh logs for files it then reads another way."""
-    log, was = logging.getLogger("trimesh"), logging.getLogger("trimesh").disabled
-    log.disabled = True
+    log, nowhere = logging.getLogger("trimesh"), logging.NullHandler()
+    log.addHandler(nowhere)
+    passed_on, log.propagate = log.propagate, False
     try:
         with warnings.catch_warnings(action="ignore"):
             yield
     finally:
-        log.disabled = was
+        log.removeHandler(nowhere)
+        log.propagate = passed_on
 
 
 def _size_warnings(size: float, name: str, guessed: bool, limits: SizeLimits) -> tuple[str, ...]:

@@ -113,3 +113,13 @@ def test_a_broken_file_gives_one_line_with_the_fix(
     assert name in message
     assert peak < 50_000_000
     assert ";" in message or ":" in message
+
+
+def test_nothing_but_the_line_is_shown(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture
+) -> None:
+    text = BOX.export(file_type="stl_ascii").replace("normal ", "normal x", 1)
+    (tmp_path / "box.stl").write_text(text)
+    assert load_part(tmp_path / "box.stl").solid.volume == pytest.approx(24000)
+    assert caplog.text == ""
+    assert capfd.readouterr() == ("", "")
