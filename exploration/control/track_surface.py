@@ -32,6 +32,7 @@ class StrokeConfig:
     """How a surface is stroked."""
 
     speed: float = 40.0  # [mm/s]
+    roll: float = 1.0  # [rad/s] of turning that a curved surface may ask for
     spacing: float = 3.0  # [mm] between the frames that are kept as contacts
     stop_share: float = 0.4  # an edge this share of the half pad ahead of the center ends the stroke
     confirm: int = 3  # frames in a row that must show the edge
@@ -122,10 +123,9 @@ def follow_surface(
         if travel > config.least_round and _returned(at, start, config):
             ended = "closed"
             break
-        slow = 0.5 if confirmed else 1.0
-        seen = guard.move(
-            hybrid_twist(felt.depth, felt.slope, felt.centroid, heading * config.speed * slow, gains=gains)
-        )
+        bend = max(float(heading @ felt.hessian @ heading), 1e-6)
+        speed = min(config.speed * (0.5 if confirmed else 1.0), config.roll / bend)
+        seen = guard.move(hybrid_twist(felt.depth, felt.slope, felt.centroid, heading * speed, gains=gains))
         step = float(np.linalg.norm(seen.world_from_sensor[:3, 3] - at[:3, 3]))
         at, travel, since = seen.world_from_sensor, travel + step, since + step
     return Stroke(

@@ -63,12 +63,20 @@ class Cost:
     seconds: float = 0.0  # [s] on the device's clock
 
 
-class OverPress(PalpateError):
-    """A limit of force or indentation was passed; the stage has been stopped and backed off."""
+class Fault(PalpateError):
+    """A limit was passed; the stage has been stopped and backed off."""
+
+    def __init__(self, message: str, seen: Observation | None = None) -> None:
+        super().__init__(message)
+        self.seen = seen  # what was felt at that moment
 
 
-class Collision(PalpateError):
-    """Something other than the skin touched the object; the stage has been stopped and backed off."""
+class OverPress(Fault):
+    """Force or indentation went beyond its limit."""
+
+
+class Collision(Fault):
+    """Something other than the skin touched the object."""
 
 
 class Guard:
@@ -159,7 +167,7 @@ class Guard:
         if alarms:
             self._back_off()
             kind = Collision if alarms[0].kind == "collision" else OverPress
-            raise kind(f"{alarms[0].kind} of {alarms[0].source} by {alarms[0].amount:.2f} mm")
+            raise kind(f"{alarms[0].kind} of {alarms[0].source} by {alarms[0].amount:.2f} mm", seen)
         depth = np.where(live, seen.image.depth, 0.0)
         if seen.force > self.limits.force or _neighborhood_peak(depth) > self.limits.depth:
             self._back_off()

@@ -6,11 +6,13 @@ Property class: structural (a first contact, its surface normal).
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter
 
-from exploration.control.feel import Felt, feel
+from exploration.control.feel import Felt
 from exploration.control.procedures.approach import ApproachConfig, advance, retreat
 from exploration.control.procedures.settle import Unsettled, settle
 from exploration.devices.guard import Collision, Guard, OverPress
+from exploration.sensing.frame import TactileImage
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -32,28 +34,34 @@ def land(
     When the housing meets the object first, the pad backs off, leans to the side on which it felt contact, as
     settling would have rolled it, and advances along its own new normal.
     """
+    felt_at: Floats | None = None
     for _ in range(config.tries):
-        centroid = np.zeros(2)
         try:
-            met = advance(guard, direction, distance, speed)
-            if met is None:
+            if felt_at is not None:
+                retreat(guard, config.back)
+                direction = _lean(guard, felt_at, config)
+                distance, speed = 3.0 * config.back, ApproachConfig().speed
+            if advance(guard, direction, distance, speed) is None:
                 return Unsettled("nothing was met")
-            felt = feel(met.image)
-            centroid = felt.centroid if felt else centroid
             return settle(guard)
-        except (Collision, OverPress):
-            retreat(guard, config.back)
-            direction = _lean(guard, centroid, config)
-            distance, speed = 3.0 * config.back, ApproachConfig().speed
+        except (Collision, OverPress) as fault:
+            felt_at = strongest(fault.seen.image) if fault.seen is not None else np.zeros(2)
     return Unsettled(f"the housing was in the way {config.tries} times")
 
 
-def _lean(guard: Guard, centroid: Floats, config: LandConfig) -> Floats:
+def strongest(image: TactileImage) -> Floats:
+    """(2,) [mm] where the image is strongest, however weak: the side on which the object is."""
+    live = np.where(np.isfinite(image.sigma), image.depth, 0.0)
+    row, column = np.unravel_index(int(np.argmax(uniform_filter(live, 3))), live.shape)
+    return np.array([image.array.x[column], image.array.y[row]])
+
+
+def _lean(guard: Guard, felt_at: Floats, config: LandConfig) -> Floats:
     """Turn about the felt contact so that the pad's far side comes down; the new direction of approach."""
     here = guard.world_from_sensor
-    away = centroid if float(np.hypot(*centroid)) > 0.5 else np.array([0.0, 1.0])
+    away = felt_at if float(np.hypot(*felt_at)) > 0.5 else np.array([0.0, 1.0])
     axis = here[:3, :2] @ (np.array([-away[1], away[0]]) / np.linalg.norm(away))
-    contact = here[:3, :3] @ np.array([*centroid, config.back + 5.0]) + here[:3, 3]
+    contact = here[:3, :3] @ np.array([*felt_at, config.back + 5.0]) + here[:3, 3]
     turned = se3.turn_about(contact, axis, config.lean) @ here
     guard.go_to(turned)
     return np.asarray(turned[:3, 2])

@@ -85,7 +85,7 @@ def test_rows_are_sampled_one_after_another(block):
 
 def test_collision_and_overpress_are_events_told_once(block):
     stage, (array,) = simulate(
-        block, [QUIET], np.random.default_rng(0), start_pose=pose(DOWN, [0.0, 0.0, 16.5])
+        block, [QUIET], np.random.default_rng(0), start_pose=pose(DOWN, [0.0, 0.0, 15.5])
     )
     array.read()
     assert {e.kind for e in stage.events()} == {"collision", "overpress"}

@@ -1,0 +1,65 @@
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Collision, Fault, Guard, GuardLimits
+from exploration.devices.simulated import simulate
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.csg import Cube
+from models.solid import Solid
+from primitives import pose as se3
+from primitives.errors import PalpateError
+
+DOWN = np.diag([1.0, -1.0, -1.0])
+
+
+def guard_over(start, mount=None, **limits) -> Guard:
+    stage, arrays = simulate(
+        Solid.from_csg(Cube((40.0, 40.0, 40.0))),
+        [load_sensor("lts210")],
+        np.random.default_rng(0),
+        start_pose=start,
+        flange_from_sensor=None if mount is None else [mount],
+    )
+    return Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)], GuardLimits(**limits))
+
+
+def keep_moving(guard: Guard, vz: float) -> None:
+    for _ in range(400):
+        guard.move(np.array([0.0, 0.0, vz, 0.0, 0.0, 0.0]))
+
+
+def test_pressing_on_is_stopped_and_backed_off():
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 22.0]))
+    with pytest.raises(Fault, match="lts210|pressed"):
+        keep_moving(guard, 10.0)
+    assert guard.world_from_sensor[2, 3] > 20.0  # off the surface again
+
+
+def test_the_housing_meeting_the_object_is_a_collision():
+    guard = guard_over(se3.pose(np.eye(3), [0.0, 0.0, 65.0]))  # the pad looks away, its housing comes down
+    with pytest.raises(Collision):
+        keep_moving(guard, -20.0)
+
+
+def test_leaving_the_reach_is_refused_in_one_line():
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 80.0]), reach=(-50.0, -50.0, -50.0, 50.0, 50.0, 90.0))
+    with pytest.raises(PalpateError, match="reach"):
+        keep_moving(guard, -20.0)
+
+
+def test_costs_add_up():
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 80.0]))
+    guard.go_to(se3.pose(DOWN, [30.0, 0.0, 80.0]))
+    assert guard.cost.travel == pytest.approx(30.0, abs=0.3)
+    assert guard.cost.seconds == pytest.approx((guard.cost.frames - 1) * guard.period, rel=1e-6)
+
+
+def test_a_sensor_twist_moves_the_sensor_however_it_is_mounted():
+    mount = se3.pose(se3.rotation_exp([0.3, -1.0, 0.5]), [20.0, -40.0, 60.0])
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 200.0]) @ se3.inverse(mount), mount)
+    before = guard.world_from_sensor
+    for _ in range(200):
+        guard.move(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.4]))
+    np.testing.assert_allclose(guard.world_from_sensor[:3, 3], before[:3, 3], atol=0.5)
+    assert guard.world_from_sensor[:3, 0] @ before[:3, 0] < np.cos(0.3)

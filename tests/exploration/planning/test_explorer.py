@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.explorer import Explorer, ExplorerConfig
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models import parts
+from models.csg import Cube
+from models.solid import Solid, iou
+from primitives import pose as se3
+from recognition.assembly.assemble import assemble
+
+BOX = np.array([-200.0, -200.0, -200.0, 200.0, 200.0, 200.0])
+
+
+def explorer_over(tree, seed, **config):
+    rng = np.random.default_rng(seed)
+    solid = Solid.from_csg(tree).placed(se3.pose(se3.random_rotation(rng), rng.uniform(-20.0, 20.0, 3)))
+    above = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 200.0])
+    stage, arrays = simulate(solid, [load_sensor("lts210")], rng, noise=0.05, start_pose=above)
+    guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
+    return Explorer(guard, BOX, ExplorerConfig(**config)), solid
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["block", "cylinder", "sphere"])
+def test_a_convex_part_is_explored_until_closed_and_rebuilt(name):
+    explorer, solid = explorer_over(parts.build(name), seed=1, max_touches=120)
+    for _ in explorer.run():
+        pass
+    built = assemble([face for face in explorer.found.graph.faces if face.fit], BOX.reshape(2, 3))
+    assert explorer.found.ended == "closed"
+    assert built
+    assert iou(built.solid, solid) > 0.99
+
+
+def test_touches_never_exceed_the_budget():
+    explorer, _ = explorer_over(Cube((40.0, 40.0, 40.0)), seed=0, max_touches=2)
+    for _ in explorer.run():
+        pass
+    assert explorer.found.ended == "budget"
+    assert explorer.guard.cost.touches <= 3
+
+
+def test_an_empty_workspace_is_said_so():
+    explorer, _ = explorer_over(Cube((10.0, 10.0, 10.0)).at(900.0, 0.0, 0.0), seed=0)
+    small = np.array([-30.0, -30.0, -10.0, 30.0, 30.0, 200.0])
+    explorer.box = small
+    assert list(explorer.run()) == []
+    assert "nothing was found" in explorer.found.ended
