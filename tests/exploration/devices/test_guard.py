@@ -31,7 +31,7 @@ def keep_moving(guard: Guard, vz: float) -> None:
 
 def test_pressing_on_is_stopped_and_backed_off():
     guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 22.0]))
-    with pytest.raises(Fault, match="lts210|pressed"):
+    with pytest.raises(Fault, match=r"lts210|pressed"):
         keep_moving(guard, 10.0)
     assert guard.world_from_sensor[2, 3] > 20.0  # off the surface again
 

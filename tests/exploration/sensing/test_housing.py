@@ -19,7 +19,7 @@ def block():
 
 def test_clearance_of_a_flat_press_is_proud_less_depth(block):
     assert clearance(block, pose(DOWN, [0, 0, 19.5]), LTS) == pytest.approx(LTS.housing.proud - 0.5)
-    assert clearance(block, pose(DOWN, [0, 0, 17.0]), LTS) == pytest.approx(-1.0)
+    assert clearance(block, pose(DOWN, [0, 0, 17.0]), LTS) == pytest.approx(LTS.housing.proud - 3.0)
 
 
 def test_watch_sees_an_overlap_exactly_when_there_is_one(block):
