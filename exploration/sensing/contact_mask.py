@@ -121,6 +121,6 @@ def touched(depth: Floats, sigma: Floats, px: float, py: float, width: float) ->
 def contact_mask(image: TactileImage) -> Bools:
     """Taxels in contact."""
     px, py = image.array.pitch
-    width = float(np.sqrt(np.mean(rubber(image.spread, image.array.pitch).variance)))
+    width = rubber(image.spread, image.array.pitch).mean_width
     mask: Bools = touched(repaired(image.depth, image.sigma)[0], image.sigma, px, py, width)
     return mask

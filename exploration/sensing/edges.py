@@ -37,8 +37,7 @@ class EdgePoints:
 def edge_points(image: TactileImage, response: Response | None = None) -> EdgePoints:
     """The half-plateau crossings of a frame."""
     response = response_of(image, response)
-    width = float(np.sqrt(np.mean(response.variance)))
-    found = _crossings(image.depth, image.sigma, image.array.pitch[0], image.array.pitch[1], width)
+    found = _crossings(image.depth, image.sigma, *image.array.pitch, response.mean_width)
     found.flags.writeable = False
     return EdgePoints(found[:, 0:2], found[:, 2:4], found[:, 4], found[:, 5])
 

@@ -8,7 +8,7 @@ explains as well (sphere, cylinder, tilted face running out) is no edge.  "No li
 """
 
 from dataclasses import dataclass
-from math import cos, inf, sin, sqrt
+from math import cos, hypot, inf, sin, sqrt
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from exploration.sensing.line import Line, clipped, normalized
 from exploration.sensing.line_evidence import beats_rim, beats_smooth, fit_lines, worth
 from exploration.sensing.line_fit import LineFit, fit_line
 from exploration.sensing.response import Response, response_of
-from primitives.arrays import Bools, Floats, frozen
+from primitives.arrays import Bools, Floats
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,9 @@ class HoughConfig:
     greatest_misfit: float = 3.0  # [standard deviations of chi2] before a single line is doubted
 
 
+DEFAULT = HoughConfig()
+
+
 def find_lines(
     image: TactileImage,
     max_lines: int = 3,
@@ -47,7 +50,7 @@ def find_lines(
     config: HoughConfig | None = None,
 ) -> tuple[Line, ...]:
     """The straight edges of a frame, strongest first; empty where there is none."""
-    config = config or HoughConfig()
+    config = config or DEFAULT
     if not usable(image):
         return ()
     response = response_of(image, response)
@@ -87,13 +90,25 @@ def find_lines(
     least = config.least_length * min(image.array.pitch)
     for place, k in enumerate(joint.chosen):
         angle, offset = joint.fit.parameters[6 + 2 * place : 8 + 2 * place]
-        rows = [6 + 2 * place, 7 + 2 * place, 0]
+        rows = [6 + 2 * place, 7 + 2 * place]
         members = found[k][3]
-        middle = points.points[members].mean(axis=0)
-        height = joint.fit.parameters[0] + joint.fit.parameters[1:3] @ middle
-        unknowns = np.array([angle, offset, height])
+        at = np.array([1.0, *points.points[members].mean(axis=0)])
+        height, variance = at @ joint.fit.parameters[:3], at @ joint.fit.covariance[:3, :3] @ at
         covariance = joint.fit.covariance[np.ix_(rows, rows)]
-        lines.append(_line(image, points, members, found[k][2], unknowns, covariance, _inflation(joint.fit)))
+        lines.append(
+            _line(
+                image,
+                points,
+                members,
+                found[k][2],
+                float(angle),
+                float(offset),
+                covariance,
+                float(height),
+                float(variance),
+                _inflation(joint.fit),
+            )
+        )
     strong = [line for line in lines if line.strength > config.least_strength and line.length >= least]
     return tuple(sorted(strong, key=lambda line: -line.strength))
 
@@ -122,9 +137,8 @@ def candidates(
     """(angle, offset, material side, member points) of each peak, most votes first."""
     found: list[tuple[float, float, int, Bools]] = []
     left = np.array(points.weight)
-    size = image.array.size
-    reach = 0.5 * float(np.hypot(*size))
-    band = config.band * float(np.sqrt(np.mean(response.variance)))
+    reach = 0.5 * hypot(*image.array.size)
+    band = config.band * response.mean_width
     least = config.least_length * min(image.array.pitch)
     for _ in range(max_lines):
         if len(points) < 2 or left.sum() < config.least_votes:
@@ -144,13 +158,22 @@ def candidates(
 
 def _single(image: TactileImage, points: EdgePoints, members: Bools, fit: LineFit, side: int) -> Line:
     """The line of a fit by itself, its height taken in the middle of the points that support it."""
-    angle = float(fit.parameters[0])
-    middle = points.points[members].mean(axis=0) @ (cos(angle), sin(angle))
-    pick = np.zeros((3, 5))
-    pick[0, 0] = pick[1, 1] = pick[2, 2] = 1.0
-    pick[2, 4] = middle
-    unknowns, covariance = pick @ fit.parameters, pick @ fit.covariance @ pick.T
-    return _line(image, points, members, side, unknowns, covariance, _inflation(fit))
+    angle, offset, height, _, along = fit.parameters.tolist()
+    c = fit.covariance
+    middle = float((points.points[members] @ (cos(angle), sin(angle))).mean())
+    variance = c[2, 2] + 2 * middle * c[2, 4] + middle**2 * c[4, 4]
+    return _line(
+        image,
+        points,
+        members,
+        side,
+        angle,
+        offset,
+        c[:2, :2],
+        height + along * middle,
+        variance,
+        _inflation(fit),
+    )
 
 
 def _line(
@@ -158,30 +181,38 @@ def _line(
     points: EdgePoints,
     members: Bools,
     side: int,
-    unknowns: Floats,
+    angle: float,
+    offset: float,
     covariance: Floats,
+    height: float,
+    height_variance: float,
     inflation: float,
 ) -> Line:
-    """A line of fitted (angle, offset, height) and their covariance (3, 3)."""
-    angle, offset, turned_side = normalized(float(unknowns[0]), float(unknowns[1]), side)
-    flip = np.array([1.0, float(turned_side * side), 1.0])
+    """A fitted line, over the length where the pad saw it."""
+    angle, offset, turned_side = normalized(angle, offset, side)
     sx, sy = image.array.size
     low, high = clipped(angle, offset, (sx / 2, sy / 2))
-    direction = np.array([cos(angle), sin(angle)])
-    along = points.points[members] @ direction
+    ca, sa = cos(angle), sin(angle)
+    along = points.points[members] @ (ca, sa)
     grow = max(image.array.pitch)
     low, high = max(low, float(along.min()) - grow), min(high, float(along.max()) + grow)
     high = max(low, high)
-    foot = offset * np.array([-direction[1], direction[0]])
-    spread = covariance * (flip[:, None] * flip * inflation)
+    spread = covariance * inflation
+    if turned_side != side:
+        spread[0, 1] = spread[1, 0] = -spread[0, 1]
     return Line(
         angle,
         offset,
-        frozen(spread[:2, :2]),
+        _read_only(spread),
         high - low,
-        frozen(foot + low * direction),
-        frozen(foot + high * direction),
-        float(unknowns[2]) / sqrt(spread[2, 2]),
+        _read_only(np.array([low * ca - offset * sa, low * sa + offset * ca])),
+        _read_only(np.array([high * ca - offset * sa, high * sa + offset * ca])),
+        height / sqrt(height_variance * inflation),
         turned_side,
-        float(unknowns[2]),
+        height,
     )
+
+
+def _read_only(array: Floats) -> Floats:
+    array.flags.writeable = False
+    return array

@@ -20,7 +20,7 @@ any that is sampled, and all detectors take the `Response` as an argument.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numba
 import numpy as np
@@ -45,6 +45,11 @@ class Response:
         """[mm] standard deviation of the response across an edge with this unit normal."""
         mx, my = np.asarray(normal, dtype=float)
         return float(np.sqrt(self.variance[0] * mx * mx + self.variance[1] * my * my))
+
+    @cached_property
+    def mean_width(self) -> float:
+        """[mm] root mean square of the width over all directions."""
+        return float(np.sqrt(np.mean(self.variance)))
 
     def edge(self, distance: ArrayLike, width: float) -> Floats:
         """Share of the plateau that is seen `distance` [mm] inside the material."""

@@ -39,7 +39,7 @@ def contact_slope(image: TactileImage) -> Slope:
         zero = np.zeros(2)
         return Slope(0.0, 0.0, zero, np.full(2, np.inf), zero, 0.0, np.zeros(image.array.shape, dtype=bool))
     px, py = image.array.pitch
-    width = float(np.sqrt(np.mean(rubber(image.spread, image.array.pitch).variance)))
+    width = rubber(image.spread, image.array.pitch).mean_width
     values, mask = _slope(image.depth, image.sigma, px, py, width)
     for array in (values, mask):
         array.flags.writeable = False

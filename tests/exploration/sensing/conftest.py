@@ -16,7 +16,7 @@ FINE = 8  # samples per taxel and axis
 
 @lru_cache
 def carrier(count: int, pitch: float, spread: float) -> tuple[Floats, Floats]:
-    """Sample positions (m,), on a skin that reaches past the pad, and what carries samples to taxels (count, m)."""
+    """Sample positions (m,), on a skin that reaches past the pad, and their shares in taxels (count, m)."""
     step = pitch / FINE
     margin = int(np.ceil(5 * spread / step))
     m = count * FINE + 2 * margin
