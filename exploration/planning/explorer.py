@@ -15,6 +15,7 @@ import numpy as np
 from exploration.control.dwell import dwell
 from exploration.control.feel import feel
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
+from exploration.control.procedures.curvature import four_direction_curvature
 from exploration.control.procedures.land import land
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_edge import follow_edge
@@ -303,17 +304,26 @@ class Explorer:
 
     def _axes(self) -> Floats:
         """(2, 2) columns to stroke along: the edge that is seen, or the least curvature; and across it."""
-        seen = dwell(self.guard, 4)
-        lines = [line for line in find_lines(seen.image, 3) if line.length > self.config.least_line]
+        seen = dwell(self.guard, 8)
         felt = feel(seen.image)
-        if felt and felt.curvature[0] > 0.01:
-            rows, columns = np.nonzero(felt.mask)
-            xy = np.stack([columns * seen.image.array.pitch[0], rows * seen.image.array.pitch[1]])
-            long = np.linalg.eigh(np.cov(xy))[1][:, 1]
-        elif lines:
-            long = max(lines, key=lambda line: line.length).direction
-        else:
-            long = np.array([1.0, 0.0])
+        long = np.array([1.0, 0.0])
+        if felt:
+            curved = four_direction_curvature(seen.image, felt)
+            self.announce(
+                "curvature",
+                {
+                    "order": curved.order,
+                    "probability": curved.probability,
+                    "k1_per_mm": float(curved.four.k1[0]),
+                    "k2_per_mm": float(curved.four.k2[0]),
+                    "consistency": float(curved.four.consistency[0]),
+                },
+            )
+            lines = [line for line in find_lines(seen.image, 3) if line.length > self.config.least_line]
+            if curved.order != "plane":
+                long = curved.ridge
+            elif lines:
+                long = max(lines, key=lambda line: line.length).direction
         return np.array([[long[0], -long[1]], [long[1], long[0]]])
 
     def _sightings(self, heading: Floats | None = None) -> list[Sighting]:
