@@ -4,6 +4,7 @@ depth = (counts - zero) / gain / stiffness, with sigma = noise / gain / stiffnes
 """
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -25,6 +26,7 @@ class Calibration:
     spread: float  # [mm] standard deviation of the rubber's point spread
     stiffness: float  # [N/mm^3]
     noise: float  # [counts] 1 sigma of a reading
+    margin: float = inf  # [mm] of skin past the outer taxels
 
     @staticmethod
     def nominal(spec: SensorSpec) -> "Calibration":
@@ -38,6 +40,7 @@ class Calibration:
             spec.elastomer.spread,
             spec.elastomer.stiffness,
             float(np.sqrt(noise**2 + _QUANTIZATION)),
+            spec.elastomer.margin,
         )
 
 
@@ -52,5 +55,11 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
     depth = np.where(calibration.dead, 0.0, (frame.counts - calibration.zero) * per_count)
     sigma = np.where(calibration.dead, np.inf, calibration.noise * per_count)
     return TactileImage(
-        array, frozen(depth), frozen(sigma), calibration.spread, calibration.stiffness, frame.time
+        array,
+        frozen(depth),
+        frozen(sigma),
+        calibration.spread,
+        calibration.stiffness,
+        frame.time,
+        calibration.margin,
     )

@@ -52,7 +52,7 @@ def fit_footprint(
 
     `shape` is PLANE (curvature held), ROUND (kxx = kyy, kxy = 0) or PARABOLOID.
     """
-    grid = geometry(image.array.rows, image.array.columns, image.array.pitch, image.spread)
+    grid = geometry(image.array.rows, image.array.columns, image.array.pitch, image.spread, image.margin)
     unknown = _unknowns(shape, len(start), free_lines)
     p, covariance, chi2, count, converged, residual = _fit(
         image.depth,

@@ -7,6 +7,7 @@ by depth(x, y) has its surface at z = -depth, and its outward normal there is al
 """
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -62,3 +63,4 @@ class TactileImage:
     spread: float  # [mm] standard deviation of the rubber's point spread
     stiffness: float  # [N/mm^3] of the skin: force is stiffness * sum(depth) * taxel area
     time: float  # [s]
+    margin: float = inf  # [mm] of skin past the outer taxels

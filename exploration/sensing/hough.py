@@ -18,8 +18,8 @@ from exploration.sensing.footprint import Footprint
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough_votes import find_peak, members_of
 from exploration.sensing.line import Line, clipped, normalized
-from exploration.sensing.line_evidence import beats_rim, beats_smooth, fit_lines, worth
-from exploration.sensing.line_fit import LineFit, fit_line
+from exploration.sensing.line_evidence import JointFit, beats_rim, beats_smooth, fit_lines, polish, worth
+from exploration.sensing.line_fit import LineFit, fit_line, softened
 from exploration.sensing.response import Response, response_of
 from primitives.arrays import Bools, Floats
 
@@ -41,6 +41,7 @@ class HoughConfig:
 
 
 DEFAULT = HoughConfig()
+Peak = tuple[float, float, int, Bools]  # angle, offset, material side, member points
 
 
 def find_lines(
@@ -58,56 +59,53 @@ def find_lines(
     found = candidates(points, image, max_lines, response, config)
     if not found:
         return ()
+    soft = softened(image)
     angle, offset, side, members = found[0]
-    fit = fit_line(image, response, angle, offset, side)
+    fit = fit_line(soft, response, angle, offset, side)
     alone = len(found) == 1
-    rim = _rim(image, response, fit, side, members, config)
+    rim = _rim(soft, response, fit, side, members, config)
     lead = -inf
     if rim is not None:
-        lead = (
-            (rim.chi2 - fit.chi2) / _inflation(fit) - worth(-float(rim.parameters[3]))
-            if rim.converged
-            else 0.0
-        )
+        gain = (rim.chi2 - fit.chi2) / _inflation(fit) - worth(-float(rim.parameters[3]))
+        lead = gain if rim.converged else 0.0
         if fit.chi2 < fit.dof + config.greatest_misfit * sqrt(2 * max(1, fit.dof)):
+            single = None if soft is image else polish(image, fit, side)
+            chi2 = fit.chi2 if single is None else single.fit.chi2
             if lead > config.clear and alone and int(members.sum()) >= config.plenty:
                 likelier = True
-            elif alone and lead > 0.0:
-                likelier = beats_rim(image, fit.chi2, rim, side) and (
-                    lead < config.clear or beats_smooth(image, fit.chi2)
-                )
+            elif lead > 0.0 and alone and lead < config.clear:
+                likelier = beats_rim(image, chi2, rim, side)
             else:
-                likelier = lead > 0.0 and beats_smooth(image, fit.chi2)
-            if likelier:
+                likelier = lead > 0.0 and beats_smooth(image, chi2)
+            if likelier and single is None:
                 return (_single(image, points, members, fit, side),)
+            if likelier and single is not None:
+                return _joined(image, points, found[:1], single, config)
             if alone:
                 return ()
-    sure = lead > 0.0 and alone
-    joint = fit_lines(image, [peak[:3] for peak in found], sure)
-    if not (joint and joint.fit.converged):
+    joint = fit_lines(image, [peak[:3] for peak in found], lead > 0.0 and alone)
+    return _joined(image, points, found, joint, config) if joint else ()
+
+
+def _joined(
+    image: TactileImage, points: EdgePoints, found: list[Peak], joint: JointFit, config: HoughConfig
+) -> tuple[Line, ...]:
+    """The lines of a joint fit, strongest first; none if it did not converge."""
+    if not joint.fit.converged:
         return ()
     lines = []
     least = config.least_length * min(image.array.pitch)
     for place, k in enumerate(joint.chosen):
-        angle, offset = joint.fit.parameters[6 + 2 * place : 8 + 2 * place]
         rows = [6 + 2 * place, 7 + 2 * place]
-        members = found[k][3]
-        at = np.array([1.0, *points.points[members].mean(axis=0)])
-        height, variance = at @ joint.fit.parameters[:3], at @ joint.fit.covariance[:3, :3] @ at
+        angle, offset = joint.fit.parameters[rows].tolist()
         covariance = joint.fit.covariance[np.ix_(rows, rows)]
+        _, _, side, members = found[k]
+        at = np.array([1.0, *points.points[members].mean(axis=0)])
+        height = float(at @ joint.fit.parameters[:3])
+        variance = float(at @ joint.fit.covariance[:3, :3] @ at)
+        inflation = _inflation(joint.fit)
         lines.append(
-            _line(
-                image,
-                points,
-                members,
-                found[k][2],
-                float(angle),
-                float(offset),
-                covariance,
-                float(height),
-                float(variance),
-                _inflation(joint.fit),
-            )
+            _line(image, points, members, side, angle, offset, covariance, height, variance, inflation)
         )
     strong = [line for line in lines if line.strength > config.least_strength and line.length >= least]
     return tuple(sorted(strong, key=lambda line: -line.strength))
@@ -133,9 +131,9 @@ def _rim(
 
 def candidates(
     points: EdgePoints, image: TactileImage, max_lines: int, response: Response, config: HoughConfig
-) -> list[tuple[float, float, int, Bools]]:
+) -> list[Peak]:
     """(angle, offset, material side, member points) of each peak, most votes first."""
-    found: list[tuple[float, float, int, Bools]] = []
+    found: list[Peak] = []
     left = np.array(points.weight)
     reach = 0.5 * hypot(*image.array.size)
     band = config.band * response.mean_width

@@ -47,6 +47,17 @@ class JointFit:
         return bool(self.chosen)
 
 
+def polish(image: TactileImage, line: LineFit, side: int) -> JointFit:
+    """One line that stands, fitted once more with the end of the skin in the model."""
+    angle, offset, height, rise, along = line.parameters.tolist()
+    e = np.array([np.cos(angle), np.sin(angle)])
+    n = np.array([-e[1], e[0]])
+    g = rise * side * n + along * e
+    start = np.array([height - rise * side * offset, g[0], g[1], 0.0, 0.0, 0.0, angle, offset])
+    sides = np.array([float(side)])
+    return JointFit(fit_footprint(image, start, sides, shape=PLANE), sides, (0,))
+
+
 def beats_smooth(image: TactileImage, chi2: float) -> bool:
     """Whether a single line of this chi2 is likelier than the best smooth surface."""
     smooth = fit_paraboloid(image, contact_mask(image))

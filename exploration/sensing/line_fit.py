@@ -13,16 +13,19 @@ The same with every response integrated once (`order` 1) is the rim of a smooth 
 a step, depth = (A + c v) w ramp(t/w) + b w^2 bend(t/w): the cheap alternative that an edge must beat.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numba
 import numpy as np
+from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.normal_equations import invert
 from exploration.sensing.response import Response, look_up
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 
+ENOUGH_SKIN = 2.8  # [blurs] past the outer taxels, for the skin to count as endless
 HUBER = 3.0  # [sigma]
 STEPS = 12
 DONE = 0.1  # [sigma] steps of angle and offset smaller than this end the iteration
@@ -37,6 +40,28 @@ class LineFit:
     chi2: float  # Huber's
     dof: int
     converged: bool
+
+
+def softened(image: TactileImage) -> TactileImage:
+    """The image with the taxels whose blur the end of the skin cuts off trusted less.
+
+    The response here is that of an endless skin.  Where the skin ends `margin` past the outer taxels, those see
+    more of what they do see; the share cut off, times the deepest taxel, is added to their sigma.
+    """
+    if image.margin > ENOUGH_SKIN * image.spread:
+        return image
+    rows, columns = image.array.shape
+    lost = _lost(columns, image.array.pitch[0], image.spread, image.margin)[None, :]
+    lost = lost + _lost(rows, image.array.pitch[1], image.spread, image.margin)[:, None]
+    return replace(image, sigma=np.hypot(image.sigma, lost * image.depth.max()))
+
+
+@lru_cache(maxsize=32)
+def _lost(count: int, pitch: float, spread: float, margin: float) -> Floats:
+    x = (np.arange(count) - (count - 1) / 2) * pitch
+    width = np.hypot(spread, pitch / np.sqrt(12.0)) + 1e-9
+    end = count * pitch / 2 + margin
+    return frozen(ndtr((x - end) / width) + ndtr((-x - end) / width))
 
 
 def fit_line(

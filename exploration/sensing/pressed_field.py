@@ -1,6 +1,7 @@
 """The blurred, taxel-averaged field of a clipped paraboloid that is cut by lines, and its derivatives.
 
-The field is laid on cells about a blur wide that reach `MARGIN` blurs past the pad.  Each cell holds its own
+The field is laid on cells about a blur wide that reach `MARGIN` blurs past the pad, or to the end
+of the skin, the shares of each taxel adding to one.  Each cell holds its own
 mean, taken as if q were linear in it and smeared over a box of the cell's variance; exact integrals of Gaussian
 and box, which separate into x and y, carry it to the taxels.  Box mean and box integral blur by h^2/12 each, so
 the Gaussian is made h^2/6 narrower: then the model errs by 2 um on smooth contacts, 5 um at edges (ours).
@@ -21,22 +22,23 @@ LEAST_BLUR = 0.25  # [taxels] a sharper skin is treated as this blurred
 
 @lru_cache(maxsize=32)
 def geometry(
-    rows: int, columns: int, pitch: tuple[float, float], spread: float
+    rows: int, columns: int, pitch: tuple[float, float], spread: float, skin: float
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Cell centers along x and y, and the shares (cells, taxels) that carry cells to columns and to rows."""
-    x, to_columns = _axis(columns, pitch[0], spread)
-    y, to_rows = _axis(rows, pitch[1], spread)
+    x, to_columns = _axis(columns, pitch[0], spread, skin)
+    y, to_rows = _axis(rows, pitch[1], spread, skin)
     return x, y, to_columns, to_rows
 
 
-def _axis(count: int, pitch: float, spread: float) -> tuple[Floats, Floats]:
+def _axis(count: int, pitch: float, spread: float, skin: float) -> tuple[Floats, Floats]:
     """Cell centers (m,) and the share of each cell in each taxel (m, count)."""
     spread = max(spread, LEAST_BLUR * pitch)
     split = int(np.ceil(pitch / (CELL * spread)))
     size = pitch / split
-    margin = int(np.ceil(MARGIN * spread / size))
+    margin = int(np.ceil(min(MARGIN * spread, skin) / size - 1e-9))
     m = count * split + 2 * margin
     x = (np.arange(m) - (m - 1) / 2) * size
+    end = count * pitch / 2 + skin
     centers = (np.arange(count) - (count - 1) / 2) * pitch
     narrowed = float(np.sqrt(spread**2 - size**2 / 6))
 
@@ -46,7 +48,7 @@ def _axis(count: int, pitch: float, spread: float) -> tuple[Floats, Floats]:
         return out
 
     a, b = centers[:, None] - pitch / 2, centers[:, None] + pitch / 2
-    c, d = x[None, :] - size / 2, x[None, :] + size / 2
+    c, d = np.maximum(x - size / 2, -end)[None, :], np.minimum(x + size / 2, end)[None, :]
     share = (integral(b - c) - integral(a - c) - integral(b - d) + integral(a - d)) / pitch
     share[share < 1e-5] = 0.0
     normalized: Floats = np.ascontiguousarray((share / share.sum(axis=1, keepdims=True)).T)

@@ -22,7 +22,7 @@ from exploration.sensing.gap import indentation
 from exploration.sensing.hough import find_lines
 from exploration.sensing.line import normalized
 from exploration.sensing.slope import contact_slope
-from exploration.sensing.spec import load_sensor
+from exploration.sensing.spec import SensorSpec, load_sensor
 from exploration.sensing.touch import contacts_of, perceive
 from models.csg import Csg, Cube, Cylinder, Sphere
 from models.solid import Solid
@@ -34,8 +34,8 @@ try:
 except ImportError:
     cv2 = None
 
-SPEC = load_sensor("lts210")
-SPEC = replace(SPEC, elastomer=replace(SPEC.elastomer, spread=1.8))
+PRESET = load_sensor("lts210")
+SPEC = replace(PRESET, elastomer=replace(PRESET.elastomer, spread=1.8, margin=5.4))
 ARRAY, PRESS, NOISE, COUNT = SPEC.array, 0.5, 0.05, 1 / 200
 TESSELLATION = 0.002  # [mm] of curved solids
 DOWN = np.diag([1.0, -1.0, -1.0])
@@ -47,7 +47,7 @@ Found = tuple[float, float] | None
 def run() -> list[dict[str, Any]]:
     """Rows of the table."""
     rng = np.random.default_rng(0)
-    return [*_edges(rng), *_false_lines(rng), *_curved(rng), *_flat(rng), *_times(rng)]
+    return [*_edges(rng), *_preset(rng), *_false_lines(rng), *_curved(rng), *_flat(rng), *_times(rng)]
 
 
 def _row(method: str, metric: str, value: float, unit: str, asked: float | None = None) -> dict[str, Any]:
@@ -56,19 +56,23 @@ def _row(method: str, metric: str, value: float, unit: str, asked: float | None 
 
 
 def _frame(
-    solid: Solid, world_from_sensor: Floats, rng: np.random.Generator, noise: float = NOISE
+    solid: Solid,
+    world_from_sensor: Floats,
+    rng: np.random.Generator,
+    noise: float = NOISE,
+    spec: SensorSpec = SPEC,
 ) -> TactileImage:
-    depth = pressure(indentation(solid, world_from_sensor, SPEC), SPEC) / SPEC.elastomer.stiffness
+    rubber = spec.elastomer
+    depth = pressure(indentation(solid, world_from_sensor, spec), spec) / rubber.stiffness
     depth = depth + noise * PRESS * rng.standard_normal(depth.shape)
     step = COUNT * PRESS
     sigma = np.full(depth.shape, np.hypot(noise * PRESS, step / np.sqrt(12)))
-    return TactileImage(
-        ARRAY, np.round(depth / step) * step, sigma, SPEC.elastomer.spread, SPEC.elastomer.stiffness, 0.0
-    )
+    counted = np.round(depth / step) * step
+    return TactileImage(ARRAY, counted, sigma, rubber.spread, rubber.stiffness, 0.0, rubber.margin)
 
 
 def _edge_frames(
-    rng: np.random.Generator, n: int, noise: float
+    rng: np.random.Generator, n: int, noise: float, spec: SensorSpec = SPEC
 ) -> Iterator[tuple[TactileImage, float, float]]:
     """Presses across the edge x = 50 of a large block, far from its other edges."""
     block = _solid(Cube((100.0, 400.0, 100.0)))
@@ -81,7 +85,7 @@ def _edge_frames(
         angle = float(np.arctan2(along[1], along[0]))
         rho = float(ends[0] @ [-np.sin(angle), np.cos(angle)])
         angle, rho, _ = normalized(angle, rho, 1)
-        yield _frame(block, sensor, rng, noise), angle, rho
+        yield _frame(block, sensor, rng, noise, spec), angle, rho
 
 
 @lru_cache(maxsize=16)
@@ -179,6 +183,30 @@ def _edges(rng: np.random.Generator) -> list[dict[str, Any]]:
             rows.append(_row(method, f"failures, {name}", 100 * failed / EDGES, "%", none))
             rows.append(_row(method, f"median time, {name}", 1e6 * float(np.median(times)), "us"))
     return rows
+
+
+def _preset(rng: np.random.Generator) -> list[dict[str, Any]]:
+    """Edges on the built-in array as it is: its own blur and noise, and a skin that ends near the outer taxels."""
+    errors, failed, times, sigmas = [], 0, [], []
+    for image, angle, offset in _edge_frames(rng, EDGES, PRESET.electronics.noise, PRESET):
+        began = time.perf_counter()
+        lines = find_lines(image)
+        times.append(time.perf_counter() - began)
+        if len(lines) == 1:
+            errors.append(_error((lines[0].angle, lines[0].offset), angle, offset))
+            sigmas.append(np.sqrt(np.diag(lines[0].covariance)))
+        else:
+            failed += 1
+    rms = np.sqrt(np.mean(np.square(errors), axis=0))
+    stated = np.sqrt(np.mean(np.square(sigmas), axis=0))
+    return [
+        _row("palpate", "lts210 as built: angle RMS", np.degrees(rms[0]), "deg"),
+        _row("palpate", "lts210 as built: offset RMS", rms[1] / ARRAY.pitch[0], "taxel"),
+        _row("palpate", "lts210 as built: angle RMS over its stated sigma", rms[0] / stated[0], "1"),
+        _row("palpate", "lts210 as built: offset RMS over its stated sigma", rms[1] / stated[1], "1"),
+        _row("palpate", "lts210 as built: failures", 100 * failed / EDGES, "%"),
+        _row("palpate", "lts210 as built: median time", 1e6 * float(np.median(times)), "us"),
+    ]
 
 
 def _error(found: tuple[float, float], angle: float, offset: float) -> tuple[float, float]:
