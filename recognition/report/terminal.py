@@ -40,7 +40,7 @@ def watching(quiet: bool = False) -> Iterator[Watch]:
         yield Watch(lambda _: None)
         return
     with console.status("starting") as status:
-        yield Watch(status.update)
+        yield Watch(lambda text: status.update(text[: console.width - 4]))
 
 
 def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
