@@ -23,6 +23,7 @@ from primitives.arrays import Floats, Ints, frozen
 HUBER = 3.0  # [sigma]
 CURVATURE = 0.3  # [1/mm] standard deviation of the prior: sharper than most that a pad can read
 STEPS = 30
+FINE = 0.03  # [deepest taxel] noise below which the model's own error at edges would show: half as wide cells
 GAINED = 0.02  # [chi2] a step that gains less is the last
 PLANE, ROUND, PARABOLOID = "plane", "round", "paraboloid"
 
@@ -52,7 +53,9 @@ def fit_footprint(
 
     `shape` is PLANE (curvature held), ROUND (kxx = kyy, kxy = 0) or PARABOLOID.
     """
-    grid = geometry(image.array.rows, image.array.columns, image.array.pitch, image.spread, image.margin)
+    fine = len(sides) > 0 and float(image.sigma.min()) < FINE * float(image.depth.max())
+    array = image.array
+    grid = geometry(array.rows, array.columns, array.pitch, image.spread, image.margin, fine)
     unknown = _unknowns(shape, len(start), free_lines)
     p, covariance, chi2, count, converged, residual = _fit(
         image.depth,
@@ -144,7 +147,7 @@ def _fit(
 ) -> tuple[Floats, Floats, float, int, bool, Floats]:
     m = unknown.max() + 1
     total = len(start)
-    fields = np.zeros((1 + total, len(y), len(x)))
+    fields = np.zeros((1 + total, y.shape[1], x.shape[1]))
     model = np.zeros((1 + total, depth.shape[0], depth.shape[1]))
     normal, rhs, residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
     trial_normal, trial_rhs, trial_residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)

@@ -67,16 +67,17 @@ def find_lines(
     lead = -inf
     if rim is not None:
         gain = (rim.chi2 - fit.chi2) / _inflation(fit) - worth(-float(rim.parameters[3]))
-        lead = gain if rim.converged else 0.0
+        sure = rim.converged or gain > 10 * config.clear
+        lead = gain
         if fit.chi2 < fit.dof + config.greatest_misfit * sqrt(2 * max(1, fit.dof)):
             single = None if soft is image else polish(image, fit, side)
             chi2 = fit.chi2 if single is None else single.fit.chi2
-            if lead > config.clear and alone and int(members.sum()) >= config.plenty:
+            if sure and alone and gain > config.clear and int(members.sum()) >= config.plenty:
                 likelier = True
-            elif lead > 0.0 and alone and lead < config.clear:
+            elif sure and alone and 0.0 < gain <= config.clear:
                 likelier = beats_rim(image, chi2, rim, side)
             else:
-                likelier = lead > 0.0 and beats_smooth(image, chi2)
+                likelier = (gain > 0.0 or not sure) and beats_smooth(image, chi2)
             if likelier and single is None:
                 return (_single(image, points, members, fit, side),)
             if likelier and single is not None:

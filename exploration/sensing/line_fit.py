@@ -45,8 +45,8 @@ class LineFit:
 def softened(image: TactileImage) -> TactileImage:
     """The image with the taxels whose blur the end of the skin cuts off trusted less.
 
-    The response here is that of an endless skin.  Where the skin ends `margin` past the outer taxels, those see
-    more of what they do see; the share cut off, times the deepest taxel, is added to their sigma.
+    The response here is that of an endless skin.  Where the skin ends, what spreads beyond comes back to the outer
+    taxels; that share, times the deepest taxel, is added to their sigma.
     """
     if image.margin > ENOUGH_SKIN * image.spread:
         return image

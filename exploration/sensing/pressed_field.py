@@ -1,10 +1,10 @@
 """The blurred, taxel-averaged field of a clipped paraboloid that is cut by lines, and its derivatives.
 
-The field is laid on cells about a blur wide that reach `MARGIN` blurs past the pad, or to the end
-of the skin, the shares of each taxel adding to one.  Each cell holds its own
-mean, taken as if q were linear in it and smeared over a box of the cell's variance; exact integrals of Gaussian
-and box, which separate into x and y, carry it to the taxels.  Box mean and box integral blur by h^2/12 each, so
-the Gaussian is made h^2/6 narrower: then the model errs by 2 um on smooth contacts, 5 um at edges (ours).
+The field is laid on cells about a blur wide that reach `MARGIN` blurs past the pad, or to the end of the skin,
+which mirrors what spreads beyond it.  Each cell holds its own mean, taken as if q were linear in it and smeared
+over a box of the cell's variance; exact integrals of Gaussian and box, which separate into x and y, carry it to
+the taxels.  Box mean and box integral blur by h^2/12 each, so the Gaussian is made h^2/6 narrower: then the model
+errs by 2 um on smooth contacts and 5 um at edges, a quarter of that with cells half as wide (our derivation).
 """
 
 from functools import lru_cache
@@ -22,54 +22,55 @@ LEAST_BLUR = 0.25  # [taxels] a sharper skin is treated as this blurred
 
 @lru_cache(maxsize=32)
 def geometry(
-    rows: int, columns: int, pitch: tuple[float, float], spread: float, skin: float
+    rows: int, columns: int, pitch: tuple[float, float], spread: float, skin: float, fine: bool = False
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """Cell centers along x and y, and the shares (cells, taxels) that carry cells to columns and to rows."""
-    x, to_columns = _axis(columns, pitch[0], spread, skin)
-    y, to_rows = _axis(rows, pitch[1], spread, skin)
+    """Cells (2, m), center and size, along x and y, and the shares (m, taxels) that carry them to taxels."""
+    x, to_columns = _axis(columns, pitch[0], spread, skin, fine)
+    y, to_rows = _axis(rows, pitch[1], spread, skin, fine)
     return x, y, to_columns, to_rows
 
 
-def _axis(count: int, pitch: float, spread: float, skin: float) -> tuple[Floats, Floats]:
-    """Cell centers (m,) and the share of each cell in each taxel (m, count)."""
+def _axis(count: int, pitch: float, spread: float, skin: float, fine: bool) -> tuple[Floats, Floats]:
     spread = max(spread, LEAST_BLUR * pitch)
-    split = int(np.ceil(pitch / (CELL * spread)))
-    size = pitch / split
-    margin = int(np.ceil(min(MARGIN * spread, skin) / size - 1e-9))
-    m = count * split + 2 * margin
-    x = (np.arange(m) - (m - 1) / 2) * size
-    end = count * pitch / 2 + skin
-    centers = (np.arange(count) - (count - 1) / 2) * pitch
-    narrowed = float(np.sqrt(spread**2 - size**2 / 6))
+    split = int(np.ceil(pitch / (CELL * spread))) * (2 if fine else 1)
+    margin = min(MARGIN * spread, skin)
+    ring = np.linspace(0.0, margin, int(np.ceil(margin * split / pitch - 1e-9)) + 1)[1:]
+    inner = (np.arange(count * split + 1) / split - count / 2) * pitch
+    edges = np.concatenate([inner[0] - ring[::-1], inner, inner[-1] + ring])
+    size = np.diff(edges)
+    narrowed = np.sqrt(spread**2 - size**2 / 6)
+    low = ((np.arange(count) - count / 2) * pitch)[:, None]
 
     def integral(t: Floats) -> Floats:
         u = t / narrowed
         out: Floats = t * ndtr(u) + narrowed * np.exp(-u * u / 2) / np.sqrt(2 * np.pi)
         return out
 
-    a, b = centers[:, None] - pitch / 2, centers[:, None] + pitch / 2
-    c, d = np.maximum(x - size / 2, -end)[None, :], np.minimum(x + size / 2, end)[None, :]
-    share = (integral(b - c) - integral(a - c) - integral(b - d) + integral(a - d)) / pitch
-    share[share < 1e-5] = 0.0
-    normalized: Floats = np.ascontiguousarray((share / share.sum(axis=1, keepdims=True)).T)
-    return np.asarray(x, dtype=np.float64), normalized
+    share = np.zeros((count, len(size)))
+    for c, d in (
+        (edges[:-1], edges[1:]),
+        (2 * edges[0] - edges[1:], 2 * edges[0] - edges[:-1]),
+        (2 * edges[-1] - edges[1:], 2 * edges[-1] - edges[:-1]),
+    ):
+        share += integral(low + pitch - c) - integral(low - c) - integral(low + pitch - d) + integral(low - d)
+    share[share < 1e-5 * pitch] = 0.0
+    shares: Floats = np.ascontiguousarray((share / share.sum(axis=1, keepdims=True)).T)
+    return np.stack([(edges[1:] + edges[:-1]) / 2, size]), shares
 
 
 @numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
 def fields_of(x: Floats, y: Floats, p: Floats, sides: Floats, union: bool, fields: Floats) -> None:
     """Means over cells of the field and of its derivatives: (1 + 6 + 2 n, ny, nx)."""
-    hx, hy = x[1] - x[0], y[1] - y[0]
     n = len(sides)
     cover = np.ones(n)
     steep = np.zeros(n)
-    cosine, sine, half = np.empty(n), np.empty(n), np.empty(n)
+    cosine, sine = np.empty(n), np.empty(n)
     for k in range(n):
         cosine[k], sine[k] = np.cos(p[6 + 2 * k]), np.sin(p[6 + 2 * k])
-        half[k] = 0.5 * np.sqrt((sine[k] * hx) ** 2 + (cosine[k] * hy) ** 2)
-    shrink = (p[3] * hx * hx + p[5] * hy * hy) / 24.0
-    for i in range(len(y)):
-        for j in range(len(x)):
-            xx, yy = x[j], y[i]
+    for i in range(y.shape[1]):
+        for j in range(x.shape[1]):
+            xx, yy, hx, hy = x[0, j], y[0, i], x[1, j], y[1, i]
+            shrink = (p[3] * hx * hx + p[5] * hy * hy) / 24.0
             q = (
                 p[0]
                 + p[1] * xx
@@ -92,8 +93,9 @@ def fields_of(x: Floats, y: Floats, p: Floats, sides: Floats, union: bool, field
             total = 1.0
             for k in range(n):
                 t = sides[k] * (-sine[k] * xx + cosine[k] * yy - p[7 + 2 * k])
-                c = (t + half[k]) / (2.0 * half[k])
-                steep[k] = 0.5 / half[k] if 0.0 < c < 1.0 else 0.0
+                half = 0.5 * np.sqrt((sine[k] * hx) ** 2 + (cosine[k] * hy) ** 2)
+                c = (t + half) / (2.0 * half)
+                steep[k] = 0.5 / half if 0.0 < c < 1.0 else 0.0
                 c = min(1.0, max(0.0, c))
                 cover[k] = 1.0 - c if union else c
                 total *= cover[k]

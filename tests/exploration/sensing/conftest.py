@@ -15,12 +15,12 @@ FINE = 8  # samples per taxel and axis
 
 
 @lru_cache
-def carrier(count: int, pitch: float, spread: float) -> tuple[Floats, Floats]:
-    """Sample positions (m,), on a skin that reaches past the pad, and their shares in taxels (count, m)."""
+def carrier(count: int, pitch: float, spread: float, skin: float) -> tuple[Floats, Floats]:
+    """Sample positions (m,), on a skin that ends in a mirror, and their shares in taxels (count, m)."""
     step = pitch / FINE
-    margin = int(np.ceil(5 * spread / step))
+    margin = int(np.ceil(min(skin, 5 * spread) / step - 1e-9))
     m = count * FINE + 2 * margin
-    blur = gaussian_filter1d(np.eye(m), spread / step, axis=0, truncate=5)
+    blur = gaussian_filter1d(np.eye(m), spread / step, axis=0, truncate=5, mode="reflect")
     return (np.arange(m) - (m - 1) / 2) * step, blur[margin : m - margin].reshape(count, FINE, m).mean(axis=1)
 
 
@@ -28,21 +28,27 @@ class Frames:
     """Frames of one array, with its noise."""
 
     def __init__(
-        self, rows: int = 10, columns: int = 16, pitch: float = 1.8, spread: float = 1.8, noise: float = 0.025
+        self,
+        rows: int = 10,
+        columns: int = 16,
+        pitch: float = 1.8,
+        spread: float = 1.8,
+        noise: float = 0.025,
+        margin: float = np.inf,
     ) -> None:
         self.array = TaxelArray("test", rows, columns, (pitch, pitch))
-        self.spread, self.noise = spread, noise
+        self.spread, self.noise, self.margin = spread, noise, margin
 
     def __call__(
         self, field: Field, rng: np.random.Generator | None = None, count: float = 0.0025
     ) -> TactileImage:
-        x, to_columns = carrier(self.array.columns, self.array.pitch[0], self.spread)
-        y, to_rows = carrier(self.array.rows, self.array.pitch[1], self.spread)
+        x, to_columns = carrier(self.array.columns, self.array.pitch[0], self.spread, self.margin)
+        y, to_rows = carrier(self.array.rows, self.array.pitch[1], self.spread, self.margin)
         depth = to_rows @ field(*np.meshgrid(x, y)) @ to_columns.T
         if rng is not None:
             depth = np.round((depth + self.noise * rng.standard_normal(depth.shape)) / count) * count
         sigma = np.full(depth.shape, np.hypot(self.noise, count / np.sqrt(12)))
-        return TactileImage(self.array, depth, sigma, self.spread, 0.1, 0.0)
+        return TactileImage(self.array, depth, sigma, self.spread, 0.1, 0.0, self.margin)
 
     @staticmethod
     def half(angle: float, offset: float, side: int = 1, width: float = 0.225) -> Field:

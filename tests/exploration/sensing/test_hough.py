@@ -107,3 +107,15 @@ def test_other_arrays_see_the_edge_too(make_frames, rows, columns, pitch, spread
     turn, off = error(lines[0], 0.6, 0.3, 1)
     assert abs(turn) < 0.2
     assert abs(off) < 0.5 * pitch
+
+
+def test_the_end_of_the_skin_moves_no_line(make_frames):
+    frames = make_frames(spread=1.2, noise=0.005, margin=0.9)
+    rng = np.random.default_rng(13)
+    z = []
+    for _ in range(60):
+        angle, offset, side = rng.uniform(0, np.pi), rng.uniform(-4.0, 4.0), int(rng.choice([-1, 1]))
+        lines = find_lines(frames(frames.edge(angle, offset, side), rng))
+        assert len(lines) == 1
+        z.append(np.array(error(lines[0], angle, offset, side)) / np.sqrt(np.diag(lines[0].covariance)))
+    assert np.sqrt(np.mean(np.square(z), axis=0)) == pytest.approx([1.0, 1.0], abs=0.3)
