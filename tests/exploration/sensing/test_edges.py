@@ -10,7 +10,9 @@ def test_points_lie_on_the_edge_whatever_the_press(frames, angle, depth):
     image = frames(frames.edge(angle, 1.1, depth=depth))
     points = edge_points(image)
     normal = np.array([-np.sin(angle), np.cos(angle)])
-    seen = (np.abs(points.points) < [10.0, 5.0]).all(axis=1)  # beyond, the pad shows too little of the plateau
+    seen = (np.abs(points.points) < [10.0, 5.0]).all(
+        axis=1
+    )  # beyond, the pad shows too little of the plateau
     assert seen.sum() >= 6
     assert np.abs(points.points[seen] @ normal - 1.1).max() < 0.1
     assert (points.directions[seen] @ normal).min() > 0.95
