@@ -58,9 +58,17 @@ def brink(seen: Observation, felt: Felt, heading: Floats) -> Sighting:
 
 def reach_along(felt: Felt, seen: Observation, heading: Floats) -> float:
     """How far [mm] contact reaches from the pad's center along a (2,) heading, its outermost tenth left out."""
+    return float(np.percentile(_along(felt, seen, heading), 90))
+
+
+def contact_front(felt: Felt, seen: Observation, heading: Floats) -> float:
+    """How far [mm] the foremost touched taxel lies from the pad's center along a (2,) heading."""
+    return float(_along(felt, seen, heading).max())
+
+
+def _along(felt: Felt, seen: Observation, heading: Floats) -> Floats:
     rows, columns = np.nonzero(felt.mask)
-    along = seen.image.array.x[columns] * heading[0] + seen.image.array.y[rows] * heading[1]
-    return float(np.percentile(along, 90))
+    return np.asarray(seen.image.array.x[columns] * heading[0] + seen.image.array.y[rows] * heading[1])
 
 
 def ends_by_curving(line: Line, felt: Felt, share: float = 0.6, least: float = 0.008) -> bool:

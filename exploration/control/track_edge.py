@@ -41,7 +41,7 @@ class EdgeConfig:
     closing: float = 2.0  # [mm]
     least_loop: float = 25.0  # [mm]
     patience: int = 10  # frames without the line
-    every: int = 4  # ticks between looks for the line; between them it is held in place
+    every: int = 6  # ticks between looks for the line; between them it is held in place
 
 
 @dataclass(frozen=True)

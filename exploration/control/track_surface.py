@@ -12,7 +12,7 @@ import numpy as np
 
 from exploration.control.feel import Felt, feel
 from exploration.control.servo import ServoGains, hybrid_twist
-from exploration.control.sighting import Sighting, reach_along, sight
+from exploration.control.sighting import Sighting, contact_front, reach_along, sight
 from exploration.devices.guard import Guard, Observation
 from exploration.sensing.flat_patch import flat_patch
 from exploration.sensing.frame import TactileImage
@@ -100,7 +100,8 @@ def follow_surface(
             seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
             continue
         missing = 0
-        if not felt.mask.all() and (ticks % config.every == 0 or confirmed):
+        looks = ticks % config.every == 0 or confirmed
+        if looks and contact_front(felt, seen, heading) < half - 1.5 * max(seen.image.array.pitch):
             near = edge_near(find_lines(seen.image, 3), heading, seen.image, config)
             confirmed = confirmed + 1 if near else 0
         ticks += 1

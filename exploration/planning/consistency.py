@@ -10,11 +10,12 @@ from primitives.fit import Fit
 from primitives.patch_graph import PatchGraph
 
 _BEYOND = 0.3  # [mm] a contact this far in front of a face contradicts it
+_SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
 
 
 def drop_contradicted(graph: PatchGraph) -> PatchGraph:
-    """The graph less its faces that more contacts contradict than support, the least supported first."""
+    """The graph less its faces that too many contacts contradict, the worst first."""
     while True:
         worst = _worst(graph)
         if worst is None:
@@ -35,6 +36,6 @@ def _worst(graph: PatchGraph) -> int | None:
         points = np.concatenate(others)
         distance = face.fit.shape.signed_distance(points)
         beyond = int((distance * (1.0 if face.fit.convex else -1.0) > _BEYOND).sum())
-        if beyond > _MOST and beyond > len(face.contacts):
+        if beyond > _MOST and beyond > _SHARE * len(face.contacts):
             against[face.id] = beyond / len(face.contacts)
     return max(against, key=lambda face_id: against[face_id], default=None)

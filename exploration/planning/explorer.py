@@ -50,6 +50,7 @@ class ExplorerConfig:
     first_tries: int = 60  # touches after which an object that shows no face is given up
     near: float = 0.1  # [mm] a contact this far from a known face belongs to it
     turned: float = 0.06  # [rad] as long as its normal is no farther off
+    misfit: float = 8.0  # chi2 per degree of freedom of a face that is none
     least_contacts: int = 5  # that make a new face
     least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one
 
@@ -219,17 +220,30 @@ class Explorer:
                 owner[closer], best[closer] = face.id, off[closer]
         home: int | None = None
         for face_id in np.unique(owner[owner >= 0]):
-            self.found.graph = self.found.graph.add_contacts(contacts.select(owner == face_id), int(face_id))
+            self._grow(
+                self.found.graph.add_contacts(contacts.select(owner == face_id), int(face_id)), int(face_id)
+            )
         if (owner >= 0).any():
             home = int(np.bincount(owner[owner >= 0]).argmax())
         rest = contacts.select(owner < 0)
         if len(rest) >= max(self.config.least_contacts, self.config.least_share * len(contacts)):
-            self.found.graph, home = self.found.graph.add_stroke(rest)
+            grown, opened = self.found.graph.add_stroke(rest)
+            if not self._grow(grown, opened):
+                return home
+            home = opened
             self.found.graph, gone = self.found.graph.merge_faces()
             home = gone.get(home, home)
             self._seen = [(sighting, gone.get(own, own)) for sighting, own in self._seen]
         self.found.graph = drop_contradicted(self.found.graph)
         return home if any(face.id == home for face in self.found.graph.faces) else None
+
+    def _grow(self, graph: PatchGraph, face_id: int) -> bool:
+        """Accept a graph in which a face grew, unless no one shape explains the face any more."""
+        fit = graph.face(face_id).fit
+        if isinstance(fit, Fit) and fit.chi2 > self.config.misfit * max(fit.dof, 1):
+            return False
+        self.found.graph = graph
+        return True
 
     def _misfit(self, fit: Fit, contacts: Contacts) -> Floats:
         """(n,) distance and turn from a fitted face, in units of what still belongs to it."""
@@ -270,7 +284,7 @@ class Explorer:
 
     def _join(self, contacts: Contacts, face: int) -> None:
         if len(contacts):
-            self.found.graph = self.found.graph.add_contacts(contacts, face)
+            self._grow(self.found.graph.add_contacts(contacts, face), face)
 
     def _feel_here(self) -> Contacts:
         """Contacts of the place under the pad, from averaged frames."""
