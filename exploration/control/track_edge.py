@@ -40,8 +40,9 @@ class EdgeConfig:
     crossings: int = 4  # least number of crossings for a direction of their own
     closing: float = 2.0  # [mm]
     least_loop: float = 25.0  # [mm]
+    confirm: int = 6  # ticks in a row that must show the corner
     patience: int = 10  # frames without the line
-    every: int = 6  # ticks between looks for the line; between them it is held in place
+    every: int = 12  # ticks between looks for the line; between them it is held in place
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ def follow_edge(
             tangents.append(turn[:, :2] @ heading)
             normals.append(-turn[:, 2])
         ended_ahead = ended_ahead + 1 if _ends_ahead(line, heading, foot, seen.image, config) else 0
-        if ended_ahead > config.every:
+        if ended_ahead > config.confirm:
             ended = "corner"
             break
         if travel > config.least_loop and points and _returned(points, tangents, config):

@@ -33,13 +33,13 @@ class StrokeConfig:
 
     speed: float = 40.0  # [mm/s]
     roll: float = 1.0  # [rad/s] of turning that a curved surface may ask for
-    spacing: float = 3.0  # [mm] between the frames that are kept as contacts
+    spacing: float = 4.0  # [mm] between the frames that are kept as contacts
     stop_share: float = 0.4  # an edge this share of the half pad ahead of the center ends the stroke
     confirm: int = 3  # frames in a row that must show the edge
     closing: float = 3.0  # [mm] from its start, a stroke has gone round
     least_round: float = 25.0  # [mm] of travel before that can be
     lost: int = 12  # frames without contact
-    every: int = 8  # ticks between looks for an edge
+    every: int = 10  # ticks between looks for an edge
     recede: float = 0.5  # share of its farthest reach ahead, at which a contact is ending
     curving: float = 0.008  # [1/mm] a surface this curved along the heading ends its contact by itself
     sharp: float = 0.16  # [1/mm] a contact this curved is going over an edge
