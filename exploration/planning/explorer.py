@@ -153,8 +153,6 @@ class Explorer:
         self.found.open = len(untouched.points)
         return None
 
-    # -- finding
-
     def _find(self) -> bool:
         for start, end in sweeps(self.box, self.guard.sensor.array.size):
             try:
@@ -183,8 +181,6 @@ class Explorer:
         if not land(self.guard, target[:3, 2], 40.0, ApproachConfig().speed):
             return None, "looked for the object again in vain"
         return self._study(), "came down beside the first contact"
-
-    # -- one face
 
     def _study(self) -> int | None:
         """Stroke the face under the pad along two axes, to its edges; the face's id."""
@@ -353,8 +349,6 @@ class Explorer:
             found.append(brink(seen, felt, heading))
         return found
 
-    # -- edges
-
     def _open_sighting(self, face: int | None) -> tuple[Sighting, int] | None:
         """An edge seen from one face that no other known face explains; from the present face if there is one."""
         self._seen = [(s, own) for s, own in self._seen if not self._explained(s, own)]
@@ -434,8 +428,6 @@ class Explorer:
         self.found.graph = graph.attach(edge_id, edge.faces[1])
         return edge.faces[0], "traced an edge"
 
-    # -- faces not fully touched
-
     def _cover(self, missing: Predicted, face: int | None) -> tuple[int | None, str]:
         """Stroke from here over what is untouched on this face, or touch down where it is nearest."""
         fresh = np.array([self._tries(p, 1.5) == 0 for p in missing.points])
@@ -488,8 +480,6 @@ class Explorer:
     def _unfinished(self, missing: Predicted) -> Predicted:
         keep_ = np.array([not self._given_up(p) for p in missing.points], dtype=bool)
         return Predicted(missing.points[keep_], missing.normals[keep_], missing.face[keep_])
-
-    # -- motion
 
     def _touch(self, target: Floats, standoff: float, overtravel: float) -> bool:
         """One guarded approach and its settling; counts as a touch, hit or miss."""
