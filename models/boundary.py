@@ -16,6 +16,7 @@ from models.brep import Brep, Edge, Face
 from models.curves import Chain, chains, edge_between, loops_of, refined
 from models.extents import anchored
 from models.solid import Solid
+from models.topology import handles
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.shapes import Plane, Shape, Sphere
@@ -57,7 +58,7 @@ def labeled_boundary(solid: Solid, config: BoundaryConfig | None = None) -> tupl
     edges = tuple(_edge(i, piece, exact, number, shapes, tolerances) for i, piece in enumerate(pieces))
     areas = np.bincount(face, weights=_areas(body.vertices[body.triangles]))
     faces = tuple(
-        _face(f, shapes[f], exact[body.triangles[face == f]], float(areas[f]), edges) for f in range(count)
+        _face(f, shapes[f], exact, body.triangles[face == f], float(areas[f]), edges) for f in range(count)
     )
     shells = _count_shells(body.neighbors)
     vertices = frozen(exact[corners].reshape(-1, 3))
@@ -80,11 +81,15 @@ def _edge(
     )
 
 
-def _face(f: int, surface: LabeledSurface, corners: Floats, area: float, edges: tuple[Edge, ...]) -> Face:
+def _face(
+    f: int, surface: LabeledSurface, exact: Floats, triangles: Ints, area: float, edges: tuple[Edge, ...]
+) -> Face:
     mine = [edge for edge in edges if f in edge.faces]
     rim = np.concatenate([refined(edge) for edge in mine]) if mine else np.empty((0, 3))
-    shape, extent = anchored(surface.shape, corners, rim)
-    return Face(f, shape, surface.convex, area, extent, loops_of(f, mine))
+    shape, extent = anchored(surface.shape, exact[triangles], rim)
+    loops = loops_of(f, mine)
+    through = handles(triangles, len(loops)) if shape.kind == "torus" else 0
+    return Face(f, shape, surface.convex, area, extent, loops, through)
 
 
 def _merged(labels: Ints, surfaces: tuple[LabeledSurface, ...], tolerance: float) -> Ints:

@@ -1,6 +1,7 @@
-"""Constructive solid geometry: cube, cylinder, cone and sphere, combined with `|`, `&`, `-`.
+"""Constructive solid geometry: cube, cylinder, cone, sphere, torus, prism and polyhedron under `|`, `&`, `-`.
 
-Every primitive is centered at its origin with its axis along z (a cone's bottom is at -height / 2).
+Every primitive is centered at its origin with its axis along z (a cone's bottom is at -height / 2), except that
+a prism's outline and a polyhedron's points lie where they are given.
 Lengths are in mm, angles in rad.  ``repr`` is the Python that builds a tree again:
 
 >>> Cylinder(20.0, 40.0).at(0, 0, 10) - Cube((10.0, 10.0, 99.0))
@@ -14,7 +15,11 @@ from functools import reduce
 
 import numpy as np
 
+from models.distances import box_distance, positive_length, segment_distance
 from models.expression import Csg, Difference, Intersection, Leaf, Operation, Placed, Primitive, Union
+from models.polyhedron import Polyhedron
+from models.prism import Prism
+from models.torus import Torus
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
@@ -28,8 +33,11 @@ __all__ = [
     "Leaf",
     "Operation",
     "Placed",
+    "Polyhedron",
     "Primitive",
+    "Prism",
     "Sphere",
+    "Torus",
     "Union",
 ]
 
@@ -42,7 +50,9 @@ class Cube(Primitive):
     name: str = ""
 
     def __post_init__(self) -> None:
-        size = tuple(_length(s, "a cube's size") for s in np.ravel(np.asarray(self.size, dtype=float)))
+        size = tuple(
+            positive_length(s, "a cube's size") for s in np.ravel(np.asarray(self.size, dtype=float))
+        )
         if len(size) != 3:
             raise PalpateError(f"a cube's size has three lengths (x, y, z), not {len(size)}")
         object.__setattr__(self, "size", size)
@@ -54,7 +64,7 @@ class Cube(Primitive):
 
     def signed_distance(self, points: Floats) -> Floats:
         """Of a box."""
-        return _box_distance(np.abs(points) - np.array(self.size) / 2)
+        return box_distance(np.abs(points) - np.array(self.size) / 2)
 
     def __repr__(self) -> str:
         return f"Cube({self.size!r}" + self._label()
@@ -69,8 +79,8 @@ class Cylinder(Primitive):
     name: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "a cylinder's radius"))
-        object.__setattr__(self, "height", _length(self.height, "a cylinder's height"))
+        object.__setattr__(self, "radius", positive_length(self.radius, "a cylinder's radius"))
+        object.__setattr__(self, "height", positive_length(self.height, "a cylinder's height"))
 
     def support(self, directions: Floats) -> Floats:
         """Of two discs."""
@@ -81,7 +91,7 @@ class Cylinder(Primitive):
     def signed_distance(self, points: Floats) -> Floats:
         """Of a rectangle in (rho, z)."""
         rho = np.hypot(points[:, 0], points[:, 1])
-        return _box_distance(np.stack([rho - self.radius, np.abs(points[:, 2]) - self.height / 2], axis=1))
+        return box_distance(np.stack([rho - self.radius, np.abs(points[:, 2]) - self.height / 2], axis=1))
 
     def __repr__(self) -> str:
         return f"Cylinder({self.radius!r}, {self.height!r}" + self._label()
@@ -99,8 +109,8 @@ class Cone(Primitive):
     def __post_init__(self) -> None:
         for end in ("bottom_radius", "top_radius"):
             value = float(getattr(self, end))
-            object.__setattr__(self, end, value if value == 0 else _length(value, f"a cone's {end}"))
-        object.__setattr__(self, "height", _length(self.height, "a cone's height"))
+            object.__setattr__(self, end, value if value == 0 else positive_length(value, f"a cone's {end}"))
+        object.__setattr__(self, "height", positive_length(self.height, "a cone's height"))
         if self.bottom_radius == self.top_radius:
             raise PalpateError("a cone's two radii must differ; use Cylinder for equal ones")
 
@@ -116,7 +126,7 @@ class Cone(Primitive):
         q = np.stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]], axis=1)
         low, high = np.array([self.bottom_radius, -half]), np.array([self.top_radius, half])
         sides = [(np.array([0.0, -half]), low), (low, high), (high, np.array([0.0, half]))]
-        away = reduce(np.minimum, [_segment_distance(q, a, b) for a, b in sides])
+        away = reduce(np.minimum, [segment_distance(q, a, b) for a, b in sides])
         share = (q[:, 1] + half) / self.height
         radius = self.bottom_radius + share * (self.top_radius - self.bottom_radius)
         inside = (np.abs(q[:, 1]) <= half) & (q[:, 0] <= radius)
@@ -134,7 +144,7 @@ class Sphere(Primitive):
     name: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "a sphere's radius"))
+        object.__setattr__(self, "radius", positive_length(self.radius, "a sphere's radius"))
 
     def support(self, directions: Floats) -> Floats:
         """The radius."""
@@ -147,24 +157,3 @@ class Sphere(Primitive):
 
     def __repr__(self) -> str:
         return f"Sphere({self.radius!r}" + self._label()
-
-
-def _length(value: float, what: str) -> float:
-    length = float(value)
-    if not (np.isfinite(length) and length > 0):
-        raise PalpateError(f"{what} must be a positive length in mm, not {value!r}")
-    return length
-
-
-def _box_distance(beyond: Floats) -> Floats:
-    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
-    distance: Floats = outside + np.minimum(beyond.max(axis=1), 0.0)
-    return distance
-
-
-def _segment_distance(q: Floats, a: Floats, b: Floats) -> Floats:
-    along = b - a
-    length = float(along @ along)
-    share = np.clip((q - a) @ along / length, 0.0, 1.0) if length > 0 else np.zeros(len(q))
-    distance: Floats = np.linalg.norm(q - a - share[:, None] * along, axis=1)
-    return distance

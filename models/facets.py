@@ -10,13 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.csg import Cone, Cube, Cylinder, Primitive, Sphere
+from models.csg import Cone, Cube, Cylinder, Polyhedron, Primitive, Prism, Sphere, Torus
+from models.polygons import triangulated
 from primitives import shapes
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 
 _FEWEST = 24  # sides of the coarsest circle
 _MOST = 4096  # sides of the finest
+_ONE_PLANE = 1e-6  # [mm] between faces of a polyhedron that are on one plane, and between their unit normals
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,13 @@ def facets(primitive: Primitive, tolerance: float) -> Facets:
             return _cone(primitive, tolerance)
         case Sphere():
             return _sphere(primitive, tolerance)
-    raise PalpateError(f"no facets for {primitive!r}; use Cube, Cylinder, Cone or Sphere")
+        case Torus():
+            return _torus(primitive, tolerance)
+        case Prism():
+            return _prism(primitive)
+        case Polyhedron():
+            return _polyhedron(primitive)
+    raise PalpateError(f"no facets for {primitive!r}; build it from the primitives of models.csg")
 
 
 def sides_of_circle(radius: float, tolerance: float) -> int:
@@ -83,16 +91,14 @@ def _cone(cone: Cone, tolerance: float) -> Facets:
 def _turned(profile: list[tuple[float, float]], side: shapes.Shape, tolerance: float) -> Facets:
     """The solid under a profile of two (radius, height) points, the lower first, turned about z."""
     n = sides_of_circle(max(r for r, _ in profile), tolerance)
-    turn = 2 * np.pi / n * np.arange(n)
-    fair = np.sqrt(2 * np.pi / n / np.sin(2 * np.pi / n))
-    circle = fair * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    circle = _fair_circle(n)
     vertices: list[Floats] = []
     rings: list[Ints] = []
     for radius, z in profile:
         start = sum(map(len, vertices))
-        ring = radius * circle if radius > 0 else np.zeros((1, 2))
-        vertices.append(np.column_stack([ring, np.full(len(ring), z)]))
-        rings.append(np.broadcast_to(start + np.arange(len(ring)), (n,)))
+        level = radius * circle if radius > 0 else np.zeros((1, 2))
+        vertices.append(np.column_stack([level, np.full(len(level), z)]))
+        rings.append(np.broadcast_to(start + np.arange(len(level)), (n,)))
     low, high = rings
     triangles = [np.stack([low, np.roll(low, -1), high], axis=1)] if profile[0][0] > 0 else []
     if profile[1][0] > 0:
@@ -111,6 +117,86 @@ def _turned(profile: list[tuple[float, float]], side: shapes.Shape, tolerance: f
         frozen(np.concatenate(labels), np.int64),
         tuple(surfaces),
     )
+
+
+def _torus(torus: Torus, tolerance: float) -> Facets:
+    # both polygons bulge together on the outer equator, so each may take half of the tolerance;
+    # stretching the tube's polygon from the axis keeps the volume (Pappus), and every quad is flat
+    around = sides_of_circle(torus.major_radius + torus.minor_radius, tolerance / 2)
+    along = sides_of_circle(torus.minor_radius, tolerance / 2)
+    tube = torus.minor_radius * _fair_circle(along)
+    ring = _fair_circle(around)
+    rho, z = torus.major_radius + tube[:, 0], tube[:, 1]
+    points = np.concatenate(
+        [rho[None, :, None] * ring[:, None], np.broadcast_to(z[None, :, None], (around, along, 1))], axis=2
+    )
+    number = np.arange(around * along).reshape(around, along)
+    a, b = number, np.roll(number, -1, axis=0)
+    c, d = np.roll(b, -1, axis=1), np.roll(number, -1, axis=1)
+    triangles = np.concatenate(
+        [np.stack(corners, axis=2).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))]
+    )
+    surface = shapes.Torus(np.zeros(3), np.array([0.0, 0.0, 1.0]), torus.major_radius, torus.minor_radius)
+    return Facets(
+        frozen(points.reshape(-1, 3)),
+        frozen(triangles, np.int64),
+        frozen(np.zeros(len(triangles)), np.int64),
+        (surface,),
+    )
+
+
+def _fair_circle(n: int) -> Floats:
+    """(n, 2) corners of the regular polygon with the area of the unit circle."""
+    turn = 2 * np.pi / n * np.arange(n)
+    fair: Floats = np.sqrt(2 * np.pi / n / np.sin(2 * np.pi / n)) * np.stack(
+        [np.cos(turn), np.sin(turn)], axis=1
+    )
+    return fair
+
+
+def _prism(prism: Prism) -> Facets:
+    outline, half = np.array(prism.outline), prism.height / 2
+    n = len(outline)
+    vertices = np.concatenate([np.column_stack([outline, np.full(n, z)]) for z in (-half, half)])
+    ends, top = triangulated(outline), np.arange(n) + n
+    low, after = np.arange(n), np.roll(np.arange(n), -1)
+    triangles = np.concatenate(
+        [
+            ends[:, ::-1],
+            ends + n,
+            np.stack([low, after, after + n], axis=1),
+            np.stack([low, after + n, top], axis=1),
+        ]
+    )
+    along = np.roll(outline, -1, axis=0) - outline
+    normals = np.column_stack([along[:, 1], -along[:, 0], np.zeros(n)])
+    planes = [shapes.Plane(np.array([0.0, 0.0, s * half]), np.array([0.0, 0.0, float(s)])) for s in (-1, 1)]
+    planes += [
+        shapes.Plane(np.array([*p, 0.0]), m / np.linalg.norm(m))
+        for p, m in zip(outline, normals, strict=True)
+    ]
+    labels = np.concatenate([np.zeros(n - 2), np.ones(n - 2), np.arange(n) + 2, np.arange(n) + 2])
+    return Facets(frozen(vertices), frozen(triangles, np.int64), frozen(labels, np.int64), tuple(planes))
+
+
+def _polyhedron(solid: Polyhedron) -> Facets:
+    points, (triangles, of_face) = np.array(solid.points), solid.triangles
+    middles = np.stack([points[list(face)].mean(axis=0) for face in solid.faces])
+    plane_of, first = _coplanar(middles, solid.normals)
+    planes = tuple(shapes.Plane(middles[f], solid.normals[f]) for f in first)
+    return Facets(frozen(points), triangles, frozen(plane_of[of_face], np.int64), planes)
+
+
+def _coplanar(points: Floats, normals: Floats) -> tuple[Ints, list[int]]:
+    """(f,) plane of each of f faces, those on one plane numbered alike, and the first face of each plane."""
+    plane, first = np.full(len(points), -1), []
+    for f in range(len(points)):
+        if plane[f] < 0:
+            off = np.abs((points - points[f]) @ normals[f])
+            turned = np.linalg.norm(normals - normals[f], axis=1)
+            plane[(plane < 0) & (off < _ONE_PLANE) & (turned < _ONE_PLANE)] = len(first)
+            first.append(f)
+    return plane, first
 
 
 def _sphere(sphere: Sphere, tolerance: float) -> Facets:

@@ -24,6 +24,28 @@ def open_edges(triangles: Ints) -> int:
     return int((counts % 2).sum())
 
 
+def handles(triangles: Ints, loops: int) -> int:
+    """Of one connected piece of a surface with `loops` rims: 1 for a whole torus.
+
+    Euler's count of the piece is 2 - 2 handles - loops, each fan of triangles round a vertex counted as a corner.
+    """
+    neighbors = triangle_neighbors(triangles)
+    rows, sides = np.nonzero(neighbors >= 0)
+    others, inner = neighbors[rows, sides], len(rows) // 2
+    links = []
+    for end in (0, 1):
+        corner = (sides + end) % 3
+        across = np.argmax(triangles[others] == triangles[rows, corner][:, None], axis=1)
+        links.append((3 * rows + corner, 3 * others + across))
+    a, b = np.concatenate(links, axis=1)
+    n = triangles.size
+    corners = int(
+        connected_components(coo_array((np.ones(len(a), dtype=bool), (a, b)), shape=(n, n)), False)[0]
+    )
+    euler = corners - (n - inner) + len(triangles)
+    return (2 - loops - euler) // 2
+
+
 def merged(vertices: Floats, triangles: Ints, grid: float) -> tuple[Floats, Ints]:
     """Vertices that share a cell of `grid` [mm] made one (0: equal ones), without triangles that vanish."""
     used, local = np.unique(triangles, return_inverse=True)
