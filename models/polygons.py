@@ -67,10 +67,9 @@ def triangulated(outline: Floats) -> Ints:
         corners = outline[left]
         before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
         quality = _least_height(before, corners, after)
-        for i in np.argsort(-quality, kind="stable").tolist():
-            others = np.delete(corners, [i - 1, i, (i + 1) % len(left)], axis=0)
-            if not _inside_triangle(others, before[i], corners[i], after[i]).any():
-                break
+        best = np.argsort(-quality, kind="stable").tolist()
+        ears = (i for i in best if not _inside_triangle(corners, before[i], corners[i], after[i]).any())
+        i = next(ears, best[0])
         out.append((left[i - 1], left[i], left[(i + 1) % len(left)]))
         del left[i]
     out.append((left[0], left[1], left[2]))
@@ -86,7 +85,7 @@ def _least_height(a: Floats, b: Floats, c: Floats) -> Floats:
 def _inside_triangle(points: Floats, a: Floats, b: Floats, c: Floats) -> Bools:
     """Whether points lie in a counterclockwise triangle or on its rim, its own corners left out."""
     sides = [_cross(q - p, points - p) for p, q in ((a, b), (b, c), (c, a))]
-    own = ((points == a) | (points == b) | (points == c)).all(axis=1)
+    own = np.any([(points == corner).all(axis=1) for corner in (a, b, c)], axis=0)
     return np.asarray((np.min(sides, axis=0) >= 0) & ~own)
 
 

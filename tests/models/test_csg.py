@@ -6,7 +6,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models import csg
-from models.csg import Cone, Csg, Cube, Cylinder, Difference, Intersection, Sphere, Union
+from models.csg import (
+    Cone,
+    Csg,
+    Cube,
+    Cylinder,
+    Difference,
+    Intersection,
+    Polyhedron,
+    Prism,
+    Sphere,
+    Torus,
+    Union,
+)
 from models.solid import Solid
 from primitives.errors import PalpateError
 from primitives.pose import from_quaternion, pose, transform_points
@@ -15,7 +27,23 @@ lengths = st.floats(0.5, 80)
 placements = st.tuples(*[st.floats(-1, 1)] * 4, *[st.floats(-30, 30)] * 3).filter(
     lambda x: np.linalg.norm(x[:4]) > 0.1
 )
+
+
+def _star(radii: list[float], height: float) -> Prism:
+    """A prism whose outline is seen whole from the origin, convex or not."""
+    turn = 2 * pi / len(radii) * np.arange(len(radii))
+    return Prism(tuple((r * np.cos(a), r * np.sin(a)) for r, a in zip(radii, turn, strict=True)), height)
+
+
+def _pyramid(x: float, y: float, z: float) -> Polyhedron:
+    base = ((-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0))
+    return Polyhedron((*base, (0.0, 0.0, z)), ((3, 2, 1, 0), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)))
+
+
 primitives = st.one_of(
+    st.builds(lambda r, x: Torus(r + x, r), st.floats(0.5, 20), st.floats(0.5, 40)),
+    st.builds(_star, st.lists(st.floats(3, 40), min_size=4, max_size=9), lengths),
+    st.builds(_pyramid, lengths, lengths, lengths),
     st.builds(lambda x, y, z: Cube((x, y, z)), lengths, lengths, lengths),
     st.builds(Cylinder, lengths, lengths),
     st.builds(lambda a, b, h: Cone(a, a + b, h), st.floats(0, 40), lengths, lengths),
@@ -127,6 +155,24 @@ def test_placements_compose_to_one() -> None:
         lambda: Cube((1, 1, 1)).placed(2 * np.eye(4)),
         lambda: Cube((1, 1, 1)).placed(np.diag([1.0, 1.0, -1.0, 1.0])),
         lambda: Union((Sphere(1),)),
+        lambda: Torus(5, 5),
+        lambda: Torus(5, -1),
+        lambda: Prism(((0, 0), (10, 0), (5, 0)), 4),
+        lambda: Prism(((0, 0), (10, 10), (10, 0), (0, 10)), 4),
+        lambda: Prism(((0, 0), (10, 0), (0, float("nan"))), 4),
+        lambda: Prism(((0, 0), (10, 0, 3), (0, 9)), 4),  # type: ignore[arg-type]
+        lambda: Prism(((0, 0), (10, 0), (0, 10)), 0),
+        lambda: Polyhedron(((0, 0, 0), (9, 0, 0), (0, 9, 0), (0, 0, 9)), ((0, 2, 1), (0, 1, 3), (1, 2, 3))),
+        lambda: Polyhedron(
+            ((0, 0, 0), (9, 0, 0), (0, 9, 0), (0, 0, 9)), ((0, 1, 2), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+        ),
+        lambda: Polyhedron(
+            ((0, 0, 0), (9, 0, 0), (0, 9, 0), (0, 0, 9)), ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 7))
+        ),
+        lambda: Polyhedron(
+            ((0, 0, 0), (9, 0, 0), (9, 9, 2), (0, 9, 0), (4, 4, 9)),
+            ((3, 2, 1, 0), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
+        ),
     ],
 )
 def test_impossible_sizes_and_places_are_refused(make) -> None:
