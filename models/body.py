@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,9 +18,18 @@ from primitives.shapes import Shape
 class LabeledSurface(NamedTuple):
     """The exact surface behind a set of triangles, in the part frame."""
 
-    shape: Shape
+    shape: Shape | None  # None for freeform: the triangles stand for themselves
     convex: bool  # false where the material is outside a curved shape (a hole); planes are convex
-    leaf: int  # which primitive of the tree it came from, in the order of `Csg.leaves`
+    leaf: int  # which primitive of the tree it came from, in the order of `Csg.leaves`; -1 without a tree
+
+    def normals(self, points: Floats, otherwise: Floats) -> Floats:
+        """(n, 3) outward at (n, 3) points, or `otherwise` where it is freeform."""
+        if self.shape is None:
+            return otherwise
+        return self.shape.normals(points) * (1.0 if self.convex else -1.0)
+
+
+_T = TypeVar("_T")
 
 
 class Body:
@@ -38,6 +48,14 @@ class Body:
         self.triangles: Ints = frozen(triangles, np.int64)
         self.face_of_triangle: Ints = frozen(face_of_triangle, np.int64)
         self.surfaces = surfaces
+        self._kept: dict[Hashable, Any] = {}
+
+    def remembered(self, key: Hashable, make: Callable[[], _T]) -> _T:
+        """What `make` returned when it was first asked for under this key."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        kept: _T = self._kept[key]
+        return kept
 
     @cached_property
     def caster(self) -> RayCaster:
@@ -68,5 +86,5 @@ class Body:
         for label in np.unique(labels[labels >= 0]):
             surface = self.surfaces[label]
             rows = labels == label
-            normals[rows] = surface.shape.normals(points[rows]) * (1.0 if surface.convex else -1.0)
+            normals[rows] = surface.normals(points[rows], normals[rows])
         return normals

@@ -1,9 +1,12 @@
-"""From a solid whose triangles are labeled with exact surfaces to its boundary.
+"""From a solid to its boundary: from labels where its triangles have them, else from surfaces recovered first.
 
 Neighboring triangles on one surface are one face; runs of mesh edges between the same two faces, from one
 meeting of three faces to the next, are one edge.  Edge points are then put on both exact surfaces (one face's
 mesh is within the facets' tolerance of them), so lengths, extents and angles are those of the exact part.
+A face without a surface is freeform: its triangles stand for themselves.
 """
+
+from __future__ import annotations
 
 from dataclasses import dataclass
 
@@ -11,58 +14,94 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from models.body import LabeledSurface
+from models.body import Body, LabeledSurface
 from models.brep import Brep, Edge, Face
-from models.curves import Chain, chains, edge_between, loops_of, refined
+from models.curves import Chain, chains, edge_between, handles, loops, refined
 from models.extents import anchored
+from models.recovery import Recovered, recover
 from models.solid import Solid
-from models.topology import handles
 from primitives.arrays import Floats, Ints, frozen
-from primitives.errors import PalpateError
 from primitives.shapes import Plane, Shape, Sphere
 
 
 @dataclass(frozen=True)
 class BoundaryConfig:
-    """Tolerances of the recovery."""
+    """Tolerances of the boundary on known surfaces."""
 
     same_surface: float = 1e-6  # [mm] between surfaces that are one; and [rad] between their axes
     sliver: float = 1e-6  # [mm^2] faces below this are the facets' fault and join a neighbor
     smooth: float = 1.0  # [deg] between normals below which an edge is smooth
     on_curve: float = 2e-3  # [mm] from a line or circle that an edge may be and still be called so
+    parallel: float = 1e-2  # [1] ratio of singular values at which surfaces that meet count as tangent
+
+
+RECOVERED = BoundaryConfig(smooth=8.0, on_curve=0.02, parallel=0.1)
+"""For surfaces that were fitted: a radius off by d tilts the normal at a tangent edge by sqrt(2 d / r)."""
 
 
 def boundary(solid: Solid, config: BoundaryConfig | None = None) -> Brep:
-    """The boundary of a solid made from a tree, in the part frame."""
+    """The boundary of a solid, in the part frame."""
     return labeled_boundary(solid, config)[0]
 
 
 def labeled_boundary(solid: Solid, config: BoundaryConfig | None = None) -> tuple[Brep, Ints]:
-    """The boundary, and the (t,) face that each triangle of the solid belongs to."""
-    tolerances = config or BoundaryConfig()
-    if not solid.surfaces:
-        raise PalpateError("no exact surfaces are known for a mesh yet; build the part as CSG")
+    """The boundary, and the (t,) face that each triangle of the solid belongs to; found once for each body."""
     body = solid.body
-    surface = _merged(body.face_of_triangle, body.surfaces, tolerances.same_surface)
+    tolerances = config or (BoundaryConfig() if body.surfaces else RECOVERED)
+    return body.remembered(("boundary", tolerances), lambda: _boundary(body, tolerances))
+
+
+def unassigned_area_fraction(solid: Solid, config: BoundaryConfig | None = None) -> float:
+    """Area of freeform faces over that of all: what no plane, cylinder, cone, sphere or torus explains."""
+    faces = boundary(solid, config).faces
+    return sum(face.area for face in faces if face.shape is None) / sum(face.area for face in faces)
+
+
+def exact_surfaces(body: Body) -> Recovered:
+    """The labels that the body came with, or what was recovered from its triangles, once."""
+    if not body.surfaces:
+        return body.remembered("recovered", lambda: recover(body.vertices, body.triangles, body.neighbors))
+    freeform = LabeledSurface(None, True, -1)
+    labels = np.where(body.face_of_triangle < 0, len(body.surfaces), body.face_of_triangle)
+    return Recovered(labels, (*body.surfaces, freeform))
+
+
+def _boundary(body: Body, tolerances: BoundaryConfig) -> tuple[Brep, Ints]:
+    known = exact_surfaces(body)
+    surface = known.face_of_triangle
+    if body.surfaces:
+        surface = _merged(surface, known.surfaces, tolerances.same_surface)
     face = _faces(surface, body.neighbors)
     face = _without_slivers(face, body.neighbors, _areas(body.vertices[body.triangles]), tolerances.sliver)
-    count = int(face.max()) + 1
-    shapes = [body.surfaces[int(np.bincount(surface[face == f]).argmax())] for f in range(count)]
-    pieces = chains(body.triangles, body.neighbors, face)
-    used = np.unique([v for piece in pieces for v in piece.vertices])
-    exact = _on_surfaces(body.vertices, used, pieces, [s.shape for s in shapes])
-    corners = np.unique([v for p in pieces if not p.closed for v in (p.vertices[0], p.vertices[-1])]).astype(
-        int
-    )
-    number = {int(v): i for i, v in enumerate(corners)}
-    edges = tuple(_edge(i, piece, exact, number, shapes, tolerances) for i, piece in enumerate(pieces))
     areas = np.bincount(face, weights=_areas(body.vertices[body.triangles]))
-    faces = tuple(
-        _face(f, shapes[f], exact, body.triangles[face == f], float(areas[f]), edges) for f in range(count)
+    surfaces = [known.surfaces[i] for i in _majority(face, surface, _areas(body.vertices[body.triangles]))]
+    pieces = chains(body.triangles, body.neighbors, face)
+    runs = loops(pieces, body.triangles, body.neighbors, face)
+    round_ = handles(face, body.triangles, body.neighbors, [len(r) for r in runs])
+    exact = _on_surfaces(body.vertices, pieces, [s.shape for s in surfaces], tolerances.parallel)
+    corners = np.unique([v for p in pieces if not p.closed for v in (p.vertices[0], p.vertices[-1])])
+    number = {int(v): i for i, v in enumerate(corners)}
+    edges = tuple(
+        _edge(i, piece, exact, number, surfaces, body, tolerances) for i, piece in enumerate(pieces)
     )
+    of_face: list[list[Edge]] = [[] for _ in surfaces]
+    for edge in edges:
+        for f in edge.faces:
+            of_face[f].append(edge)
+    order, begin = (
+        np.argsort(face, kind="stable"),
+        np.searchsorted(np.sort(face), np.arange(len(surfaces) + 1)),
+    )
+    faces = []
+    for f, known_surface in enumerate(surfaces):
+        rim = np.concatenate([refined(edge) for edge in of_face[f]]) if of_face[f] else np.empty((0, 3))
+        mine = exact[body.triangles[order[begin[f] : begin[f + 1]]]]
+        shape, extent = anchored(known_surface.shape, mine, rim)
+        faces.append(Face(f, shape, known_surface.convex, float(areas[f]), extent, tuple(runs[f]), round_[f]))
     shells = _count_shells(body.neighbors)
-    vertices = frozen(exact[corners].reshape(-1, 3))
-    return Brep(faces, edges, vertices, shells, _genus(body.triangles, shells)), frozen(face, np.int64)
+    vertices = frozen(exact[corners.astype(np.int64)].reshape(-1, 3))
+    brep = Brep(tuple(faces), edges, vertices, shells, _genus(body.triangles, shells))
+    return brep, frozen(face, np.int64)
 
 
 def _edge(
@@ -70,26 +109,26 @@ def _edge(
     piece: Chain,
     exact: Floats,
     number: dict[int, int],
-    shapes: list[LabeledSurface],
+    surfaces: list[LabeledSurface],
+    body: Body,
     tolerances: BoundaryConfig,
 ) -> Edge:
-    a, b = piece.faces
     ends = None if piece.closed else (number[piece.vertices[0]], number[piece.vertices[-1]])
     points = exact[list(piece.vertices)]
-    return edge_between(
-        i, piece.faces, points, ends, shapes[a], shapes[b], tolerances.smooth, tolerances.on_curve
-    )
+    middle = (points[1:] + points[:-1]) / 2
+    flat = body.triangle_normals[np.array(piece.triangles)]
+    left, right = (surfaces[f].normals(middle, flat[:, k]) for k, f in enumerate(piece.faces))
+    return edge_between(i, piece.faces, points, ends, (left, right), tolerances.smooth, tolerances.on_curve)
 
 
-def _face(
-    f: int, surface: LabeledSurface, exact: Floats, triangles: Ints, area: float, edges: tuple[Edge, ...]
-) -> Face:
-    mine = [edge for edge in edges if f in edge.faces]
-    rim = np.concatenate([refined(edge) for edge in mine]) if mine else np.empty((0, 3))
-    shape, extent = anchored(surface.shape, exact[triangles], rim)
-    loops = loops_of(f, mine)
-    through = handles(triangles, len(loops)) if shape.kind == "torus" else 0
-    return Face(f, shape, surface.convex, area, extent, loops, through)
+def _majority(face: Ints, surface: Ints, areas: Floats) -> list[int]:
+    """The surface that most of each face's area is on."""
+    count = int(surface.max()) + 1
+    key, inverse = np.unique(face * count + surface, return_inverse=True)
+    share = np.bincount(inverse.reshape(-1), areas)
+    order = np.lexsort((share, key // count))
+    last = np.append(np.flatnonzero(np.diff(key[order] // count)), len(order) - 1)
+    return [int(k) for k in (key % count)[order][last]]
 
 
 def _merged(labels: Ints, surfaces: tuple[LabeledSurface, ...], tolerance: float) -> Ints:
@@ -97,18 +136,17 @@ def _merged(labels: Ints, surfaces: tuple[LabeledSurface, ...], tolerance: float
     first = np.arange(len(surfaces))
     for i, later in enumerate(surfaces):
         for j in range(i):
-            if (
-                first[j] == j
-                and surfaces[j].convex == later.convex
-                and _same(surfaces[j].shape, later.shape, tolerance)
-            ):
+            a, b = surfaces[j].shape, later.shape
+            if a is None or b is None or a.kind != b.kind or first[j] != j:
+                continue
+            if surfaces[j].convex == later.convex and _same(a, b, tolerance):
                 first[i] = j
                 break
     return np.asarray(first[labels])
 
 
 def _same(a: Shape, b: Shape, tolerance: float) -> bool:
-    if a.kind != b.kind or not np.allclose(a.sizes, b.sizes, rtol=0, atol=tolerance):
+    if not np.allclose(a.sizes, b.sizes, rtol=0, atol=tolerance):
         return False
     if isinstance(a, Plane):
         aligned = float(a.direction @ b.direction) > 0
@@ -146,22 +184,27 @@ def _without_slivers(face: Ints, neighbors: Ints, area: Floats, least: float) ->
     return np.asarray(np.unique(out, return_inverse=True)[1])
 
 
-def _on_surfaces(vertices: Floats, used: Ints, pieces: list[Chain], shapes: list[Shape]) -> Floats:
-    """(v, 3) vertices, those `used` by edges put on every surface that meets there: least-norm Newton steps."""
-    meets: dict[int, set[int]] = {int(v): set() for v in used}
+def _on_surfaces(
+    vertices: Floats, pieces: list[Chain], shapes: list[Shape | None], parallel: float
+) -> Floats:
+    """(v, 3) vertices, those on edges put on every surface that meets there: least-norm Newton steps."""
+    meets: dict[int, set[int]] = {}
     for piece in pieces:
         for v in piece.vertices:
-            meets[int(v)].update(piece.faces)
+            meets.setdefault(v, set()).update(f for f in piece.faces if shapes[f] is not None)
     groups: dict[tuple[int, ...], list[int]] = {}
     for v, faces in meets.items():
         groups.setdefault(tuple(sorted(faces)), []).append(v)
     out = vertices.copy()
     for group, rows in groups.items():
+        near = [shape for f in group if (shape := shapes[f]) is not None]
+        if not near:
+            continue
         points = out[rows]
         for _ in range(3):
-            gap = np.stack([shapes[f].signed_distance(points) for f in group], axis=1)
-            slope = np.stack([shapes[f].normals(points) for f in group], axis=1)
-            points = points - (np.linalg.pinv(slope, rcond=1e-2) @ gap[..., None])[..., 0]
+            gap = np.stack([shape.signed_distance(points) for shape in near], axis=1)
+            slope = np.stack([shape.normals(points) for shape in near], axis=1)
+            points = points - (np.linalg.pinv(slope, rcond=parallel) @ gap[..., None])[..., 0]
         kept = np.linalg.norm(points - out[rows], axis=1) < _FARTHEST
         out[np.asarray(rows)[kept]] = points[kept]
     return out

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.body import LabeledSurface
 from models.brep import Curve, Edge, Kind
 from primitives.arrays import Floats, Ints, frozen
 
@@ -17,18 +16,23 @@ class Chain(NamedTuple):
 
     faces: tuple[int, int]  # the first is on the left
     vertices: tuple[int, ...]  # the first again at the end where it is closed
+    triangles: tuple[tuple[int, int], ...]  # left and right of each step
     closed: bool  # a rim: no other face meets it anywhere
+
+
+_Step = tuple[int, int, int]  # where it ends, triangles left and right
 
 
 def chains(triangles: Ints, neighbors: Ints, face: Ints) -> list[Chain]:
     """All runs between different faces; they break where other than two boundary edges meet."""
     rows, sides = np.nonzero((face[neighbors] != face[:, None]) & (face[:, None] < face[neighbors]))
     start, end = triangles[rows, sides], triangles[rows, (sides + 1) % 3]
-    left, right = face[rows], face[neighbors[rows, sides]]
+    beyond = neighbors[rows, sides]
     valence = np.bincount(np.concatenate([start, end]))
-    leaving: dict[tuple[int, int, int], list[int]] = defaultdict(list)
-    for a, b, f, g in zip(start.tolist(), end.tolist(), left.tolist(), right.tolist(), strict=True):
-        leaving[f, g, a].append(b)
+    leaving: dict[tuple[int, int, int], list[_Step]] = defaultdict(list)
+    columns = (start, end, face[rows], face[beyond], rows, beyond)
+    for a, b, f, g, left, right in zip(*(column.tolist() for column in columns), strict=True):
+        leaving[f, g, a].append((b, left, right))
     out = [
         _follow(leaving, key, valence)
         for key in sorted(leaving, key=lambda k: (k[0], k[1]))
@@ -39,14 +43,16 @@ def chains(triangles: Ints, neighbors: Ints, face: Ints) -> list[Chain]:
 
 
 def _follow(
-    leaving: dict[tuple[int, int, int], list[int]], key: tuple[int, int, int], valence: Ints
+    leaving: dict[tuple[int, int, int], list[_Step]], key: tuple[int, int, int], valence: Ints
 ) -> Chain:
     f, g, first = key
-    run = [first]
+    run, beside = [first], []
     while True:
-        run.append(leaving[f, g, run[-1]].pop())
-        if valence[run[-1]] != 2 or run[-1] == first:
-            return Chain((f, g), tuple(run), bool(valence[first] == 2))
+        end, left, right = leaving[f, g, run[-1]].pop()
+        run.append(end)
+        beside.append((left, right))
+        if valence[end] != 2 or end == first:
+            return Chain((f, g), tuple(run), tuple(beside), bool(valence[first] == 2))
 
 
 def edge_between(
@@ -54,16 +60,14 @@ def edge_between(
     faces: tuple[int, int],
     points: Floats,
     ends: tuple[int, int] | None,
-    left: LabeledSurface,
-    right: LabeledSurface,
+    normals: tuple[Floats, Floats],
     smooth_deg: float,
     on_curve: float,
 ) -> Edge:
-    """The edge along (n, 3) exact points between two surfaces, the first on its left."""
+    """The edge along (n, 3) exact points with (n - 1, 3) outward normals of either face, the first on its left."""
     steps = np.diff(points, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
-    middle = (points[1:] + points[:-1]) / 2
-    a, b = (s.shape.normals(middle) * (1.0 if s.convex else -1.0) for s in (left, right))
+    a, b = normals
     along = steps / np.maximum(lengths, 1e-300)[:, None]
     sine, cosine = np.einsum("ij,ij->i", np.cross(a, b), along), np.einsum("ij,ij->i", a, b)
     turn = _weighted_median(np.rad2deg(np.arctan2(sine, cosine)), lengths)
@@ -103,24 +107,60 @@ def refined(edge: Edge, parts: int = 8) -> Floats:
     return np.concatenate([on_circle.reshape(-1, 3), edge.points[-1:]])
 
 
-def loops_of(face: int, edges: list[Edge]) -> tuple[tuple[int, ...], ...]:
-    """The closed runs of edges round a face, each with the face on its left."""
-    rims = [(edge.id,) for edge in edges if edge.vertices is None]
-    leaving: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for edge in edges:
-        if edge.vertices is not None:
-            start, end = edge.vertices if edge.faces[0] == face else edge.vertices[::-1]
-            leaving[start].append((edge.id, end))
-    runs: list[tuple[int, ...]] = []
-    for first in sorted(leaving):
-        while leaving[first]:
-            run: list[int] = []
-            at = first
-            while leaving[at] and (at != first or not run):
-                edge_id, at = leaving[at].pop()
-                run.append(edge_id)
-            runs.append(tuple(run))
-    return (*rims, *runs)
+def loops(pieces: list[Chain], triangles: Ints, neighbors: Ints, face: Ints) -> list[list[tuple[int, ...]]]:
+    """For each face the closed runs of chains round it, each with the face on its left.
+
+    What follows a chain is found by turning round its end through the face's own triangles, so that loops which
+    touch at a vertex stay apart.
+    """
+    leaving: dict[
+        tuple[int, int], int
+    ] = {}  # first half-edge of a chain from either side: (triangle, vertex)
+    arriving: list[tuple[int, int]] = []
+    for piece in pieces:
+        for side in (0, 1):
+            order = 1 if side == 0 else -1
+            run, beside = piece.vertices[::order], piece.triangles[::order]
+            leaving[beside[0][side], run[0]] = len(arriving)
+            arriving.append((beside[-1][side], run[-1]))
+    table, around, of = triangles.tolist(), neighbors.tolist(), face.tolist()
+    out: list[list[tuple[int, ...]]] = [[] for _ in range(int(face.max()) + 1)]
+    unused = set(range(len(arriving)))
+    while unused:
+        first = at = min(unused)
+        run_of_chains: list[int] = []
+        while at in unused:
+            unused.remove(at)
+            run_of_chains.append(at // 2)
+            if pieces[at // 2].closed:
+                break
+            at = leaving[_next_rim(*arriving[at], table, around, of)]
+        out[pieces[first // 2].faces[first % 2]].append(tuple(run_of_chains))
+    return out
+
+
+def _next_rim(
+    triangle: int, vertex: int, triangles: list[list[int]], neighbors: list[list[int]], face: list[int]
+) -> tuple[int, int]:
+    """The triangle of the same face whose side that leaves the vertex is on the face's rim."""
+    while True:
+        beyond = neighbors[triangle][triangles[triangle].index(vertex)]
+        if face[beyond] != face[triangle]:
+            return triangle, vertex
+        triangle = beyond
+
+
+def handles(face: Ints, triangles: Ints, neighbors: Ints, loops_of_face: list[int]) -> list[int]:
+    """How many handles each face has: Euler's count of its triangles is 2 - loops - 2 handles."""
+    count = len(loops_of_face)
+    rim = face[neighbors] != face[:, None]
+    sides = np.bincount(face, rim.sum(axis=1), count)
+    rows, corners = np.nonzero(rim)
+    on_rim = np.unique(np.concatenate([triangles[rows, corners], triangles[rows, (corners + 1) % 3]]))
+    inner = np.unique(triangles.ravel(), return_index=True)
+    owner = np.repeat(face, 3)[inner[1][~np.isin(inner[0], on_rim)]]
+    euler = np.bincount(owner, minlength=count) + (sides - np.bincount(face, minlength=count)) / 2
+    return [round((2 - n - e) / 2) for n, e in zip(loops_of_face, euler.tolist(), strict=True)]
 
 
 def _circle(points: Floats) -> tuple[Floats, float, Floats]:

@@ -7,6 +7,8 @@ plane        point nearest the face's centroid; normal     length and width of t
 cylinder     on the axis, middle of the face; axis         length along the axis, arc length round it
 cone         apex; from the apex into the cone             distances from the apex where it begins and ends
 sphere       center; pole of the face                      diameter of the rim circle (0 if whole), height
+torus        center; axis                                  arc length round the tube, round the axis
+freeform     none                                          length and width of the least rectangle round it
 ===========  ============================================  ==============================================
 """
 
@@ -15,12 +17,12 @@ from scipy.spatial import ConvexHull, QhullError
 
 from primitives.arrays import Floats
 from primitives.pose import frame_along
-from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere
+from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
 Extent = tuple[float, float]
 
 
-def anchored(shape: Shape, corners: Floats, rim: Floats) -> tuple[Shape, Extent]:
+def anchored(shape: Shape | None, corners: Floats, rim: Floats) -> tuple[Shape | None, Extent]:
     """The shape anchored on the face with (t, 3, 3) triangles and (m, 3) rim points, and the face's extent."""
     match shape:
         case Plane():
@@ -36,7 +38,11 @@ def anchored(shape: Shape, corners: Floats, rim: Floats) -> tuple[Shape, Extent]
             return shape, (max(least, 0.0) if least < 1e-6 else float(along.min()), float(along.max()))
         case Sphere():
             return shape, _cap(shape, corners, rim)
-    return shape, (0.0, 0.0)
+        case Torus():
+            return shape, _tube(shape, corners)
+    a, b, c = np.moveaxis(corners, 1, 0)
+    facing = np.cross(b - a, c - a).sum(axis=0)
+    return None, rectangle(corners.reshape(-1, 3), facing if facing.any() else np.array([0.0, 0.0, 1.0]))
 
 
 def rectangle(points: Floats, normal: Floats) -> Extent:
@@ -88,6 +94,13 @@ def _cylinder(shape: Cylinder, corners: Floats, rim: Floats) -> tuple[Shape, Ext
     local = (corners - shape.origin) @ shape.frame
     angles = np.arctan2(local[..., 1], local[..., 0])
     return middle, (high - low, shape.radius * _covered(angles))
+
+
+def _tube(shape: Torus, corners: Floats) -> Extent:
+    local = (corners - shape.center) @ shape.frame
+    across = np.hypot(local[..., 0], local[..., 1]) - shape.radius
+    round_tube = _covered(np.arctan2(local[..., 2], across))
+    return shape.minor_radius * round_tube, shape.radius * _covered(np.arctan2(local[..., 1], local[..., 0]))
 
 
 def _covered(angles: Floats) -> float:

@@ -10,7 +10,6 @@ from models.brep import Brep
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere
 from models.extents import rectangle
 from models.solid import Solid
-from primitives.errors import PalpateError
 
 
 def _brep(tree: Csg) -> Brep:
@@ -151,7 +150,10 @@ def test_least_rectangle_does_not_depend_on_the_turn() -> None:
         assert rectangle(turned, np.array([0.0, 0, 1])) == pytest.approx((7, 3))
 
 
-def test_an_unlabeled_mesh_has_no_boundary_yet() -> None:
-    cube = Solid.from_csg(Cube((10, 10, 10)))
-    with pytest.raises(PalpateError, match="mesh"):
-        boundary(Solid.from_mesh(cube.vertices, cube.triangles))
+def test_an_unlabeled_block_has_the_boundary_of_its_tree() -> None:
+    tree = parts.build("stepped_block")
+    solid = Solid.from_csg(tree)
+    bare = boundary(Solid.from_mesh(solid.vertices, solid.triangles))
+    assert bare.check() == ()
+    extents = [np.array(sorted(face.extent for face in brep.faces)) for brep in (bare, _brep(tree))]
+    np.testing.assert_allclose(*extents, atol=1e-6)

@@ -1,0 +1,124 @@
+"""Triangles that lie in one plane, made one facet: what a tessellation is before it is cut into triangles.
+
+A facet grows from the largest triangle left over neighbors whose corners are all within `flat` of its plane and
+whose normals agree; a sliver's normal is noise, so only its corners count.  The plane is then that of the whole
+facet, and growing goes on until nothing is added.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from primitives.arrays import Floats, Ints
+
+_ROUNDS = 4  # times a facet's plane is found again
+
+
+@dataclass(frozen=True)
+class Flats:
+    """Flat facets and the corners of each."""
+
+    of_triangle: Ints  # (t,) facet of each triangle
+    normal: Floats  # (f, 3) outward unit normal
+    center: Floats  # (f, 3) centroid of the area [mm]
+    area: Floats  # (f,) [mm^2]
+    corners: Ints  # corner numbers of all facets, one facet after the other
+    start: Ints  # (f + 1,) where each facet's begin
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+
+def find_flats(vertices: Floats, triangles: Ints, neighbors: Ints, flat: float, angle: float) -> Flats:
+    """Facets whose corners are within `flat` [mm] of a plane and whose normals are within `angle` [rad]."""
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    cross = np.cross(b - a, c - a)
+    twice = np.linalg.norm(cross, axis=1)
+    longest = np.sqrt(np.max([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0))
+    sliver = twice / np.maximum(longest, 1e-300) < flat / np.tan(angle)
+    order = np.lexsort((-twice, sliver))
+    of = _cluster(
+        vertices, triangles, neighbors, cross, sliver, order.astype(np.int64), flat, float(np.cos(angle))
+    )
+    count = int(of.max(initial=-1)) + 1
+    total = np.stack([np.bincount(of, cross[:, k], count) for k in range(3)], axis=1)
+    length = np.linalg.norm(total, axis=1)
+    area = np.maximum(np.bincount(of, twice, count), 1e-300)
+    middle = (a + b + c) / 3 * twice[:, None]
+    center = np.stack([np.bincount(of, middle[:, k], count) for k in range(3)], axis=1) / area[:, None]
+    empty = area < 1e-200
+    if empty.any():
+        first = np.unique(of, return_index=True)[1]
+        center[empty] = a[first[empty]]
+    pairs = np.unique(np.stack([np.repeat(of, 3), triangles.ravel()], axis=1), axis=0)
+    return Flats(
+        of,
+        total / np.maximum(length, 1e-300)[:, None],
+        center,
+        area / 2,
+        np.ascontiguousarray(pairs[:, 1]),
+        np.searchsorted(pairs[:, 0], np.arange(count + 1)),
+    )
+
+
+@njit(cache=True)
+def _cluster(vertices, triangles, neighbors, cross, sliver, order, flat, cosine):  # type: ignore[no-untyped-def]
+    n = len(triangles)
+    label = np.full(n, -1, dtype=np.int64)
+    stack = np.empty(n, dtype=np.int64)
+    members = np.empty(n, dtype=np.int64)
+    count = 0
+    for seed in order:
+        if label[seed] >= 0:
+            continue
+        label[seed] = count
+        members[0] = seed
+        size = 1
+        normal = cross[seed].copy()
+        for _ in range(_ROUNDS):
+            length = np.sqrt((normal * normal).sum())
+            if length == 0.0:
+                break
+            unit = normal / length
+            offset, weight = 0.0, 0.0
+            for i in range(size):
+                t = members[i]
+                w = np.sqrt((cross[t] * cross[t]).sum()) + 1e-300
+                weight += 3 * w
+                for k in range(3):
+                    offset += w * (vertices[triangles[t, k]] * unit).sum()
+            offset /= weight
+            before = size
+            top = 0
+            for i in range(size):
+                stack[top] = members[i]
+                top += 1
+            while top > 0:
+                top -= 1
+                t = stack[top]
+                for k in range(3):
+                    other = neighbors[t, k]
+                    if other < 0 or label[other] >= 0:
+                        continue
+                    c = cross[other]
+                    size_c = np.sqrt((c * c).sum())
+                    if not sliver[other] and (c * unit).sum() < cosine * size_c:
+                        continue
+                    inside = True
+                    for j in range(3):
+                        if abs((vertices[triangles[other, j]] * unit).sum() - offset) > flat:
+                            inside = False
+                    if inside:
+                        label[other] = count
+                        members[size] = other
+                        size += 1
+                        stack[top] = other
+                        top += 1
+                        normal += c
+            if size == before:
+                break
+        count += 1
+    return label
