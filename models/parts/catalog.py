@@ -1,4 +1,4 @@
-"""The list of built-in parts: every function of `convex` and `concave` that returns a tree, in their order."""
+"""The list of built-in parts: every function of the modules below that returns a tree, in their order."""
 
 import inspect
 from collections.abc import Callable
@@ -8,8 +8,10 @@ from functools import cache
 from types import ModuleType
 
 from models.csg import Csg
-from models.parts import concave, convex
+from models.parts import blocks, brackets, concave, convex, turned
 from primitives.errors import PalpateError
+
+_MODULES = (convex, concave, brackets, blocks, turned)
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ def unknown(name: str) -> str:
 def _makers() -> dict[str, tuple[Callable[[], Csg], ModuleType]]:
     return {
         name: (maker, module)
-        for module in (convex, concave)
+        for module in _MODULES
         for name, maker in vars(module).items()
         if inspect.isfunction(maker) and maker.__module__ == module.__name__ and name[0] != "_"
     }

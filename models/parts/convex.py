@@ -2,7 +2,8 @@
 
 from math import pi
 
-from models.csg import Cone, Csg, Cube, Cylinder, Sphere
+from models.csg import Cone, Csg, Cube, Cylinder, Prism, Sphere
+from models.parts.outlines import hexagon
 
 
 def block() -> Csg:
@@ -93,3 +94,13 @@ def octagon() -> Csg:
 def rounded_cone() -> Csg:
     """A cone with a spherical tip: cone and sphere."""
     return Cone(25, 0, 60) & Sphere(36).at(0, 0, -24)
+
+
+def hex_bar() -> Csg:
+    """A short hexagonal bar."""
+    return Prism(hexagon(36), 60)
+
+
+def triangle_bar() -> Csg:
+    """A bar of triangular section."""
+    return Prism(((0, 0), (50, 0), (15, 40)), 70)

@@ -1,15 +1,18 @@
+from collections import Counter
+
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
 from models import parts
+from models.boundary import boundary
 from models.part import load_part
 from models.solid import Solid
 from primitives.errors import PalpateError
 
 
-def test_there_are_ten_parts_or_more() -> None:
-    assert len(parts.names()) >= 10
+def test_there_are_forty_parts_or_more() -> None:
+    assert len(parts.names()) >= 40
     assert {"block", "cylinder", "cone", "frustum", "sphere", "d_shaft", "bracket"} <= set(parts.names())
 
 
@@ -27,6 +30,37 @@ def test_convex_parts_fill_their_hull_and_no_others_do(name: str) -> None:
     solid = Solid.from_csg(parts.build(name))
     fills = ConvexHull(solid.vertices).volume < 1.001 * solid.volume
     assert fills == parts.describe(name).convex
+
+
+@pytest.mark.parametrize("name", parts.names())
+def test_a_part_is_one_solid_of_one_piece(name: str) -> None:
+    brep = boundary(Solid.from_csg(parts.build(name), tolerance=0.02))
+    assert (brep.shells, brep.check()) == (1, ())
+
+
+def test_no_two_parts_are_the_same_solid() -> None:
+    sizes = {
+        (s.volume, s.area) for s in (Solid.from_csg(parts.build(n), tolerance=0.05) for n in parts.names())
+    }
+    assert len(sizes) == len(parts.names())
+
+
+@pytest.mark.parametrize(
+    ("name", "twin"),
+    [
+        ("bracket", "bracket_one_hole"),
+        ("bolt_plate", "bolt_plate_one_wider"),
+        ("bearing_block", "bearing_block_wide_bore"),
+        ("stepped_shaft", "stepped_shaft_thick"),
+        ("flange", "flange_three_holes"),
+    ],
+)
+def test_twins_differ_in_one_primitive_only(name: str, twin: str) -> None:
+    first, second = (
+        Counter((leaf.primitive, leaf.part_from_primitive.tobytes()) for leaf in parts.build(n).leaves())
+        for n in (name, twin)
+    )
+    assert max((first - second).total(), (second - first).total()) == 1
 
 
 def test_a_misspelled_part_suggests_the_right_one() -> None:
