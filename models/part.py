@@ -8,7 +8,8 @@ from pathlib import Path
 
 from models import parts
 from models.csg import Csg
-from models.formats import mesh
+from models.formats.load import load
+from models.formats.units import Units
 from models.solid import Solid
 from primitives.errors import PalpateError
 
@@ -23,20 +24,18 @@ class Part:
     warnings: tuple[str, ...] = ()
 
 
-def load_part(name_or_path: str | Path, units: mesh.Units = "auto", scale: float = 1.0) -> Part:
-    """A built-in part, or one in a CAD file; `units` and `scale` are for files."""
+def load_part(
+    name_or_path: str | Path, units: Units = "auto", scale: float = 1.0, body: int | None = None
+) -> Part:
+    """A built-in part, or one in a CAD file; `units`, `scale` and `body` (from 1) are for files."""
     wanted = str(name_or_path)
     if wanted in parts.names():
         tree = parts.build(wanted)
         return Part(wanted, Solid.from_csg(tree), tree)
     if not _looks_like_a_file(wanted):
         raise PalpateError(parts.unknown(wanted))
-    loaded = mesh.load(wanted, units, scale)
-    try:
-        solid = Solid.from_mesh(loaded.vertices, loaded.triangles)
-    except PalpateError as error:
-        raise PalpateError(f"{Path(wanted).name}: {error}") from None
-    return Part(Path(wanted).stem, solid, None, loaded.warnings)
+    loaded = load(wanted, units, scale, body)
+    return Part(Path(wanted).stem, loaded.solid, None, loaded.warnings)
 
 
 def _looks_like_a_file(text: str) -> bool:

@@ -72,6 +72,28 @@ class Solid:
             raise PalpateError(f"the mesh is not a closed solid ({reason}); repair it in a mesh editor first")
         return _unlabeled(result)
 
+    @staticmethod
+    def from_labeled(
+        vertices: Floats, triangles: Ints, labels: Ints, surfaces: tuple[LabeledSurface, ...]
+    ) -> Solid:
+        """As `from_mesh`, each triangle standing for the surface that its label (t,) counts; -1 for none."""
+        identity = int(manifold3d.Manifold.reserve_ids(1))
+        mesh = manifold3d.Mesh64(
+            vert_properties=np.array(vertices, dtype=np.float64, order="C"),
+            tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
+            run_index=np.array([0, triangles.size], dtype=np.uint64),
+            run_original_id=np.array([identity], dtype=np.uint32),
+            face_id=(np.asarray(labels) + 1).astype(np.uint64),
+        )
+        result = manifold3d.Manifold(mesh)
+        if result.status() != manifold3d.Error.NoError or result.is_empty():
+            reason = str(result.status()).rsplit(".", 1)[-1]
+            raise PalpateError(f"the mesh is not a closed solid ({reason}); repair it in a mesh editor first")
+        kept = result.to_mesh64()
+        corners, faces = np.asarray(kept.vert_properties)[:, :3], np.asarray(kept.tri_verts)
+        found = np.asarray(kept.face_id, dtype=np.int64) - 1
+        return Solid(Body(result, corners, faces, found, surfaces), frozen(np.eye(4)))
+
     def placed(self, world_from_part: ArrayLike) -> Self:
         """The same part at another pose, whatever this one's is."""
         return type(self)(self.body, frozen(world_from_part), self.csg)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from primitives.errors import PalpateError
 
+_ALIASES = {".stp": ".step"}
 LARGEST = 500_000_000  # [bytes] of a file that is read
 _PLY_SIZES = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
@@ -52,9 +53,9 @@ def read(path: Path) -> bytes:
 def checked(data: bytes, suffix: str, name: str) -> bytes:
     """The bytes, if they are what the suffix says and as many as their header says."""
     found = _sniff(data)
-    if found not in (None, suffix):
+    if found not in (None, suffix, _ALIASES.get(suffix)):
         raise PalpateError(f"{name} is {found[1:].upper()} inside; rename it to end in {found}")
-    return _CHECKS[suffix](data, name)
+    return _CHECKS.get(suffix, _text)(data, name)
 
 
 def _sniff(data: bytes) -> str | None:
