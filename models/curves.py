@@ -166,7 +166,7 @@ def handles(face: Ints, triangles: Ints, neighbors: Ints, loops_of_face: list[in
 def _circle(points: Floats) -> tuple[Floats, float, Floats]:
     """Center (3,), radius and frame rows (3, 3), the normal last, of the least-squares circle (Kasa 1976)."""
     middle = points.mean(axis=0)
-    frame = np.linalg.svd(points - middle)[2]
+    frame = np.linalg.svd(points - middle, full_matrices=False)[2]
     flat = (points - middle) @ frame.T
     system = np.column_stack([2 * flat[:, :2], np.ones(len(flat))])
     x, y, c = np.linalg.lstsq(system, (flat[:, :2] ** 2).sum(axis=1), rcond=None)[0]
