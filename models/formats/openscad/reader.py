@@ -1,0 +1,57 @@
+"""A `.csg` or `.scad` file as an exact tree: text -> syntax -> shapes -> tree, or one line that says why not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from models.csg import Csg
+from models.formats import intake
+from models.formats.openscad import syntax
+from models.formats.openscad.folder import Folder, decoded
+from models.formats.openscad.limits import Budget, Limits
+from models.formats.openscad.program import Program
+from models.formats.openscad.solids import Solids
+from primitives.errors import PalpateError
+
+SUFFIXES = (".csg", ".scad")
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What a file draws, in its own numbers, which are mm."""
+
+    tree: Csg
+    warnings: tuple[str, ...] = ()
+
+
+def read(path: str | Path, facets: bool = False, limits: Limits | None = None) -> Drawing:
+    """The tree in a file.
+
+    Circles are round whatever `$fn` says; with `facets` they keep the sides that OpenSCAD gives them.
+    """
+    file = Path(path)
+    if file.is_file() and file.stat().st_size > 4 * syntax.LARGEST:
+        raise PalpateError(f"{file.name} is too long for OpenSCAD text; export it as a mesh (STL)")
+    text = decoded(intake.read(file), file.name)
+    return _drawing(text, file, Folder(file.parent), facets, limits)
+
+
+def read_text(text: str, name: str = "text", facets: bool = False, limits: Limits | None = None) -> Drawing:
+    """The tree that a text draws; it may not name other files."""
+    return _drawing(text, Path(name), Folder(None), facets, limits)
+
+
+def _drawing(text: str, file: Path, folder: Folder, facets: bool, limits: Limits | None) -> Drawing:
+    source = syntax.parse(text, file.name)
+    budget, solids = Budget(limits or Limits(), place=file.name), Solids(facets)
+    try:
+        with syntax.deep_stack():
+            shapes = Program(budget, folder).run(source, file)
+            alone = [found for shape in shapes if (found := shape.shown_root()) is not None]
+            tree = solids.all(alone[:1] or shapes)
+    except RecursionError:
+        raise budget.error("calls or expressions go too deep; end the recursion or split it up") from None
+    if tree is None:
+        raise PalpateError(f"{file.name} draws nothing; add a solid, or look for an empty first operand")
+    return Drawing(tree, tuple(dict.fromkeys(solids.warnings)))

@@ -1,0 +1,240 @@
+"""Flat shapes to an exact tree: rigid motions stay placements, stretches and mirrors go into the sizes.
+
+What no primitive of ours is (an ellipsoid, a sheared cylinder) is refused by name and line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from models.csg import (
+    Cone,
+    Csg,
+    Cube,
+    Cylinder,
+    Difference,
+    Intersection,
+    Polyhedron,
+    Prism,
+    Sphere,
+    Torus,
+    Union,
+)
+from models.formats.openscad import sizes
+from models.formats.openscad.affine import SIX_DIGITS, TRANSFORMS, Split, matrix_of, split
+from models.formats.openscad.extrude import linear, rotated
+from models.formats.openscad.flat import Plan
+from models.formats.openscad.shapes import Shape
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+from primitives.pose import pose
+
+_GROUPS = frozenset({"group", "union", "color", "render"})
+_FEW_SIDES = 13  # circles of fewer sides may be meant as polygons
+
+
+class Solids:
+    """Builds trees; `warnings` says what a reader of the file may not expect."""
+
+    def __init__(self, facets: bool = False) -> None:
+        self.facets = facets
+        self.warnings: list[str] = []
+
+    def all(self, shapes: Sequence[Shape]) -> Csg | None:
+        """The union of what a file draws."""
+        return _joined(Union, [self.solid(shape, np.eye(4)) for shape in shapes])
+
+    def solid(self, shape: Shape, matrix: Floats) -> Csg | None:
+        """The solid of one shape under a (4, 4) matrix; None where it is empty."""
+        try:
+            made = self._made(shape, matrix)
+        except PalpateError as error:
+            if str(error).startswith(shape.place.split(",")[0]):
+                raise
+            raise shape.error(str(error)) from None
+        return made.named(shape.label) if made is not None and shape.label and not _leafy(shape) else made
+
+    def _made(self, shape: Shape, matrix: Floats) -> Csg | None:
+        name = shape.name
+        if name in _GROUPS:
+            return _joined(Union, self._children(shape, matrix))
+        if name == "difference":
+            return _joined(Difference, self._children(shape, matrix))
+        if name == "intersection":
+            return _joined(Intersection, self._children(shape, matrix))
+        if name in TRANSFORMS:
+            return self._moved(shape, matrix @ matrix_of(shape))
+        if name in _LEAVES:
+            return _LEAVES[name](self, shape, matrix)
+        if name in ("linear_extrude", "rotate_extrude"):
+            return self._extruded(shape, matrix)
+        if name in ("circle", "square", "polygon"):
+            raise shape.error(f"{name} is flat where a solid is needed; put it into linear_extrude")
+        raise shape.error(f"{name}() is outside the subset that is read; draw the shape with primitives")
+
+    def _children(self, shape: Shape, matrix: Floats) -> list[Csg | None]:
+        return [self.solid(child, matrix) for child in shape.children]
+
+    def _moved(self, shape: Shape, matrix: Floats) -> Csg | None:
+        parts = split(matrix)
+        if parts is None:
+            return _joined(Union, self._children(shape, matrix))
+        rest = np.diag([*parts.stretch, 1.0])
+        return _placed(_joined(Union, self._children(shape, rest)), parts.rigid)
+
+    def _cube(self, shape: Shape, matrix: Floats) -> Csg:
+        size = sizes.sides(shape, 3)
+        middle = np.zeros(3) if sizes.centered(shape) else size / 2
+        return self.fitted(Cube(tuple(size.tolist()), name=shape.label), matrix @ pose(None, middle), shape)
+
+    def _sphere(self, shape: Shape, matrix: Floats) -> Csg:
+        self.mind_sides(shape)
+        return self.fitted(Sphere(sizes.radius(shape), name=shape.label), matrix, shape)
+
+    def _cylinder(self, shape: Shape, matrix: Floats) -> Csg:
+        self.mind_sides(shape)
+        height = sizes.length(shape, "h", 1.0)
+        low, high = sizes.radius(shape, "1", zero=True), sizes.radius(shape, "2", zero=True)
+        if low == high == 0:
+            raise shape.error("cylinder's radius must be greater than zero")
+        middle = np.array([0.0, 0.0, 0.0 if sizes.centered(shape) else height / 2])
+        made: Csg = (
+            Cylinder(low, height, shape.label) if low == high else Cone(low, high, height, shape.label)
+        )
+        return self.fitted(made, matrix @ pose(None, middle), shape)
+
+    def _polyhedron(self, shape: Shape, matrix: Floats) -> Csg:
+        corners = sizes.points(shape, shape.arguments.get("points"), 3)
+        listed = shape.arguments.get("faces", shape.arguments.get("triangles"))
+        faces = sizes.indices(shape, listed, len(corners))
+        made = Polyhedron(tuple(map(tuple, corners)), tuple(map(tuple, faces)), shape.label)
+        return self.fitted(made, matrix, shape)
+
+    def _extruded(self, shape: Shape, matrix: Floats) -> Csg | None:
+        plan = Plan(self.mind_sides).union(shape.children)
+        if plan is None:
+            return None
+        made = (linear if shape.name == "linear_extrude" else rotated)(shape, plan)
+        return None if made is None else self.refitted(made, matrix, shape)
+
+    def mind_sides(self, shape: Shape) -> None:
+        """Warn where a circle of few sides may be meant as a polygon."""
+        if 0 < shape.facets[0] < _FEW_SIDES:
+            few = f"{shape.place}: {shape.name} with $fn = {shape.facets[0]:g} is read as round; "
+            self.warnings.append(few + "draw a polygon if flat sides are meant")
+
+    def refitted(self, tree: Csg, matrix: Floats, shape: Shape) -> Csg:
+        """A tree that is not of one primitive under a matrix."""
+        parts = split(matrix)
+        if parts is not None and np.array_equal(parts.stretch, np.ones(3)):
+            placed = _placed(tree, parts.rigid)
+            assert placed is not None
+            return placed.named(shape.label) if shape.label else placed
+        children = getattr(tree, "children", None)
+        if children:
+            return type(tree)(tuple(self.refitted(c, matrix, shape) for c in children))  # type: ignore[call-arg]
+        child, moved = getattr(tree, "child", tree), getattr(tree, "pose", np.eye(4))
+        if child is not tree and not hasattr(child, "support"):
+            return self.refitted(child, matrix @ moved, shape)
+        return self.fitted(child, matrix @ moved, shape)
+
+    def fitted(self, primitive: Csg, matrix: Floats, shape: Shape) -> Csg:
+        """A primitive under a matrix, its sizes stretched."""
+        parts = split(matrix)
+        if parts is not None and np.array_equal(parts.stretch, np.ones(3)):
+            made: Csg | None = primitive
+        elif isinstance(primitive, Cube | Prism | Polyhedron):
+            return _flat_sided(primitive, matrix, parts)
+        elif parts is None:
+            raise shape.error(f"a sheared or slanting {shape.name} has no exact form here; stretch it evenly")
+        else:
+            made = _stretched(primitive, np.abs(parts.stretch), parts.stretch[2] < 0)
+        if made is None or parts is None:
+            raise shape.error(
+                f"{shape.name} is stretched to an ellipse, which has no exact form here; scale it evenly"
+            )
+        placed = _placed(made, parts.rigid)
+        assert placed is not None
+        return placed
+
+
+def _stretched(primitive: Csg, by: Floats, turned_over: bool) -> Csg | None:
+    """A round primitive stretched along its axes; None where it loses its roundness."""
+    x, y, z = (float(b) for b in by)
+    if abs(x - y) > SIX_DIGITS * x:
+        return None
+    if isinstance(primitive, Cylinder):
+        return Cylinder(primitive.radius * x, primitive.height * z, primitive.name)
+    if isinstance(primitive, Cone):
+        ends = (primitive.bottom_radius * x, primitive.top_radius * x)
+        return Cone(*(ends[::-1] if turned_over else ends), primitive.height * z, primitive.name)
+    if abs(x - z) > SIX_DIGITS * x:
+        return None
+    if isinstance(primitive, Sphere):
+        return Sphere(primitive.radius * x, primitive.name)
+    if isinstance(primitive, Torus):
+        return Torus(primitive.major_radius * x, primitive.minor_radius * x, primitive.name)
+    return None
+
+
+def _flat_sided(primitive: Cube | Prism | Polyhedron, matrix: Floats, parts: Split | None) -> Csg:
+    """A primitive with flat faces under any matrix; it is a polyhedron where nothing simpler holds."""
+    if parts is not None:
+        x, y, z = parts.stretch.tolist()
+        made: Csg | None = None
+        if isinstance(primitive, Cube):
+            made = Cube(tuple(np.abs(parts.stretch) * primitive.size), primitive.name)
+        elif isinstance(primitive, Prism):
+            outline = tuple((x * a, y * b) for a, b in primitive.outline)
+            made = Prism(outline, abs(z) * primitive.height, primitive.name)
+        else:
+            moved = tuple((x * a, y * b, z * c) for a, b, c in primitive.points)
+            made = Polyhedron(moved, primitive.faces, primitive.name)
+        placed = _placed(made, parts.rigid)
+        assert placed is not None
+        return placed
+    corners, faces = _outside(primitive)
+    corners = corners @ matrix[:3, :3].T + matrix[:3, 3]
+    return Polyhedron(tuple(map(tuple, corners.tolist())), faces, primitive.name)
+
+
+def _outside(primitive: Cube | Prism | Polyhedron) -> tuple[Floats, tuple[tuple[int, ...], ...]]:
+    if isinstance(primitive, Polyhedron):
+        return np.array(primitive.points), primitive.faces
+    if isinstance(primitive, Cube):
+        x, y, half = primitive.size[0] / 2, primitive.size[1] / 2, primitive.size[2] / 2
+        outline = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    else:
+        outline, half = np.array(primitive.outline), primitive.height / 2
+    n = len(outline)
+    ends = [np.column_stack([outline, np.full(n, z)]) for z in (-half, half)]
+    around = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
+    return np.concatenate(ends), (tuple(range(n))[::-1], tuple(range(n, 2 * n)), *around)
+
+
+def _placed(tree: Csg | None, rigid: Floats) -> Csg | None:
+    return tree if tree is None or np.array_equal(rigid, np.eye(4)) else tree.placed(rigid)
+
+
+def _joined(operation: type[Union | Difference | Intersection], found: Sequence[Csg | None]) -> Csg | None:
+    """The operation on what is not empty; empty where that is the result."""
+    solids = [tree for tree in found if tree is not None]
+    if operation is Intersection and len(solids) < len(found):
+        return None
+    if not solids or (operation is Difference and found[0] is None):
+        return None
+    return solids[0] if len(solids) == 1 else operation(tuple(solids))
+
+
+def _leafy(shape: Shape) -> bool:
+    return shape.name in _LEAVES or shape.name.endswith("_extrude")
+
+
+_LEAVES: dict[str, Callable[[Solids, Shape, Floats], Csg]] = {
+    "cube": Solids._cube,
+    "sphere": Solids._sphere,
+    "cylinder": Solids._cylinder,
+    "polyhedron": Solids._polyhedron,
+}
