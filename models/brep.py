@@ -12,17 +12,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import networkx as nx
 import numpy as np
 
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
+from primitives.pose import transform_points
 from primitives.shapes import Shape, parameters
 
 Kind = Literal["convex", "concave", "smooth"]
 Curve = Literal["line", "circle", "other"]
+_END_MM = 1e-3  # between an edge's end and its vertex
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +119,10 @@ class Brep:
     def as_json(self) -> dict[str, Any]:
         """As `brep.json` holds it: the summary's fields with loops, curves and vertices."""
         return {
-            "faces": [face.as_json() | {"loops": [list(loop) for loop in face.loops]} for face in self.faces],
+            "faces": [
+                face.as_json() | {"loops": [list(loop) for loop in face.loops], "handles": face.handles}
+                for face in self.faces
+            ],
             "edges": [
                 edge.as_json()
                 | {
@@ -127,7 +132,20 @@ class Brep:
                 for edge in self.edges
             ],
             "vertices_mm": self.vertices.tolist(),
+            "shells": self.shells,
+            "genus": self.genus,
         }
+
+    def moved(self, motion: Floats) -> Brep:
+        """The same boundary after a (4, 4) rigid motion."""
+        return replace(
+            self,
+            faces=tuple(
+                replace(f, shape=None if f.shape is None else f.shape.transformed(motion)) for f in self.faces
+            ),
+            edges=tuple(replace(e, points=frozen(transform_points(motion, e.points))) for e in self.edges),
+            vertices=frozen(transform_points(motion, self.vertices.reshape(-1, 3))),
+        )
 
     def _broken_ids(self) -> Iterator[str]:
         for name, items in (("face", self.faces), ("edge", self.edges)):
@@ -143,8 +161,16 @@ class Brep:
             for face in edge.faces:
                 if (face, edge.id) not in owners:
                     yield f"edge {edge.id} names face {face}, which has no such edge"
+            if edge.vertices is not None and not self._ends_at(edge, edge.vertices):
+                yield f"edge {edge.id} does not run from its first vertex to its second"
             if not edge.length > 0:
                 yield f"edge {edge.id} has no length"
+
+    def _ends_at(self, edge: Edge, ends: tuple[int, int]) -> bool:
+        if not all(0 <= v < len(self.vertices) for v in ends) or len(edge.points) < 2:
+            return False
+        apart = np.linalg.norm(edge.points[[0, -1]] - self.vertices[list(ends)], axis=1)
+        return bool(apart.max() <= _END_MM)
 
     def _broken_loops(self) -> Iterator[str]:
         for face in self.faces:
