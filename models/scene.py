@@ -1,6 +1,7 @@
 """Several solids as one surface: the nearest of them is felt, and the first that a ray meets.
 
-Triangles are numbered through, solid after solid.
+The solids may touch (a part on a table) but not overlap: inside an overlap the distance is that to the deeper
+one's surface, and its normal.  Triangles are numbered through, solid after solid; `solid_of` says whose one is.
 """
 
 from __future__ import annotations
@@ -11,13 +12,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from models.csg import Cube
+from models.solid import Solid
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
+from primitives.pose import pose
 from primitives.surface import RayHits, TriangleSurface
 
 
 class Scene:
-    """A table, a fixture, neighbors; implements `primitives.surface.TriangleSurface`."""
+    """A part with its table, fixture and neighbors; implements `primitives.surface.TriangleSurface`."""
 
     def __init__(self, surfaces: Sequence[TriangleSurface]) -> None:
         if not surfaces:
@@ -30,6 +34,11 @@ class Scene:
     def vertices(self) -> Floats:
         """(v, 3) [mm]."""
         return frozen(np.concatenate([s.vertices for s in self.surfaces]))
+
+    @property
+    def bounds(self) -> Floats:
+        """(2, 3) least and greatest corner of all [mm]."""
+        return frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
 
     @cached_property
     def triangles(self) -> Ints:
@@ -56,7 +65,7 @@ class Scene:
 
     def normals(self, points: Floats) -> Floats:
         """Outward unit normals at the surface points nearest to (n, 3) points: (n, 3)."""
-        nearest = np.argmin([np.abs(s.signed_distance(points)) for s in self.surfaces], axis=0)
+        nearest = np.argmin([s.signed_distance(points) for s in self.surfaces], axis=0)
         out = np.empty((len(points), 3))
         for i, surface in enumerate(self.surfaces):
             out[nearest == i] = surface.normals(points[nearest == i])
@@ -84,3 +93,12 @@ class Scene:
             nearer = other < distance
             distance[nearer], triangle[nearer] = other[nearer], element[nearer] + np.int32(first)
         return distance, triangle
+
+
+def table_under(part: Solid, margin: float = 150.0, thickness: float = 20.0) -> Solid:
+    """A square table that a part lies on: its top is at the part's lowest point, `margin` [mm] beyond its box."""
+    low, high = part.bounds
+    x, y, _ = (low + high) / 2
+    side = float((high - low)[:2].max()) + 2 * margin
+    table = Cube((side, side, thickness), name="table")
+    return Solid.from_csg(table).placed(pose(None, (x, y, low[2] - thickness / 2)))

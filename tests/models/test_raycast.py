@@ -4,7 +4,6 @@ import pytest
 from models import raycast
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere
 from models.raycast import EmbreeCaster, PortableCaster
-from models.scene import Scene
 from models.solid import Solid
 from models.triangle_tree import TriangleTree
 from primitives import shapes
@@ -109,32 +108,3 @@ def test_the_portable_caster_is_chosen_without_embree(monkeypatch: pytest.Monkey
     monkeypatch.setattr(raycast, "EmbreeScene", None)
     solid = Solid.from_csg(Cube((10, 10, 10)))
     assert isinstance(solid.body.caster, PortableCaster)
-
-
-def test_a_scene_feels_the_nearest_and_hits_the_first() -> None:
-    near, far = Solid.from_csg(Sphere(5)), Solid.from_csg(Cube((10, 10, 10))).placed(pose(None, (30, 0, 0)))
-    scene = Scene([near, far])
-    points = np.array([[0.0, 0, 0], [30, 0, 0], [20, 0, 0], [10, 0, 0]])
-    np.testing.assert_allclose(scene.signed_distance(points), [-5, -5, 5, 5], atol=0.01)
-    hits = scene.cast_rays(
-        np.array([[-50.0, 0, 0], [80, 0, 0], [0, 0, 50]]), np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0]])
-    )
-    np.testing.assert_allclose(hits.distance, [45, 45, np.inf], atol=0.01)
-    assert scene.solid_of(hits.element).tolist() == [0, 1, -1]
-    np.testing.assert_allclose(hits.normals[:2], [[-1, 0, 0], [1, 0, 0]], atol=0.01)
-    np.testing.assert_allclose(scene.normals(points[2:]), [[-1, 0, 0], [1, 0, 0]], atol=0.02)
-
-
-def test_a_scene_numbers_triangles_through() -> None:
-    scene = Scene(
-        [Solid.from_csg(Cube((10, 10, 10))), Solid.from_csg(Cube((9, 9, 9))).placed(pose(None, (40, 0, 0)))]
-    )
-    rays = _rays(300, 5)
-    hits = scene.cast_rays(*rays)
-    distance, triangle = scene.first_hits(*(x.astype(np.float32) for x in rays))
-    np.testing.assert_array_equal(hits.element, triangle)
-    reached = rays[0][triangle >= 0] + distance[triangle >= 0, None] * rays[1][triangle >= 0]
-    corner = scene.vertices[scene.triangles[triangle[triangle >= 0]]]
-    a, b, c = np.moveaxis(corner, 1, 0)
-    normal = np.cross(b - a, c - a)
-    assert np.abs(np.einsum("ij,ij->i", normal, reached - a)).max() < 1e-2
