@@ -7,6 +7,7 @@ narrower than `least`.
 """
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from models.random_features import FEATURES, Feature
 from models.sites import Site
 from primitives.errors import PalpateError
 
+Maker = TypeVar("Maker")
 _TRIES = 6  # features that are drawn for one site before it is cut or left
 
 
@@ -32,9 +34,7 @@ def generate(rng: np.random.Generator, complexity: int = 4, config: GenerateConf
     if complexity < 0:
         raise PalpateError(f"a part has no fewer than 0 features, not {complexity}")
     limits = config or GenerateConfig()
-    makers, weights = zip(*BASES, strict=True)
-    maker = makers[int(rng.choice(len(makers), p=np.array(weights) / sum(weights)))]
-    part, free = maker(rng, limits.largest, limits.least)
+    part, free = _chosen(rng, BASES)(rng, limits.largest, limits.least)
     sites = list(free)
     for _ in range(complexity):
         if not sites:
@@ -51,12 +51,17 @@ def generate(rng: np.random.Generator, complexity: int = 4, config: GenerateConf
 
 
 def _drawn(rng: np.random.Generator, site: Site, least: float) -> Feature | None:
-    makers, weights = zip(*FEATURES, strict=True)
-    for i in rng.choice(len(makers), _TRIES, p=np.array(weights) / sum(weights)):
-        feature = makers[int(i)](rng, site, least)
+    for _ in range(_TRIES):
+        feature = _chosen(rng, FEATURES)(rng, site, least)
         if feature:
             return feature
     return None
+
+
+def _chosen(rng: np.random.Generator, table: tuple[tuple[Maker, float], ...]) -> Maker:
+    """One of a table's first column, each as likely as its second says."""
+    weights = np.array([weight for _, weight in table])
+    return table[int(rng.choice(len(table), p=weights / weights.sum()))][0]
 
 
 def _with(part: Csg, feature: Feature, site: Site) -> Csg:

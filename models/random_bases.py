@@ -100,7 +100,7 @@ def l_bracket(rng: np.random.Generator, largest: float, least: float) -> Base:
     t = stock(rng, 5.0, 12.0)
     tree: Csg = Cube((x, y, t)).at(0, 0, t / 2) | Cube((t, y, z)).at((t - x) / 2, 0, z / 2)
     foot = Site(facing(t / 2, 0, t), x - t, y, t, True)
-    upright = Site(facing(t - x / 2, 0, (z + t) / 2, "x"), y, z - t, t, True)
+    upright = Site(facing(t - x / 2, 0, (z + t) / 2, "x"), y, z - t, t, True, raised=False)
     if rng.random() < 0.4 and y >= 40:
         reach, rib = float(round(0.6 * (min(x, z) - t))), max(2 * least, 5.0)
         wall, corner = t - x / 2, t
@@ -131,7 +131,7 @@ def t_bracket(rng: np.random.Generator, largest: float, least: float) -> Base:
     tree = Cube((x, y, t)).at(0, 0, t / 2) | Cube((t, y, z), name="web").at(0, 0, z / 2)
     half = float((x - t) // 2)
     feet = [Site(facing(side * (t + half) / 2, 0, t), half, y, t, True) for side in (-1, 1)]
-    return Base(tree, (*feet, Site(facing(t / 2, 0, (z + t) / 2, "x"), y, z - t, t, True)))
+    return Base(tree, (*feet, Site(facing(t / 2, 0, (z + t) / 2, "x"), y, z - t, t, True, raised=False)))
 
 
 def channel(rng: np.random.Generator, largest: float, least: float) -> Base:
@@ -144,7 +144,7 @@ def channel(rng: np.random.Generator, largest: float, least: float) -> Base:
     t = stock(rng, 5.0, 10.0)
     a = x / 2
     outline = ((-a, 0), (a, 0), (a, z), (a - t, z), (a - t, t), (t - a, t), (t - a, z), (-a, z))
-    wall = Site(facing(a, 0, (z + t) / 2, "x"), y, z - t, t, True)
+    wall = Site(facing(a, 0, (z + t) / 2, "x"), y, z - t, t, True, raised=False)
     floor = Site(facing(0, 0, t), x - 2 * t, y, t, True)
     return Base(Prism(outline, y).turned("x", pi / 2), (floor, wall))
 

@@ -16,7 +16,7 @@ from models.csg import Cone, Csg, Cube, Cylinder, Prism, Sphere, Torus
 from models.random_sizes import drill, whole
 from models.sites import Site
 
-_OUT = 2.0  # [mm]
+_OUT = 1.0  # [mm]
 _IN = 1.0  # [mm]
 
 
@@ -88,7 +88,7 @@ def boss(rng: np.random.Generator, site: Site, least: float) -> Feature | None:
     """Round or tapered, perhaps with a blind hole."""
     radius = drill(rng, site.room / 2 - least)
     height = whole(rng, 2 * least, 25.0)
-    if radius is None or height is None or radius < least:
+    if not site.raised or radius is None or height is None or radius < least:
         return None
     tapered = radius >= 2 * least and rng.random() < 0.3
     body: Csg = Cone(radius, radius - least, height) if tapered else Cylinder(radius, height + _IN)
@@ -102,7 +102,7 @@ def block(rng: np.random.Generator, site: Site, least: float) -> Feature | None:
     """A raised rectangle."""
     width, length = (whole(rng, 2 * least, side - 2 * least) for side in (site.width, site.length))
     height = whole(rng, least, 20.0)
-    if width is None or length is None or height is None:
+    if not site.raised or width is None or length is None or height is None:
         return None
     return Feature(Cube((width, length, height + _IN), name="pad").at(0, 0, (height - _IN) / 2), None)
 
@@ -118,7 +118,10 @@ def dome(rng: np.random.Generator, site: Site, least: float) -> Feature | None:
     ball = (radius**2 + height**2) / (2 * height)
     sunk = rng.random() < 0.4 and height <= site.thickness - least
     if sunk:
-        return Feature(None, Sphere(ball, name="hollow").at(0, 0, ball - height))
+        clip = Cylinder(radius + 1, height + 2 * _OUT).at(0, 0, -height / 2)
+        return Feature(None, (Sphere(ball).at(0, 0, ball - height) & clip).named("hollow"))
+    if not site.raised:
+        return None
     cap = Sphere(ball) & Cylinder(radius + 1, height + _IN + 1).at(
         0, 0, ball - height + (height - _IN + 1) / 2
     )
@@ -132,8 +135,10 @@ def hexagon(rng: np.random.Generator, site: Site, least: float) -> Feature | Non
     depth = whole(rng, least, min(site.thickness - least, 20.0))
     if radius is None or depth is None or radius < 2 * least:
         return None
-    outline = tuple((radius * cos(k * pi / 3), radius * sin(k * pi / 3)) for k in range(6))
-    if rng.random() < 0.5:
+    outline = tuple(
+        (round(radius * cos(k * pi / 3), 9), round(radius * sin(k * pi / 3), 9)) for k in range(6)
+    )
+    if not site.raised or rng.random() < 0.5:
         return Feature(None, Prism(outline, depth + _OUT, name="hexagon").at(0, 0, (_OUT - depth) / 2))
     return Feature(Prism(outline, depth + _IN, name="hexagon").at(0, 0, (depth - _IN) / 2), None)
 

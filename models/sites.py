@@ -19,6 +19,7 @@ class Site:
     length: float  # [mm] along y
     thickness: float  # [mm] of material below that is this site's own
     through: bool  # whether what goes through all of it comes out in the open
+    raised: bool = True  # whether what stands out of it meets nothing
 
     @property
     def room(self) -> float:
