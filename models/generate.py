@@ -12,9 +12,9 @@ from typing import TypeVar
 import numpy as np
 
 from models.csg import Csg
-from models.random_bases import BASES
-from models.random_features import FEATURES, Feature
-from models.sites import Site
+from models.generation.bases import BASES
+from models.generation.features import FEATURES, Feature
+from models.generation.sites import Site
 from primitives.errors import PalpateError
 
 Maker = TypeVar("Maker")

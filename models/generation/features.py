@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from models.csg import Cone, Csg, Cube, Cylinder, Prism, Sphere, Torus
-from models.random_sizes import drill, whole
-from models.sites import Site
+from models.generation.sites import Site
+from models.generation.sizes import drill, whole
 
 _OUT = 1.0  # [mm]
 _IN = 1.0  # [mm]

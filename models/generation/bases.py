@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from models.csg import Cone, Csg, Cube, Cylinder, Prism, Sphere, Torus
-from models.random_sizes import drill, stock, whole
-from models.sites import Site, facing
+from models.generation.sites import Site, facing
+from models.generation.sizes import drill, stock, whole
 
 
 class Base(NamedTuple):

@@ -1,0 +1,1 @@
+"""What `models.generate` draws from: bodies, the sites that are free on them, features, sizes."""
