@@ -8,8 +8,9 @@ from pathlib import Path
 
 from models import parts
 from models.csg import Csg
+from models.formats import openscad
 from models.formats.load import load
-from models.formats.units import Units
+from models.formats.units import MM, Units, checked_flags, size_warnings
 from models.solid import Solid
 from primitives.errors import PalpateError
 
@@ -34,8 +35,22 @@ def load_part(
         return Part(wanted, Solid.from_csg(tree), tree)
     if not _looks_like_a_file(wanted):
         raise PalpateError(parts.unknown(wanted))
+    if Path(wanted).suffix.lower() in openscad.SUFFIXES:
+        return _drawn(Path(wanted), units, scale)
     loaded = load(wanted, units, scale, body)
     return Part(Path(wanted).stem, loaded.solid, None, loaded.warnings)
+
+
+def _drawn(file: Path, units: Units, scale: float) -> Part:
+    """A part whose file says what it is built from."""
+    checked_flags(units, scale)
+    drawing = openscad.read(file, scale * MM.get(units, 1.0))
+    try:
+        solid = Solid.from_csg(drawing.tree)
+    except PalpateError as error:
+        raise PalpateError(f"{file.name}: {error}") from None
+    said = size_warnings(solid.vertices, file.name, units == "auto")
+    return Part(file.stem, solid, drawing.tree, (*said, *drawing.warnings))
 
 
 def _looks_like_a_file(text: str) -> bool:

@@ -19,14 +19,14 @@ SUFFIXES = (".csg", ".scad")
 
 @dataclass(frozen=True)
 class Drawing:
-    """What a file draws, in its own numbers, which are mm."""
+    """What a file draws [mm]."""
 
     tree: Csg
     warnings: tuple[str, ...] = ()
 
 
-def read(path: str | Path, facets: bool = False, limits: Limits | None = None) -> Drawing:
-    """The tree in a file.
+def read(path: str | Path, scale: float = 1.0, facets: bool = False, limits: Limits | None = None) -> Drawing:
+    """The tree in a file whose unit is worth `scale` mm.
 
     Circles are round whatever `$fn` says; with `facets` they keep the sides that OpenSCAD gives them.
     """
@@ -34,22 +34,26 @@ def read(path: str | Path, facets: bool = False, limits: Limits | None = None) -
     if file.is_file() and file.stat().st_size > 4 * syntax.LARGEST:
         raise PalpateError(f"{file.name} is too long for OpenSCAD text; export it as a mesh (STL)")
     text = decoded(intake.read(file), file.name)
-    return _drawing(text, file, Folder(file.parent), facets, limits)
+    return _drawing(text, file, Folder(file.parent), Solids(facets), scale, limits)
 
 
-def read_text(text: str, name: str = "text", facets: bool = False, limits: Limits | None = None) -> Drawing:
+def read_text(
+    text: str, name: str = "text", scale: float = 1.0, facets: bool = False, limits: Limits | None = None
+) -> Drawing:
     """The tree that a text draws; it may not name other files."""
-    return _drawing(text, Path(name), Folder(None), facets, limits)
+    return _drawing(text, Path(name), Folder(None), Solids(facets), scale, limits)
 
 
-def _drawing(text: str, file: Path, folder: Folder, facets: bool, limits: Limits | None) -> Drawing:
+def _drawing(
+    text: str, file: Path, folder: Folder, solids: Solids, scale: float, limits: Limits | None
+) -> Drawing:
     source = syntax.parse(text, file.name)
-    budget, solids = Budget(limits or Limits(), place=file.name), Solids(facets)
+    budget = Budget(limits or Limits(), place=file.name)
     try:
         with syntax.deep_stack():
             shapes = Program(budget, folder).run(source, file)
             alone = [found for shape in shapes if (found := shape.shown_root()) is not None]
-            tree = solids.all(alone[:1] or shapes)
+            tree = solids.all(alone[:1] or shapes, scale)
     except RecursionError:
         raise budget.error("calls or expressions go too deep; end the recursion or split it up") from None
     if tree is None:

@@ -42,9 +42,10 @@ class Solids:
         self.facets = facets
         self.warnings: list[str] = []
 
-    def all(self, shapes: Sequence[Shape]) -> Csg | None:
-        """The union of what a file draws."""
-        return _joined(Union, [self.solid(shape, np.eye(4)) for shape in shapes])
+    def all(self, shapes: Sequence[Shape], scale: float = 1.0) -> Csg | None:
+        """The union of what a file draws, each of its units worth `scale` mm."""
+        matrix = np.diag([scale, scale, scale, 1.0])
+        return _joined(Union, [self.solid(shape, matrix) for shape in shapes])
 
     def solid(self, shape: Shape, matrix: Floats) -> Csg | None:
         """The solid of one shape under a (4, 4) matrix; None where it is empty."""
