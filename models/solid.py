@@ -39,25 +39,11 @@ class Solid:
     @staticmethod
     def from_csg(tree: Csg, tolerance: float = TOLERANCE) -> Solid:
         """The solid of a tree, its facets within `tolerance` [mm] of the exact surfaces."""
-        first_surface: dict[int, int] = {}
-        surfaces: list[LabeledSurface] = []
-        parts: list[Any] = []
-        for number, leaf in enumerate(tree.leaves()):
-            identity = int(manifold3d.Manifold.reserve_ids(1))
-            part, labeled = _manifold_of(leaf, number, tolerance, identity)
-            first_surface[identity] = len(surfaces)
-            surfaces += labeled
-            parts.append(part)
+        parts, surfaces, first = _made(tree, tolerance)
         result = _evaluate(tree, iter(parts))
         if result.status() != manifold3d.Error.NoError or result.is_empty():
             raise PalpateError("the tree has no material left; make intersections overlap and cuts smaller")
-        mesh = result.to_mesh64()
-        labels = np.empty(len(mesh.tri_verts), dtype=np.int64)
-        for i, original in enumerate(mesh.run_original_id):
-            run = slice(mesh.run_index[i] // 3, mesh.run_index[i + 1] // 3)
-            labels[run] = np.asarray(mesh.face_id[run], dtype=np.int64) + first_surface[original]
-        vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
-        return Solid(Body(result, vertices, triangles, labels, tuple(surfaces)), frozen(np.eye(4)), tree)
+        return Solid(_labeled(result, surfaces, first), frozen(np.eye(4)), tree)
 
     @staticmethod
     def from_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Solid:
@@ -77,22 +63,11 @@ class Solid:
         vertices: Floats, triangles: Ints, labels: Ints, surfaces: tuple[LabeledSurface, ...]
     ) -> Solid:
         """As `from_mesh`, each triangle standing for the surface that its label (t,) counts; -1 for none."""
-        identity = int(manifold3d.Manifold.reserve_ids(1))
-        mesh = manifold3d.Mesh64(
-            vert_properties=np.array(vertices, dtype=np.float64, order="C"),
-            tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
-            run_index=np.array([0, triangles.size], dtype=np.uint64),
-            run_original_id=np.array([identity], dtype=np.uint32),
-            face_id=(np.asarray(labels) + 1).astype(np.uint64),
-        )
-        result = manifold3d.Manifold(mesh)
+        result, identity = _manifold_of_labels(vertices, triangles, labels)
         if result.status() != manifold3d.Error.NoError or result.is_empty():
             reason = str(result.status()).rsplit(".", 1)[-1]
             raise PalpateError(f"the mesh is not a closed solid ({reason}); repair it in a mesh editor first")
-        kept = result.to_mesh64()
-        corners, faces = np.asarray(kept.vert_properties)[:, :3], np.asarray(kept.tri_verts)
-        found = np.asarray(kept.face_id, dtype=np.int64) - 1
-        return Solid(Body(result, corners, faces, found, surfaces), frozen(np.eye(4)))
+        return Solid(_labeled(result, surfaces, {identity: -1}), frozen(np.eye(4)))
 
     def placed(self, world_from_part: ArrayLike) -> Self:
         """The same part at another pose, whatever this one's is."""
@@ -191,6 +166,10 @@ class Solid:
         result = {"union": a.__add__, "intersection": a.__xor__, "difference": a.__sub__}[operation](b)
         return _unlabeled(result)
 
+    def shared_volume(self, other: Solid) -> float:
+        """Of the intersection with another solid [mm^3]."""
+        return float((self._posed_mesh() ^ other._posed_mesh()).volume())
+
     def _posed_mesh(self) -> Any:
         return self.body.mesh if self._home else self.body.mesh.transform(self.pose[:3])
 
@@ -204,9 +183,57 @@ class Solid:
 
 def iou(a: Solid, b: Solid) -> float:
     """Volume of the intersection over that of the union."""
-    first, second = a._posed_mesh(), b._posed_mesh()
-    shared = float((first ^ second).volume())
+    shared = a.shared_volume(b)
     return shared / (a.volume + b.volume - shared)
+
+
+def clipped(body: Body, labels: Ints, surfaces: tuple[LabeledSurface, ...], keeper: Csg) -> Solid | None:
+    """What of a body with (t,) labels lies in `keeper`, whose surfaces follow `surfaces`; None for nothing."""
+    mine, identity = _manifold_of_labels(body.vertices, body.triangles, labels)
+    parts, others, first = _made(keeper, TOLERANCE)
+    result = mine ^ _evaluate(keeper, iter(parts))
+    if result.status() != manifold3d.Error.NoError or result.is_empty():
+        return None
+    first = {original: start + len(surfaces) for original, start in first.items()} | {identity: -1}
+    return Solid(_labeled(result, (*surfaces, *others), first), frozen(np.eye(4)))
+
+
+def _made(tree: Csg, tolerance: float) -> tuple[list[Any], tuple[LabeledSurface, ...], dict[int, int]]:
+    """The manifold of every leaf, all their surfaces, and which is the first of each manifold's."""
+    first: dict[int, int] = {}
+    surfaces: list[LabeledSurface] = []
+    parts: list[Any] = []
+    for number, leaf in enumerate(tree.leaves()):
+        identity = int(manifold3d.Manifold.reserve_ids(1))
+        part, labeled = _manifold_of(leaf, number, tolerance, identity)
+        first[identity] = len(surfaces)
+        surfaces += labeled
+        parts.append(part)
+    return parts, tuple(surfaces), first
+
+
+def _manifold_of_labels(vertices: Floats, triangles: Ints, labels: Ints) -> tuple[Any, int]:
+    """A manifold that remembers (t,) labels, one more than each, and the number that its runs carry."""
+    identity = int(manifold3d.Manifold.reserve_ids(1))
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.array(vertices, dtype=np.float64, order="C"),
+        tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
+        run_index=np.array([0, triangles.size], dtype=np.uint64),
+        run_original_id=np.array([identity], dtype=np.uint32),
+        face_id=(np.asarray(labels) + 1).astype(np.uint64),
+    )
+    return manifold3d.Manifold(mesh), identity
+
+
+def _labeled(result: Any, surfaces: tuple[LabeledSurface, ...], first: dict[int, int]) -> Body:
+    """The body of a manifold whose runs tell which surface each triangle stands for."""
+    mesh = result.to_mesh64()
+    labels = np.empty(len(mesh.tri_verts), dtype=np.int64)
+    for i, original in enumerate(mesh.run_original_id):
+        run = slice(mesh.run_index[i] // 3, mesh.run_index[i + 1] // 3)
+        labels[run] = np.asarray(mesh.face_id[run], dtype=np.int64) + first[int(original)]
+    vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
+    return Body(result, vertices, triangles, labels, surfaces)
 
 
 def _manifold_of(
