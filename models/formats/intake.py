@@ -14,6 +14,7 @@ from primitives.errors import PalpateError
 
 _ALIASES = {".stp": ".step"}
 LARGEST = 500_000_000  # [bytes] of a file that is read
+MOST_TRIANGLES = 2_000_000
 _PLY_SIZES = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
     **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
@@ -50,6 +51,14 @@ def read(path: Path) -> bytes:
     return data
 
 
+def check_triangles(count: int, name: str) -> None:
+    """Refuse more triangles than can be handled in bounded memory and time."""
+    if count > MOST_TRIANGLES:
+        raise PalpateError(
+            f"{name} has {count:,} triangles, more than {MOST_TRIANGLES:,}; reduce them in a mesh editor first"
+        )
+
+
 def checked(data: bytes, suffix: str, name: str) -> bytes:
     """The bytes, if they are what the suffix says and as many as their header says."""
     found = _sniff(data)
@@ -70,6 +79,8 @@ def _sniff(data: bytes) -> str | None:
         return ".stl"
     if head.startswith(b"ISO-10303-21"):
         return ".step"
+    if head.startswith(b"PK\x03\x04"):
+        return ".3mf"
     return None
 
 
@@ -77,6 +88,7 @@ def _stl(data: bytes, name: str) -> bytes:
     if _is_text(data) and data.lstrip().startswith(b"solid"):
         if not data.rstrip().lower().rsplit(b"\n", 1)[-1].lstrip().startswith(b"endsolid"):
             raise PalpateError(f"{name} ends in the middle (no endsolid); it is truncated: export it again")
+        check_triangles(data.count(b"endfacet"), name)
         return data
     if _is_text(data):
         raise PalpateError(f"{name} is text but not STL; export it again")
@@ -88,6 +100,7 @@ def _stl(data: bytes, name: str) -> bytes:
         raise PalpateError(
             f"{name} announces {count} triangles and holds {held}; it is truncated: export it again"
         )
+    check_triangles(count, name)
     return data[: 84 + 50 * count]
 
 
@@ -125,6 +138,23 @@ def _glb(data: bytes, name: str) -> bytes:
     return data
 
 
+def _zip(data: bytes, name: str) -> bytes:
+    if not data.startswith(b"PK"):
+        raise PalpateError(f"{name} is not a 3MF archive; export it again")
+    return data
+
+
+def _step(data: bytes, name: str) -> bytes:
+    if not _text(data, name).lstrip(b"\xef\xbb\xbf \r\n\t").startswith((b"ISO-10303-21", b"/*")):
+        raise PalpateError(f"{name} does not begin with ISO-10303-21, so it is not STEP; export it again")
+    return data
+
+
+def _obj(data: bytes, name: str) -> bytes:
+    check_triangles(data.count(b"\nf "), name)
+    return _text(data, name)
+
+
 def _text(data: bytes, name: str) -> bytes:
     if not _is_text(data):
         raise PalpateError(f"{name} is binary where text should be; export it again")
@@ -142,8 +172,11 @@ def _is_text(data: bytes) -> bool:
 
 _CHECKS: dict[str, Callable[[bytes, str], bytes]] = {
     ".stl": _stl,
-    ".obj": _text,
+    ".obj": _obj,
     ".ply": _ply,
     ".off": _text,
     ".glb": _glb,
+    ".3mf": _zip,
+    ".step": _step,
+    ".stp": _step,
 }

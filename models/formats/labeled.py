@@ -40,12 +40,13 @@ class LabeledMesh:
         return replace(self, vertices=frozen(self.vertices * factor), surfaces=surfaces)
 
     def with_triangles(self, vertices: Floats, triangles: Ints, source: Ints) -> LabeledMesh:
-        """Other triangles, each labeled as the `source` triangle of this mesh that it came from."""
+        """Other triangles, each labeled as the `source` triangle of this mesh that it came from; -1 for none."""
+        used, local = np.unique(triangles, return_inverse=True)
         return replace(
             self,
-            vertices=frozen(vertices),
-            triangles=frozen(triangles, np.int64),
-            labels=frozen(self.labels[source], np.int64),
+            vertices=frozen(vertices[used]),
+            triangles=frozen(local.reshape(-1, 3), np.int64),
+            labels=frozen(np.where(source >= 0, self.labels[source], -1), np.int64),
         )
 
 

@@ -1,4 +1,4 @@
-"""A CAD file to the closed triangles of one body in mm: read, scale, close, choose.  The one door to the readers.
+"""A CAD file to the solid of one body in mm: read, scale, close, choose.  The one door to the readers.
 
 Whatever is wrong with a file is one line; whatever was mended is a warning.
 """
@@ -12,7 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.formats import intake, mesh, step
+from models.formats import gltf, intake, mesh, openscad, step, threemf
+from models.formats.bodies import Found, chosen, united
+from models.formats.crossings import crossings
 from models.formats.labeled import LabeledMesh
 from models.formats.repair import RepairConfig, closed
 from models.formats.units import MM, SizeLimits, Units, checked_flags, size_warnings
@@ -23,7 +25,7 @@ from primitives.errors import PalpateError
 class Parsed(NamedTuple):
     """What a reader found, and in which unit."""
 
-    meshes: list[LabeledMesh]
+    meshes: list[LabeledMesh]  # one for each body that the file itself tells apart
     mm: float | None  # how many mm the meshes' numbers are worth as the file has it; None: the file is silent
     own: float = 1.0  # how many mm the file's numbers were taken to be worth before the meshes were made
 
@@ -33,7 +35,6 @@ class Loaded:
     """One body of a file."""
 
     solid: Solid
-    name: str
     warnings: tuple[str, ...]
 
 
@@ -49,46 +50,74 @@ def load(
     name, suffix = file.name, file.suffix.lower()
     checked_flags(units, scale)
     if suffix not in READERS and not file.is_dir() and file.exists():
-        raise PalpateError(f"cannot read {name}: {suffix or 'no'} extension; use one of {' '.join(READERS)}")
+        known = " ".join((*READERS, *openscad.SUFFIXES))
+        raise PalpateError(f"cannot read {name}: {suffix or 'no'} extension; use one of {known}")
     data = intake.checked(intake.read(file), suffix, name)
-    parsed = READERS[suffix](data, name)
+    parsed = READERS[suffix](file, data)
     factor = scale * ((parsed.mm or 1.0) if units == "auto" else MM[units] / parsed.own)
-    meshes = [_checked(found, name).scaled(factor) for found in parsed.meshes]
-    config = RepairConfig(fill_holes=suffix not in step.SUFFIXES)
-    warnings: list[str] = []
-    solids: list[Solid] = []
-    for found in meshes:
-        whole, said = closed(found, name, config)
-        warnings += said
-        solids.append(Solid.from_labeled(whole.vertices, whole.triangles, whole.labels, whole.surfaces))
-    solid = solids[0]
-    guessed = units == "auto" and parsed.mm is None
-    return Loaded(solid, name, (*size_warnings(solid.vertices, name, guessed, limits), *warnings))
-
-
-def _checked(found: LabeledMesh, name: str) -> LabeledMesh:
-    if not len(found.triangles):
+    meshes = [m.scaled(factor) for m in parsed.meshes if len(m.triangles)]
+    if not meshes:
         raise PalpateError(f"{name} has no faces; export it as a solid")
-    if found.triangles.min() < 0 or found.triangles.max() >= len(found.vertices):
-        raise PalpateError(f"{name} has faces with corners that do not exist; export it again")
-    if not np.isfinite(found.vertices[np.unique(found.triangles)]).all():
-        raise PalpateError(f"{name} has coordinates that are not finite numbers; export it again")
-    return found
+    intake.check_triangles(sum(len(m.triangles) for m in meshes), name)
+    exact = suffix in step.SUFFIXES
+    found = [_found(m, name, RepairConfig(fill_holes=not exact)) for m in meshes]
+    if len(found) == 1 and not exact:
+        found = [united(found[0], name)]
+    picked, number, said = chosen(found, body, name)
+    guessed = units == "auto" and parsed.mm is None
+    warnings = (*size_warnings(picked.solids[number].vertices, name, guessed, limits), *said, *picked.said)
+    if not exact:
+        _refuse_crossings(picked.solids[number], name)
+    return Loaded(picked.solids[number], warnings)
 
 
-def _mesh(suffix: str) -> Callable[[bytes, str], Parsed]:
-    def read(data: bytes, name: str) -> Parsed:
-        vertices, triangles, unit = mesh.parse(data, suffix, name)
-        return Parsed([LabeledMesh.of(vertices, triangles)], None if unit is None else MM[unit])
+def _found(read: LabeledMesh, name: str, config: RepairConfig) -> Found:
+    """The solids in one mesh, or why there is none."""
+    try:
+        if read.triangles.min() < 0 or read.triangles.max() >= len(read.vertices):
+            raise PalpateError(f"{name} has faces with corners that do not exist; export it again")
+        if not np.isfinite(read.vertices[np.unique(read.triangles)]).all():
+            raise PalpateError(f"{name} has coordinates that are not finite numbers; export it again")
+        parts, said = closed(read, name, config)
+        solids = [Solid.from_labeled(p.vertices, p.triangles, p.labels, p.surfaces) for p in parts]
+    except PalpateError as error:
+        text = str(error)
+        return Found(read.name, (), (), text if name in text else f"{name}: {text}")
+    return Found(read.name, tuple(solids), tuple(said), "")
+
+
+def _refuse_crossings(solid: Solid, name: str) -> None:
+    points = crossings(solid.vertices, solid.triangles)
+    if len(points):
+        x, y, z = points[0]
+        raise PalpateError(
+            f"{name} passes through itself, for example near {x:.4g}, {y:.4g}, {z:.4g} mm; "
+            "unite its parts in a mesh editor first"
+        )
+
+
+def _mesh(suffix: str) -> Callable[[Path, bytes], Parsed]:
+    def read(file: Path, data: bytes) -> Parsed:
+        return Parsed([LabeledMesh.of(*mesh.parse(data, suffix, file.name))], None)
 
     return read
 
 
-def _step(data: bytes, name: str) -> Parsed:
-    return Parsed(step.parse(data, name), 1.0, step.unit_mm(data))
+def _gltf(file: Path, data: bytes) -> Parsed:
+    return Parsed(*gltf.parse(file, data))
 
 
-READERS: dict[str, Callable[[bytes, str], Parsed]] = {
-    **dict.fromkeys(step.SUFFIXES, _step),
+def _threemf(file: Path, data: bytes) -> Parsed:
+    return Parsed(*threemf.parse(data, file.name))
+
+
+def _step(file: Path, data: bytes) -> Parsed:
+    return Parsed(step.parse(data, file.name), 1.0, step.unit_mm(data))
+
+
+READERS: dict[str, Callable[[Path, bytes], Parsed]] = {
     **{suffix: _mesh(suffix) for suffix in mesh.SUFFIXES},
+    **dict.fromkeys(gltf.SUFFIXES, _gltf),
+    **dict.fromkeys(threemf.SUFFIXES, _threemf),
+    **dict.fromkeys(step.SUFFIXES, _step),
 }

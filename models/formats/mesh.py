@@ -1,7 +1,7 @@
-"""Meshes in (STL, OBJ, PLY, OFF, GLB) and out (STL, PLY, GLB), in mm; broken files become one line.
+"""Meshes in (STL, OBJ, PLY, OFF) and out (STL, PLY, GLB), in mm; broken files become one line.
 
 Out, numbers are mm in every format; a GLB says so in its `asset.extras`, because the format's own unit is the
-meter, which is what any other GLB is taken to be in.
+meter, which is what any other GLB is taken to be in (`gltf`).
 """
 
 from __future__ import annotations
@@ -19,12 +19,11 @@ import numpy as np
 import trimesh
 
 from models.formats import off
-from models.formats.units import Units
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
 from primitives.surface import TriangleSurface
 
-SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb")
+SUFFIXES = (".stl", ".obj", ".ply", ".off")
 OUT_SUFFIXES = (".stl", ".ply", ".glb")
 
 
@@ -53,10 +52,10 @@ def _glb(mesh: Any) -> bytes:
     return data
 
 
-def parse(data: bytes, suffix: str, name: str) -> tuple[Floats, Ints, Units | None]:
-    """Vertices, triangles and the unit that the file itself gives."""
+def parse(data: bytes, suffix: str, name: str) -> tuple[Floats, Ints]:
+    """Vertices and triangles in the file's numbers."""
     if suffix == ".off":
-        return *off.parse(data, name), None
+        return off.parse(data, name)
     try:
         options = {"skip_materials": True} if suffix == ".obj" else {}
         with _quiet_trimesh():
@@ -70,9 +69,7 @@ def parse(data: bytes, suffix: str, name: str) -> tuple[Floats, Ints, Units | No
         raise PalpateError(
             f"cannot read {name} as {suffix[1:].upper()} ({reason}); export it again"
         ) from None
-    if suffix != ".glb":
-        return vertices, triangles, None
-    return vertices, triangles, "mm" if b'"extras":{"unit":"mm"}' in data[:65536].replace(b" ", b"") else "m"
+    return vertices, triangles
 
 
 @contextmanager

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import os
 import re
-import struct
 import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from models.formats.gltf_arrays import Glb, Primitive
+from models.formats.gltf_arrays import BROKEN, Gltf, Primitive
 from models.formats.labeled import LabeledMesh
 from models.formats.step_faces import labeled
 from primitives.errors import PalpateError
@@ -43,8 +42,8 @@ def parse(data: bytes, name: str, config: StepConfig | None = None) -> list[Labe
     limits = config or StepConfig()
     glb = _converted(data, name, limits)
     try:
-        found = list(Glb(glb).primitives())
-    except (KeyError, ValueError, IndexError, TypeError, struct.error):
+        found = list(Gltf.of_glb(glb).primitives())
+    except BROKEN:
         raise PalpateError(f"{name} gives no usable geometry; export it again as AP214") from None
     if not found:
         raise PalpateError(f"{name} has no solid in it, only {_held(data)}; export it as a solid")

@@ -50,7 +50,7 @@ def labeled(runs: list[Primitive], scale: float, config: FaceConfig | None = Non
             about = described[number] if 0 <= number < len(described) else None
             shape = _shape(about, run.model_from_node, scale) if about else None
             corners = run.triangles[rows]
-            if shape is None:
+            if shape is None and run.normals is not None:
                 shape = _fitted(points, run.normals, np.unique(corners), tolerances)
             surfaces.append(oriented(shape, points[corners]))
         _, compact = np.unique(face, return_inverse=True)

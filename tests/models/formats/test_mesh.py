@@ -6,6 +6,7 @@ import trimesh
 
 from models import parts
 from models.formats import mesh
+from models.formats.units import Units
 from models.part import load_part
 from models.solid import Solid, iou
 from primitives.errors import PalpateError
@@ -89,7 +90,7 @@ def test_inward_triangles_are_turned_and_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("units", "factor"), [("mm", 1), ("cm", 10), ("m", 1000), ("in", 25.4)])
-def test_units_and_scale_multiply(tmp_path: Path, units: mesh.Units, factor: float) -> None:
+def test_units_and_scale_multiply(tmp_path: Path, units: Units, factor: float) -> None:
     trimesh.creation.box(np.full(3, 40 / factor)).export(tmp_path / "box.stl")
     assert load_part(tmp_path / "box.stl", units, 2).solid.extent == pytest.approx([80, 80, 80], rel=1e-5)
 
