@@ -58,6 +58,9 @@ def explore(
     part: Annotated[str, typer.Argument(help="A built-in part (palpate parts) or a CAD file.")] = "",
     units: Annotated[str, typer.Option(help="Unit of the CAD file: auto, mm, cm, m or in.")] = "auto",
     scale: Annotated[float, typer.Option(help="Factor on the CAD file's size.")] = 1.0,
+    body: Annotated[
+        int | None, typer.Option(help="Which body of a CAD file that holds several, counted from 1.")
+    ] = None,
     workspace: Annotated[
         str, typer.Option(metavar="X0,Y0,Z0,X1,Y1,Z1", help="Where the object may be [mm].")
     ] = "-300,-300,-300,300,300,300",
@@ -97,6 +100,7 @@ def explore(
             part=part,
             units=units,
             scale=scale,
+            body=body,
             workspace=parse_numbers(workspace, 6, "--workspace", "X0,Y0,Z0,X1,Y1,Z1 in mm"),
             feature=feature_mm,
             pose=parse_pose(pose),

@@ -33,6 +33,7 @@ class ExploreOptions:
     part: str
     units: str = "auto"
     scale: float = 1.0
+    body: int | None = None  # of a file that holds several, from 1
     workspace: tuple[float, ...] = (
         -300.0,
         -300.0,
@@ -54,6 +55,7 @@ class ExploreOptions:
     def __post_init__(self) -> None:
         _require(self.units in UNITS, f"--units {self.units!r} is not one of {', '.join(UNITS)}")
         _require(_positive(self.scale), f"--scale must be a positive number, not {self.scale}")
+        _require(self.body is None or self.body >= 1, f"--body counts from 1, so {self.body} is none")
         _require(
             len(self.workspace) == 6 and all(map(math.isfinite, self.workspace)),
             "--workspace needs six numbers X0,Y0,Z0,X1,Y1,Z1 in mm",

@@ -63,7 +63,7 @@ def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> Wo
     spec = load_sensor(options.sensors[0])
     if options.noise is not None:
         spec = replace(spec, electronics=replace(spec.electronics, noise=options.noise))
-    part = load_part(options.part, options.units, options.scale)  # type: ignore[arg-type]
+    part = load_part(options.part, options.units, options.scale, options.body)  # type: ignore[arg-type]
     box = np.reshape(options.workspace, (2, 3))
     world_from_part = options.fixed_pose
     if world_from_part is None:
