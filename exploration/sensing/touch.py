@@ -23,6 +23,7 @@ from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough import find_lines
 from exploration.sensing.line import Line
 from exploration.sensing.local_surface import LocalSurface, NoSurface, fit_surface
+from exploration.sensing.ridge_ends import DOUBTED, cut_at_ends
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points
@@ -56,6 +57,11 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
     if isinstance(surface, NoSurface) and lines:
         lines = ()
         surface = fit_surface(image)
+    if isinstance(surface, LocalSurface) and surface.chi2 > DOUBTED * surface.dof:
+        smooth = fit_surface(image) if lines else surface
+        ended = cut_at_ends(image, smooth) if isinstance(smooth, LocalSurface) else surface
+        if ended.chi2 < surface.chi2 and ended is not smooth:
+            lines, surface = (), ended
     kinds = _kinds(lines, surface)
     px, py = image.array.pitch
     alive = np.isfinite(image.sigma)
