@@ -19,6 +19,7 @@ from models.solid import Solid
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.fit import Fit
+from primitives.shared_error import with_shared_error
 from primitives.shapes import Plane, Shape
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.pieces import Piece, pieces
@@ -78,7 +79,7 @@ def assemble(
 ) -> Assembly | NotClosed:
     """The body inside all faces, or where they leave the (2, 3) workspace `box` [mm] open."""
     options = options or AssemblyOptions()
-    fits = tuple(outward(f.fit) for f in faces)
+    fits = tuple(outward(with_shared_error(f.fit, f.contacts)) for f in faces)
     toroidal = [i for i, f in enumerate(fits) if f.kind == "torus"]
     if toroidal:
         return NotClosed("a torus face is not yet built into a body", tuple(toroidal))

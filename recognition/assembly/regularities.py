@@ -68,7 +68,7 @@ Constraint = Callable[[Shape, Shape], Floats]
 
 def regularize(fits: Sequence[Fit], options: RegularityOptions | None = None) -> Regularized:
     """Accept what the covariances allow, likeliest first, and adjust all shapes to it."""
-    state = _State([f.shape for f in fits], [_honest(f) for f in fits], options or RegularityOptions())
+    state = _State([f.shape for f in fits], [f.covariance for f in fits], options or RegularityOptions())
     for stage in (_coincident, _parallel, _perpendicular, _coaxial):
         for kind, a, b, constraint in _by_cost(state, stage(state)):
             state.consider(kind, a, b, constraint)
@@ -146,11 +146,6 @@ class _State:
             self.posterior = self.prior - gain @ slope @ self.prior
             if done:
                 break
-
-
-def _honest(fit: Fit) -> Floats:
-    """The covariance, grown where the contacts scatter more than their sigmas say (Birge 1932)."""
-    return fit.covariance * max(1.0, fit.chi2 / max(fit.dof, 1))
 
 
 def _pseudo_inverse(matrix: Floats) -> Floats:

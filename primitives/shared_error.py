@@ -1,0 +1,40 @@
+"""The covariance of a fit whose contacts share errors.
+
+Least squares takes every contact's error for its own.  Contacts of one touch also share some: the pad lay against
+the face at one attitude, an edge beside it bent all their readings alike, the stage stood a little off.  Let a
+share s of each contact's variance be common to its touch, as one error of distance and one of each component of
+the normals.  A common error moves the estimate by  C J' e,  with J the whitened Jacobian and e ones on the rows
+that share it, so that (our derivation)::
+
+    C' = (1 - s) C + s sum over touches and components of (C J' e)(C J' e)',
+
+which is C again where every contact is its own touch.
+Where the residuals scatter more than their sigmas say, both terms grow by chi2 per degree of freedom (Birge 1932).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from primitives.arrays import frozen
+from primitives.evidence import Contacts
+from primitives.fit import Fit
+from primitives.residuals import Problem, linearize
+
+
+def with_shared_error(fit: Fit, contacts: Contacts, share: float = 0.5) -> Fit:
+    """The fit with the covariance that holds when a `share` of each contact's variance is its touch's."""
+    problem = Problem.of(contacts)
+    _, jacobian = linearize(fit.shape, problem, 1.0 if fit.convex else -1.0)
+    n, k = len(problem.points), len(problem.felt)
+    touch = contacts.touch
+    common = np.zeros_like(fit.covariance)
+    for one in np.unique(touch):
+        rows, felt = np.flatnonzero(touch == one), np.flatnonzero(touch[problem.felt] == one)
+        for mode in (rows, n + felt, n + k + felt):
+            moved = fit.covariance @ jacobian[mode].sum(axis=0)
+            common += np.outer(moved, moved)
+    scale = max(1.0, fit.chi2 / max(fit.dof, 1))
+    return replace(fit, covariance=frozen(scale * ((1.0 - share) * fit.covariance + share * common)))
