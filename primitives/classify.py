@@ -20,7 +20,7 @@ from primitives.shapes import KINDS, Cone, Cylinder, Sphere, Torus
 
 @dataclass(frozen=True)
 class RankOptions:
-    """What is assumed about machined parts before any touch."""
+    """What is assumed about machined parts before any touch; a kind without prior is not tried."""
 
     prior: dict[str, float] = field(
         default_factory=lambda: {"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.08, "torus": 0.07}
@@ -45,7 +45,8 @@ def rank(
 ) -> tuple[RankedFit, ...]:
     """Fits of the kinds, best first; empty where the contacts determine none."""
     options = options or RankOptions()
-    fits = [found for kind in kinds if _usable(found := fit(kind, contacts, options.fit), options)]
+    tried = [kind for kind in kinds if options.prior.get(kind, 0.0) > 0.0]
+    fits = [found for kind in tried if _usable(found := fit(kind, contacts, options.fit), options)]
     good = [found for found in fits if isinstance(found, Fit)]
     if not good:
         return ()
@@ -61,7 +62,7 @@ def score(found: Fit, options: RankOptions, excess: float = 1.0) -> float:
     """-2 ln of one fit's evidence, up to what all fits of the same contacts share."""
     parameters = found.shape.dof
     price = parameters * np.log(max(found.dof + parameters, 2))
-    return float(found.chi2 / excess + price - 2.0 * np.log(options.prior.get(found.kind, 0.05)))
+    return float(found.chi2 / excess + price - 2.0 * np.log(options.prior[found.kind]))
 
 
 def _usable(found: Fit | NoFit, options: RankOptions) -> bool:

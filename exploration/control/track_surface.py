@@ -50,15 +50,20 @@ class TrustConfig:
     """Which frames are good enough to become contacts; the rest only steer."""
 
     misfit: float = 1.8  # chi2 per degree of freedom of a flat patch
-    curved_misfit: float = (
-        8.0  # of a curved one, which an unseen edge may cut; its errors grow with the misfit
-    )
+    curved_misfit: float = 4.0  # of a curved one
     taxels: int = 8  # in contact
     flat_taxels: int = 20  # in contact, where the surface is taken for flat
     curvature: float = 0.15  # [1/mm] beyond which the rubber blurs too much
-    floor: float = 0.01  # [mm] of error common to a whole frame, which its noise does not show
-    normal_floor: float = 0.002  # [rad] the same for normals
-    curved_floor: float = 0.04  # [rad] for normals of curved patches, which an edge nearby bends
+    doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
+    floor: tuple[float, float, float] = (
+        0.01,
+        0.02,
+        0.05,
+    )  # [mm] error of a frame that its noise does not show:
+    # nothing but surface is seen; an edge cuts it; an unseen edge does
+    normal_floor: tuple[float, float, float] = (0.002, 0.04, 0.04)  # [rad] the same for normals
+    curved_normal_floor: float = 0.005  # [rad] of a curved patch that no edge cuts
+    border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
 
 @dataclass(frozen=True)
@@ -161,12 +166,12 @@ def keep(
     what = perceive(seen.image)
     surface = what.surface
     where = (seen.world_from_sensor, touch, stroke, seen.sensor)
-    floor, normal_floor = trust.floor, trust.normal_floor
-    if isinstance(surface, LocalSurface) and _trusted(surface, trust):
+    floor, normal_floor = trust.floor[0], trust.normal_floor[0]
+    if isinstance(surface, LocalSurface) and _trusted(surface, seen.image, trust):
         found = contacts_of(what, seen.image, *where)
         if surface.curved:
-            excess = max(1.0, _misfit(surface))
-            floor, normal_floor = trust.floor * excess, trust.curved_floor * excess
+            cut = 2 if _misfit(surface) > trust.doubtful else 1 if what.lines else 0
+            floor, normal_floor = trust.floor[cut], max(trust.normal_floor[cut], trust.curved_normal_floor)
     else:
         felt = feel(seen.image)
         found = flat_patch(seen.image, felt.inner, *where) if felt else Contacts.of([])
@@ -183,11 +188,14 @@ def touched_cells(seen: Observation, felt: Felt) -> Floats:
     return se3.transform_points(seen.world_from_sensor, local)
 
 
-def _trusted(surface: LocalSurface, trust: TrustConfig) -> bool:
+def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> bool:
     taxels = int(surface.mask.sum())
     if surface.curved:
         sharp = float(np.abs(surface.principal[0]).max()) > trust.curvature
-        return not sharp and _misfit(surface) < trust.curved_misfit and taxels >= trust.taxels
+        px, py = image.array.pitch
+        room = np.array([image.array.x[-1] - trust.border * px, image.array.y[-1] - trust.border * py])
+        inside = bool((np.abs(surface.point[:2]) < room).all())
+        return inside and not sharp and _misfit(surface) < trust.curved_misfit and taxels >= trust.taxels
     return _misfit(surface) < trust.misfit and taxels >= trust.flat_taxels
 
 

@@ -1,4 +1,8 @@
-"""A convex body lies behind each of its faces; a face that others' contacts contradict was none."""
+"""Faces that were none: others' contacts lie in front of them, or their own all lie where two others meet.
+
+A convex body lies behind each of its faces.  A pad that slides along a sharp rim feels something like a small
+cone; every contact there lies on the two true faces at once.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +11,26 @@ from dataclasses import replace
 import numpy as np
 
 from primitives.fit import Fit
-from primitives.patch_graph import PatchGraph
+from primitives.patch_graph import Face, PatchGraph
+from primitives.shapes import Shape
 
 _BEYOND = 0.3  # [mm] a contact this far in front of a face contradicts it
 _SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
+_ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
+_EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
+
+
+def drop_edges(graph: PatchGraph) -> PatchGraph:
+    """The graph less its faces that are the edge of two others, the poorest in contacts first."""
+    for face in sorted(graph.faces, key=lambda f: len(f.contacts)):
+        others = [f for f in graph.faces if f.id != face.id and isinstance(f.fit, Fit)]
+        if len(others) < 2 or not len(face.contacts):
+            continue
+        away = np.array([np.abs(_shape(f).signed_distance(face.contacts.points)) for f in others])
+        if float((np.sort(away, axis=0)[1] < _ON_EDGE).mean()) > _EDGE_SHARE:
+            graph = _without(graph, face.id)
+    return graph
 
 
 def drop_contradicted(graph: PatchGraph) -> PatchGraph:
@@ -20,9 +39,18 @@ def drop_contradicted(graph: PatchGraph) -> PatchGraph:
         worst = _worst(graph)
         if worst is None:
             return graph
-        faces = tuple(face for face in graph.faces if face.id != worst)
-        edges = tuple(edge for edge in graph.edges if worst not in edge.faces)
-        graph = replace(graph, faces=faces, edges=edges)
+        graph = _without(graph, worst)
+
+
+def _without(graph: PatchGraph, face_id: int) -> PatchGraph:
+    faces = tuple(face for face in graph.faces if face.id != face_id)
+    edges = tuple(edge for edge in graph.edges if face_id not in edge.faces)
+    return replace(graph, faces=faces, edges=edges)
+
+
+def _shape(face: Face) -> Shape:
+    assert isinstance(face.fit, Fit)
+    return face.fit.shape
 
 
 def _worst(graph: PatchGraph) -> int | None:

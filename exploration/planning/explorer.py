@@ -21,7 +21,7 @@ from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_edge import follow_edge
 from exploration.control.track_surface import Stroke, follow_surface, keep, touched_cells
 from exploration.devices.guard import Collision, Guard, OverPress
-from exploration.planning.consistency import drop_contradicted
+from exploration.planning.consistency import drop_contradicted, drop_edges
 from exploration.planning.frontier import Frontier, OpenEdge, Predicted
 from exploration.planning.search import sweeps
 from exploration.planning.touched import Touched
@@ -58,13 +58,7 @@ class ExplorerConfig:
 _MERGE = MergeOptions(
     slack=3.0,  # errors common to a stroke are larger than its frames' noise
     rank=RankOptions(
-        prior={
-            "plane": 0.5,
-            "cylinder": 0.25,
-            "cone": 0.1,
-            "sphere": 0.1,
-            "torus": 1e-9,
-        },  # no torus is convex
+        prior={"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.1},
     ),
 )
 
@@ -230,7 +224,7 @@ class Explorer:
             self.found.graph, gone = self.found.graph.merge_faces()
             home = gone.get(home, home)
             self._seen = [(sighting, gone.get(own, own)) for sighting, own in self._seen]
-        self.found.graph = drop_contradicted(self.found.graph)
+        self.found.graph = drop_edges(drop_contradicted(self.found.graph))
         return home if any(face.id == home for face in self.found.graph.faces) else None
 
     def _grow(self, graph: PatchGraph, face_id: int) -> bool:
