@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from primitives.arrays import Floats, Ints
+from primitives.arrays import Bools, Floats, Ints
 
 _ROUNDS = 4  # times a facet's plane is found again
 
@@ -27,6 +27,7 @@ class Flats:
     area: Floats  # (f,) [mm^2]
     corners: Ints  # corner numbers of all facets, one facet after the other
     start: Ints  # (f + 1,) where each facet's begin
+    thin: Bools  # (f,) slivers alone, whose normal is noise
 
     def __len__(self) -> int:
         return len(self.area)
@@ -61,6 +62,7 @@ def find_flats(vertices: Floats, triangles: Ints, neighbors: Ints, flat: float, 
         area / 2,
         np.ascontiguousarray(pairs[:, 1]),
         np.searchsorted(pairs[:, 0], np.arange(count + 1)),
+        np.bincount(of, ~sliver, count) == 0,
     )
 
 

@@ -1,20 +1,24 @@
 """Which exact surface every triangle of a closed mesh stands for.
 
-The steps: triangles in one plane become facets (`flats`), facets that meet become a graph (`creases`), and what
-is left over is a plane each.
+The steps: triangles in one plane become facets (`flats`), facets that meet become a graph (`creases`), curved
+surfaces gather the facets that are their chords (`curved`), fragments of one surface join (`joined`), and of what
+is left, facets that stand alone are planes and those that run on smoothly are freeform (`leftover`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from models.body import LabeledSurface
 from models.recovery.creases import find_creases
+from models.recovery.curved import CurvedOptions, find_curved, find_cut
 from models.recovery.flats import find_flats
+from models.recovery.grow import Mesh
+from models.recovery.joined import joined
+from models.recovery.leftover import LeftoverOptions, label_leftover
 from primitives.arrays import Floats, Ints, frozen
-from primitives.shapes import Plane
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,8 @@ class RecoveryOptions:
 
     flat: float = 2e-5  # from its plane that a corner of a facet may be
     flat_deg: float = 0.5  # [deg] between the normals of triangles of one facet
+    curved: CurvedOptions = field(default_factory=CurvedOptions)
+    leftover: LeftoverOptions = field(default_factory=LeftoverOptions)
 
 
 @dataclass(frozen=True)
@@ -38,13 +44,27 @@ def recover(
 ) -> Recovered:
     """The surfaces of a closed mesh of (v, 3) vertices [mm] and (t, 3) triangles with (t, 3) neighbors."""
     tolerances = options or RecoveryOptions()
-    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    flats = find_flats(
-        vertices, triangles, neighbors, tolerances.flat * diagonal, np.deg2rad(tolerances.flat_deg)
-    )
-    find_creases(vertices, triangles, neighbors, flats)
-    surfaces = tuple(
-        LabeledSurface(Plane(center, normal), True, -1)
-        for center, normal in zip(flats.center, flats.normal, strict=True)
-    )
-    return Recovered(frozen(flats.of_triangle, np.int64), surfaces)
+    flat = tolerances.flat * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    angle = float(np.deg2rad(tolerances.flat_deg))
+    flats = find_flats(vertices, triangles, neighbors, flat, angle)
+    creases = find_creases(vertices, triangles, neighbors, flats)
+    mesh = Mesh(vertices, flats, creases, flats.thin)
+    noise = corner_noise(mesh, flat / 30, flat / 3)
+    regions = joined(mesh, find_curved(mesh, noise, tolerances.curved), noise)
+    taken = np.zeros(len(flats), dtype=bool)
+    for region in regions:
+        taken[region.facets] = True
+    if not taken.all():
+        regions = joined(mesh, regions + find_cut(mesh, taken, noise, tolerances.curved), noise)
+    labels, surfaces = label_leftover(mesh, regions, flat, tolerances.leftover)
+    return Recovered(frozen(labels[flats.of_triangle], np.int64), surfaces)
+
+
+def corner_noise(mesh: Mesh, least: float, most: float) -> float:
+    """[mm] of rounding in the corners, as the flats with more than three show it."""
+    corners, start, normal = mesh.flats.corners, mesh.flats.start, mesh.flats.normal
+    facet = np.repeat(np.arange(len(mesh.flats)), np.diff(start))
+    away = np.abs(np.einsum("ij,ij->i", mesh.vertices[corners] - mesh.flats.center[facet], normal[facet]))
+    proven = (np.diff(start) > 4)[facet]
+    spread = 2 * float(np.quantile(away[proven], 0.8)) if proven.any() else 0.0
+    return float(np.clip(spread, least, most))

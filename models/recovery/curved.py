@@ -1,0 +1,248 @@
+"""Curved surfaces, one after another: a patch of facets, the shapes that fit it, as far as each can grow.
+
+The simplest shape wins unless another explains more area.  Facets are taken by the surface that was found first;
+large regular neighborhoods are looked at first.
+
+What counts as curved and not as a prism, where triangles alone cannot say: neighbors turn by at most `smooth`
+(a twelve-sided hole is round, an octagon is not), and a few facets that are not tangent to anything must be
+at least four of like width.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from models.recovery.fits import FacetFitOptions, depth, evidence, fit_facets, refit_facets
+from models.recovery.grow import Mesh, Reach, grow
+from primitives.arrays import Bools, Floats, Ints
+from primitives.shapes import Shape
+
+
+@dataclass(frozen=True)
+class CurvedOptions:
+    """How patches are chosen and regions judged."""
+
+    smooth: float = np.deg2rad(32.0)  # [rad] the greatest turn between facets of one curved surface
+    alike: float = 6.0  # the greatest ratio of areas between neighbors of one patch
+    patches: tuple[int, ...] = (12, 5)  # facets of a patch, the larger tried first
+    fewest: dict[str, int] = field(
+        default_factory=lambda: {"cylinder": 3, "sphere": 4, "cone": 3, "torus": 6}
+    )
+    few: int = 5  # a region of no more facets needs to be regular or tangent to a neighbor
+    regular: float = 1.6  # ratio of widths of regular facets
+    tangent: float = np.deg2rad(5.0)  # [rad] between a neighbor's normal and the surface's at their rim
+    simpler: float = 0.97  # a simpler shape with this share of the best one's area is preferred
+    whole: float = 0.95  # a shape that covers this share of its neighborhood is not challenged
+    rounds: int = 5  # of growing and fitting again
+    failures: int = (
+        12  # patches that may lead nowhere before a neighborhood is given up; and one in 20 facets
+    )
+    slack: float = 1.2  # how far corners may be off where chords were cut, in units of the chords' sag
+    together: int = 3  # surfaces that may explain a neighborhood of cut chords
+    fit: FacetFitOptions = FacetFitOptions()
+
+
+@dataclass(frozen=True)
+class Region:
+    """Facets on one curved surface."""
+
+    shape: Shape
+    convex: bool
+    facets: Ints
+    reach: Reach
+
+
+def find_curved(mesh: Mesh, noise: float, options: CurvedOptions) -> list[Region]:
+    """Disjoint regions whose corners are on their surface but for `noise` [mm], in the order of finding."""
+    free = np.ones(len(mesh.flats), dtype=bool)
+    return [
+        region
+        for hood in neighborhoods(mesh, free, options)
+        for region in _in_neighborhood(mesh, hood, free, noise, 0.0, options)
+    ]
+
+
+def find_cut(mesh: Mesh, taken: Bools, noise: float, options: CurvedOptions) -> list[Region]:
+    """Regions whose every chord was cut, so that corners are off by up to a chord's sag.
+
+    At that tolerance an arc fits any short piece of a freeform surface; so surfaces count only where one, two or
+    three of them explain the whole of a neighborhood.
+    """
+    out: list[Region] = []
+    free = ~taken
+    for hood in neighborhoods(mesh, free, options):
+        inside = np.zeros(len(free), dtype=bool)
+        inside[hood] = True
+        area = mesh.flats.area * inside
+        found: list[Region] = []
+        for region in _in_neighborhood(mesh, hood, inside & free, noise, options.slack, options):
+            found.append(region)
+            if len(found) == options.together:
+                break
+        if sum(area[region.facets].sum() for region in found) > options.whole * area.sum():
+            out += found
+            for region in found:
+                free[region.facets] = False
+    return out
+
+
+def neighborhoods(mesh: Mesh, free: Bools, options: CurvedOptions) -> list[Ints]:
+    """Sets of free facets that hang together by links of like facets, the largest area first."""
+    first, second = alike(mesh, options)
+    both = free[first] & free[second]
+    n = len(mesh.flats)
+    links = (np.ones(int(both.sum()), dtype=bool), (first[both], second[both]))
+    group = connected_components(coo_array(links, shape=(n, n)), False)[1]
+    order = np.argsort(group, kind="stable")
+    hoods = np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
+    hoods = [hood for hood in hoods if len(hood) >= 3]
+    return sorted(hoods, key=lambda hood: -float(mesh.flats.area[hood].sum()))
+
+
+def _in_neighborhood(
+    mesh: Mesh, hood: Ints, free: Bools, noise: float, slack: float, options: CurvedOptions
+) -> Iterator[Region]:
+    """Regions from seeds in one neighborhood, larger facets first; marks what they take as no longer free."""
+    tried = np.zeros(len(free), dtype=bool)
+    left = options.failures + len(hood) // 20
+    for seed in hood[np.argsort(-mesh.flats.area[hood])].tolist():
+        if not free[seed] or tried[seed]:
+            continue
+        region = _from_seed(mesh, seed, hood, free, noise, slack, options)
+        if region is not None:
+            free[region.facets] = False
+            yield region
+            continue
+        tried[_patch(mesh, seed, free, 5, options)[0]] = True
+        left -= 1
+        if left == 0:
+            return
+
+
+def alike(mesh: Mesh, options: CurvedOptions) -> tuple[Ints, Ints]:
+    """Pairs of neighbors that may be of one curved surface: a small turn and areas of one size."""
+    creases, area = mesh.creases, mesh.flats.area
+    first = np.repeat(np.arange(len(mesh.flats)), np.diff(creases.start))
+    ratio = area[first] / area[creases.other]
+    good = (np.abs(creases.turn) < options.smooth) & (ratio < options.alike) & (ratio > 1 / options.alike)
+    good &= ~mesh.thin[first] & ~mesh.thin[creases.other]
+    return first[good], creases.other[good]
+
+
+def _from_seed(
+    mesh: Mesh, seed: int, hood: Ints, free: Bools, noise: float, slack: float, options: CurvedOptions
+) -> Region | None:
+    around = float(mesh.flats.area[hood[free[hood]]].sum())
+    for count in options.patches:
+        patch, turn, sag = _patch(mesh, seed, free, count, options)
+        if len(patch) < 3:
+            return None
+        best: tuple[float, Region] | None = None
+        for kind in options.fewest:
+            region = _region(kind, mesh, patch, turn, free, noise + slack * sag / 3, options)
+            if region is None:
+                continue
+            area = float(mesh.flats.area[region.facets].sum())
+            if best is None or best[0] < options.simpler * area:
+                best = area, region
+            if area > options.whole * around:
+                break
+        if best is not None:
+            return best[1]
+    return None
+
+
+def _patch(
+    mesh: Mesh, seed: int, free: Bools, count: int, options: CurvedOptions
+) -> tuple[Ints, float, float]:
+    """The nearest free facets of like size, the greatest turn among them [rad] and their typical sag [mm]."""
+    creases, area = mesh.creases, mesh.flats.area
+    patch, turns, sags = [seed], [0.0], [0.0]
+    for f in patch:
+        for i in range(*creases.around(f).indices(len(creases.other))):
+            g, turn = int(creases.other[i]), abs(float(creases.turn[i]))
+            if turn > options.smooth or not free[g] or mesh.thin[g]:
+                continue
+            if g in patch:
+                turns.append(turn)
+                sags.append(turn * min(area[f], area[g]) / max(float(creases.length[i]), 1e-12) / 8)
+            elif len(patch) < count and 1 / options.alike < area[g] / area[f] < options.alike:
+                patch.append(g)
+                turns.append(turn)
+    return np.array(patch), max(turns), float(np.quantile(sags, 0.8))
+
+
+def _region(
+    kind: str, mesh: Mesh, patch: Ints, turn: float, free: Bools, noise: float, options: CurvedOptions
+) -> Region | None:
+    found = fit_facets(kind, evidence(mesh, patch, turn, noise, options.fit), options.fit)
+    if not found:
+        return None
+    shape, convex = found.shape, found.convex
+    off = shape.signed_distance(mesh.vertices[_corner_list(mesh, patch)])
+    if float(np.sqrt((off**2).mean())) > 12 * noise:
+        return None
+    members, last = patch, 0.0
+    for _ in range(options.rounds):
+        near = np.abs(shape.signed_distance(mesh.vertices[_corner_list(mesh, members)]))
+        loose = float(np.clip(3 * np.sqrt((near**2).mean()), 3 * noise, 12 * noise))
+        sag = float(np.quantile(depth(mesh, shape, members), 0.9))
+        reach = Reach(loose, 2.5 * sag + 3 * noise, min(1.3 * turn + 0.02, 0.45), options.smooth)
+        grown = np.sort(grow(mesh, shape, convex, members, free, reach))
+        if len(grown) < options.fewest[kind]:
+            return None
+        area = float(mesh.flats.area[grown].sum())
+        if abs(area - last) < 1e-9 * area:
+            break
+        members, last = grown, area
+        again = refit_facets(shape, convex, evidence(mesh, members, turn, noise, options.fit), options.fit)
+        if not again:
+            return None
+        shape = again.shape
+    reach = replace(reach, corner=3 * noise)
+    members = np.sort(grow(mesh, shape, convex, members, free, reach))
+    members = members[free[members]]
+    if not _convincing(kind, mesh, shape, convex, members, options):
+        return None
+    return Region(shape, convex, members, reach)
+
+
+def _corner_list(mesh: Mesh, facets: Ints) -> Ints:
+    start = mesh.flats.start
+    return np.concatenate([mesh.flats.corners[start[f] : start[f + 1]] for f in facets])
+
+
+def _convincing(
+    kind: str, mesh: Mesh, shape: Shape, convex: bool, members: Ints, options: CurvedOptions
+) -> bool:
+    thick = members[~mesh.thin[members]]
+    if len(thick) < options.fewest[kind]:
+        return False
+    if len(thick) > options.few:
+        return True
+    if _touches_smoothly(mesh, shape, convex, thick, options):
+        return True
+    widths = np.sqrt(depth(mesh, shape, thick))
+    return len(thick) >= 4 and bool(widths.max() < options.regular * widths.min())
+
+
+def _touches_smoothly(mesh: Mesh, shape: Shape, convex: bool, members: Ints, options: CurvedOptions) -> bool:
+    """Whether some neighbor is tangent to the surface where it meets the members."""
+    creases, start = mesh.creases, mesh.flats.start
+    inside = set(members.tolist())
+    for f in members.tolist():
+        mine = mesh.flats.corners[start[f] : start[f + 1]]
+        for i in range(*creases.around(f).indices(len(creases.other))):
+            g = int(creases.other[i])
+            if g in inside or abs(creases.turn[i]) > options.smooth or mesh.thin[g]:
+                continue
+            shared = np.intersect1d(mine, mesh.flats.corners[start[g] : start[g + 1]])
+            normals: Floats = shape.normals(mesh.vertices[shared]) * (1.0 if convex else -1.0)
+            if len(shared) and (normals @ mesh.flats.normal[g] > np.cos(options.tangent)).all():
+                return True
+    return False
