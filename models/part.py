@@ -26,9 +26,16 @@ class Part:
 
 
 def load_part(
-    name_or_path: str | Path, units: Units = "auto", scale: float = 1.0, body: int | None = None
+    name_or_path: str | Path,
+    units: Units = "auto",
+    scale: float = 1.0,
+    body: int | None = None,
+    facets: bool = False,
 ) -> Part:
-    """A built-in part, or one in a CAD file; `units`, `scale` and `body` (from 1) are for files."""
+    """A built-in part, or one in a CAD file; `units`, `scale` and `body` (from 1) are for files.
+
+    `facets` keeps the flat sides that OpenSCAD gives its circles, which are round else.
+    """
     wanted = str(name_or_path)
     if wanted in parts.names():
         tree = parts.build(wanted)
@@ -36,15 +43,15 @@ def load_part(
     if not _looks_like_a_file(wanted):
         raise PalpateError(parts.unknown(wanted))
     if Path(wanted).suffix.lower() in openscad.SUFFIXES:
-        return _drawn(Path(wanted), units, scale)
+        return _drawn(Path(wanted), units, scale, facets)
     loaded = load(wanted, units, scale, body)
     return Part(Path(wanted).stem, loaded.solid, None, loaded.warnings)
 
 
-def _drawn(file: Path, units: Units, scale: float) -> Part:
+def _drawn(file: Path, units: Units, scale: float, facets: bool) -> Part:
     """A part whose file says what it is built from."""
     checked_flags(units, scale)
-    drawing = openscad.read(file, scale * MM.get(units, 1.0))
+    drawing = openscad.read(file, scale * MM.get(units, 1.0), facets)
     try:
         solid = Solid.from_csg(drawing.tree)
     except PalpateError as error:

@@ -168,10 +168,10 @@ class Evaluator:
                     )
                 closure = self._function(node, scope)
                 if closure is None:
+                    if node.left.name == "is_undef" and self._unknown(node.arguments, scope):
+                        return True
                     placed, named = self.arguments(node.arguments, scope)
                     self.at(node)
-                    if node.left.name == "is_undef":
-                        return not placed or placed[0] is None
                     return FUNCTIONS[node.left.name]((*placed, *named.values()), budget)
                 body, scope = closure.body, self.enter(closure, node.arguments, scope, caller)
                 while isinstance(body, _TAIL):
@@ -198,6 +198,13 @@ class Evaluator:
         if not isinstance(value, Closure):
             raise self.error(node, "what is called here is no function; check the brackets")
         return value
+
+    def _unknown(self, given: list[Any], scope: Scope) -> bool:
+        """Whether the one argument is a name that stands for nothing."""
+        name = given[0].expr if len(given) == 1 else None
+        return isinstance(name, syntax.Identifier) and not (
+            scope.variable(name.name)[0] or scope.function(name.name) or name.name == "PI"
+        )
 
     def _list(self, node: Any, scope: Scope) -> Value:
         out: list[Value] = []

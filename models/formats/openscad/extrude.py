@@ -14,8 +14,9 @@ import numpy as np
 from models.csg import Cone, Csg, Cube, Cylinder, Difference, Intersection, Polyhedron, Prism, Union
 from models.formats.openscad import sizes
 from models.formats.openscad.flat import Combined, Disc, Flat, Outline, bounds
-from models.formats.openscad.revolve import turned_outline, turned_ring
+from models.formats.openscad.revolve import right_half, turned_outline, turned_ring
 from models.formats.openscad.shapes import Shape
+from models.formats.openscad.sided import turned
 from models.formats.openscad.values import Value, is_number
 from models.polygons import cleaned
 from primitives.arrays import Floats
@@ -44,8 +45,8 @@ def linear(shape: Shape, flat: Flat) -> Csg:
     return _each(flat, prism, 0)
 
 
-def rotated(shape: Shape, flat: Flat) -> Csg:
-    """`rotate_extrude`."""
+def rotated(shape: Shape, flat: Flat, facets: bool = False) -> Csg:
+    """`rotate_extrude`; with `facets` it has OpenSCAD's flat sides."""
     angle = sizes.number(shape, "angle", 360.0)
     angle = 360.0 if abs(angle) > 360 else angle
     if angle == 0:
@@ -59,8 +60,15 @@ def rotated(shape: Shape, flat: Flat) -> Csg:
         raise shape.error("rotate_extrude's shape lies on both sides of the axis; move it to one")
 
     def ring(leaf: Disc | Outline, level: int) -> Csg:
+        if facets and isinstance(leaf, Outline):
+            return turned(right_half(leaf.corners), fragments, leaf.label)
         return turned_ring(shape, leaf) if isinstance(leaf, Disc) else turned_outline(leaf)
 
+    fragments = sizes.fragments(shape, float(high[0]))
+    if facets and abs(angle) != 360:
+        raise shape.error(
+            "rotate_extrude by less than a full turn is read round only; read it without facets"
+        )
     whole = _each(flat, ring, 0)
     if abs(angle) == 360:
         return whole

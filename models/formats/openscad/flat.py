@@ -10,6 +10,7 @@ import numpy as np
 from models.formats.openscad import sizes
 from models.formats.openscad.affine import SIX_DIGITS, TRANSFORMS, matrix_of
 from models.formats.openscad.shapes import Shape
+from models.formats.openscad.sided import polygon
 from models.polygons import polygon_distance, signed_area
 from primitives.arrays import Floats
 
@@ -47,8 +48,8 @@ Flat = Disc | Outline | Combined
 class Plan:
     """Reads the children of an extrusion."""
 
-    def __init__(self, mind_sides: Callable[[Shape], None]) -> None:
-        self._mind_sides = mind_sides
+    def __init__(self, sided: Callable[[Shape], bool]) -> None:
+        self._sided = sided
 
     def union(self, shapes: Sequence[Shape], matrix: Floats | None = None) -> Flat | None:
         """What the shapes cover together, under a (4, 4) matrix."""
@@ -77,7 +78,9 @@ class Plan:
         raise shape.error(f"{name}() is outside the subset that is read; draw the outline as a polygon")
 
     def _circle(self, shape: Shape, matrix: Floats) -> Flat:
-        self._mind_sides(shape)
+        radius = sizes.radius(shape)
+        if self._sided(shape):
+            return _outline(polygon(sizes.fragments(shape, radius), radius), matrix, shape.label)
         linear = matrix[:2, :2]
         factor = float(np.sqrt(abs(np.linalg.det(linear))))
         if np.abs(linear.T @ linear / factor**2 - np.eye(2)).max() > SIX_DIGITS:
@@ -86,7 +89,7 @@ class Plan:
             )
         near = float(f"{factor:.5g}")
         factor = near if abs(factor - near) <= SIX_DIGITS * near else factor
-        return Disc(matrix[:2, 3].copy(), sizes.radius(shape) * factor, shape.label)
+        return Disc(matrix[:2, 3].copy(), radius * factor, shape.label)
 
 
 def bounds(flat: Flat) -> Floats:

@@ -11,7 +11,7 @@ from primitives.errors import PalpateError
 class Limits:
     """Bounds on what evaluating one file may cost."""
 
-    steps: int = 3_000_000  # operations on single values; some seconds
+    steps: int = 1_500_000  # operations on single values; some seconds
     calls: int = 400  # functions and modules within one another
     length: int = 100_000  # elements of a list, characters of a string, turns of a loop
     solids: int = 5_000  # shapes that the file draws

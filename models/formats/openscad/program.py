@@ -16,7 +16,7 @@ from models.formats.openscad.expressions import Evaluator
 from models.formats.openscad.folder import Folder
 from models.formats.openscad.limits import Budget
 from models.formats.openscad.scope import Scope
-from models.formats.openscad.shapes import ARGUMENTS, REFUSED, Shape
+from models.formats.openscad.shapes import ARGUMENTS, CHILDLESS, REFUSED, Shape
 from models.formats.openscad.syntax import Source
 from models.formats.openscad.values import Closure, Value, is_number, true
 
@@ -164,6 +164,8 @@ class Program:
         shape = self._group(node, [], name)
         shape.arguments = arguments
         shape.facets = tuple(_size(inner.variable(k)[1]) for k in ("$fn", "$fa", "$fs"))  # type: ignore[assignment]
+        if node.children and name in CHILDLESS:
+            raise self.evaluate.error(node, f"{name} holds nothing; end it with a semicolon")
         shape.children = self._block(node.children, inner)
         return shape
 

@@ -33,7 +33,7 @@ def turned_ring(shape: Shape, disc: Disc) -> Csg:
 
 def turned_outline(outline: Outline) -> Csg:
     """A polygon's part with x >= 0 turned."""
-    corners = _right_half(cleaned(outline.corners))
+    corners = right_half(cleaned(outline.corners))
     levels = np.unique(corners[:, 1])
     rows = [_crossings(corners, low, high) for low, high in pairwise(levels)]
     if all(len(row) == 2 for row in rows):
@@ -105,7 +105,7 @@ def _frustum(side: Side, longer_below: bool = False, longer_above: bool = False)
     return _at(Cylinder(a, high - low), (low + high) / 2)
 
 
-def _right_half(corners: Floats) -> Floats:
+def right_half(corners: Floats) -> Floats:
     """The polygon cut at x = 0 (Sutherland and Hodgman 1974)."""
     if corners[:, 0].min() >= 0:
         return corners

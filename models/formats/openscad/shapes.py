@@ -34,6 +34,7 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "hull": (),
     "minkowski": ("convexity",),
 }
+CHILDLESS = frozenset({"cube", "cylinder", "sphere", "polyhedron", "square", "circle", "polygon"})
 REFUSED = {
     "import": "load the mesh itself, or draw its shape with primitives",
     "surface": "load it as a mesh (STL) instead",

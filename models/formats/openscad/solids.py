@@ -22,7 +22,7 @@ from models.csg import (
     Torus,
     Union,
 )
-from models.formats.openscad import sizes
+from models.formats.openscad import sided, sizes
 from models.formats.openscad.affine import SIX_DIGITS, TRANSFORMS, Split, matrix_of, split
 from models.formats.openscad.extrude import linear, rotated
 from models.formats.openscad.flat import Plan
@@ -91,11 +91,13 @@ class Solids:
         return self.fitted(Cube(tuple(size.tolist()), name=shape.label), matrix @ pose(None, middle), shape)
 
     def _sphere(self, shape: Shape, matrix: Floats) -> Csg:
-        self.mind_sides(shape)
-        return self.fitted(Sphere(sizes.radius(shape), name=shape.label), matrix, shape)
+        radius = sizes.radius(shape)
+        made: Csg = Sphere(radius, shape.label)
+        if self.sided(shape):
+            made = sided.ball(sizes.fragments(shape, radius), radius, shape.label)
+        return self.fitted(made, matrix, shape)
 
     def _cylinder(self, shape: Shape, matrix: Floats) -> Csg:
-        self.mind_sides(shape)
         height = sizes.length(shape, "h", 1.0)
         low, high = sizes.radius(shape, "1", zero=True), sizes.radius(shape, "2", zero=True)
         if low == high == 0:
@@ -104,6 +106,8 @@ class Solids:
         made: Csg = (
             Cylinder(low, height, shape.label) if low == high else Cone(low, high, height, shape.label)
         )
+        if self.sided(shape):
+            made = sided.bar(sizes.fragments(shape, max(low, high)), low, high, height, shape.label)
         return self.fitted(made, matrix @ pose(None, middle), shape)
 
     def _polyhedron(self, shape: Shape, matrix: Floats) -> Csg:
@@ -114,17 +118,20 @@ class Solids:
         return self.fitted(made, matrix, shape)
 
     def _extruded(self, shape: Shape, matrix: Floats) -> Csg | None:
-        plan = Plan(self.mind_sides).union(shape.children)
+        plan = Plan(self.sided).union(shape.children)
         if plan is None:
             return None
-        made = (linear if shape.name == "linear_extrude" else rotated)(shape, plan)
+        made = linear(shape, plan) if shape.name == "linear_extrude" else rotated(shape, plan, self.facets)
         return None if made is None else self.refitted(made, matrix, shape)
 
-    def mind_sides(self, shape: Shape) -> None:
-        """Warn where a circle of few sides may be meant as a polygon."""
+    def sided(self, shape: Shape) -> bool:
+        """Whether a circle keeps its sides; warns where it does not and they may be meant."""
+        if self.facets:
+            return True
         if 0 < shape.facets[0] < _FEW_SIDES:
             few = f"{shape.place}: {shape.name} with $fn = {shape.facets[0]:g} is read as round; "
             self.warnings.append(few + "draw a polygon if flat sides are meant")
+        return False
 
     def refitted(self, tree: Csg, matrix: Floats, shape: Shape) -> Csg:
         """A tree that is not of one primitive under a matrix."""

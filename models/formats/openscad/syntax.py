@@ -99,6 +99,8 @@ def _syntax_error(text: str, name: str, said: str) -> str:
     line, column = int(where[1]), int(where[2])
     lines = text.split("\n")
     if not 1 <= line <= len(lines):
-        return f"{name} ends in the middle of a statement; close its brackets, and end it with a semicolon"
+        return f"{name} ends in the middle of a statement; close its brackets"
+    if not "\n".join(lines[line - 1 :])[column:].strip():
+        return f"{name}, line {line}: the file ends in the middle of a statement; close its brackets"
     rest = " ".join(lines[line - 1][max(column - 1, 0) :].split())[:24]
     return f"{name}, line {line}: cannot read {rest or 'the line'!r} as OpenSCAD; check the line and the one above"
