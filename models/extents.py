@@ -46,7 +46,10 @@ def anchored(shape: Shape | None, corners: Floats, rim: Floats) -> tuple[Shape |
 
 
 def rectangle(points: Floats, normal: Floats) -> Extent:
-    """Length and width of the least rectangle, by area, round (n, 3) points seen along `normal`."""
+    """Length and width of the least rectangle, by area, round (n, 3) points seen along `normal`.
+
+    Of equal ones (a right triangle has two) the longest.
+    """
     flat = (points - points.mean(axis=0)) @ frame_along(normal)[:, :2]
     try:
         outline = flat[ConvexHull(flat).vertices]
@@ -57,7 +60,8 @@ def rectangle(points: Floats, normal: Floats) -> Extent:
     along = outline @ sides.T
     across = outline @ np.stack([-sides[:, 1], sides[:, 0]])
     lengths, widths = np.ptp(along, axis=0), np.ptp(across, axis=0)
-    best = int(np.argmin(lengths * widths))
+    areas = lengths * widths
+    best = int(np.argmax(np.where(areas <= areas.min() * (1 + 1e-6), np.maximum(lengths, widths), -np.inf)))
     pair = float(lengths[best]), float(widths[best])
     return max(pair), min(pair)
 

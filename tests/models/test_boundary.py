@@ -157,3 +157,11 @@ def test_an_unlabeled_block_has_the_boundary_of_its_tree() -> None:
     assert bare.check() == ()
     extents = [np.array(sorted(face.extent for face in brep.faces)) for brep in (bare, _brep(tree))]
     np.testing.assert_allclose(*extents, atol=1e-6)
+
+
+def test_a_right_triangle_has_its_longest_side_for_length_however_it_is_turned() -> None:
+    corners = np.array([[0.0, 0, 0], [30, 0, 0], [0, 40, 0]])
+    for turn in np.linspace(0, 6, 9):
+        c, s = np.cos(turn), np.sin(turn)
+        turned = corners @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+        assert rectangle(turned, np.array([0.0, 0, 1])) == pytest.approx((50, 24))
