@@ -25,6 +25,10 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+library_app = typer.Typer(
+    help="Models to recognize, and their boundaries.", no_args_is_help=True, rich_markup_mode=None
+)
+app.add_typer(library_app, name="library")
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")]
 
 
@@ -168,6 +172,40 @@ def sensors(as_json: Json = False) -> None:
         print_json({"sensors": rows})
     else:
         typer.echo(table_text(rows))
+
+
+@library_app.command("show")
+def library_show(
+    file: Annotated[str, typer.Argument(help="A CAD file, or a built-in part (palpate parts).")],
+    units: Annotated[str, typer.Option(help="Unit of the CAD file: auto, mm, cm, m or in.")] = "auto",
+    scale: Annotated[float, typer.Option(help="Factor on the CAD file's size.")] = 1.0,
+    body: Annotated[
+        int | None, typer.Option(help="Which of a file's bodies, from 1.", show_default=False)
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="PAGE.html", help="Also draw it as a page.", show_default=False)
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Draw one model's boundary: faces by shape, edges by kind, which face meets which."""
+    with one_line_errors(exit_code=2):
+        from models.formats.units import checked_flags
+
+        checked_flags(units, scale)
+    with one_line_errors():
+        from recognition.library_show import show, write_page
+
+        shown = show(file, units, scale, body)
+        if out is not None:
+            write_page(shown, out)
+    if as_json:
+        print_json(shown.summary)
+    else:
+        from recognition.report.boundary_terminal import print_boundary
+
+        print_boundary(shown.summary)
+        if out is not None:
+            typer.echo(f"page: {out}", err=True)
 
 
 @app.command()

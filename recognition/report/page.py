@@ -15,7 +15,7 @@ from recognition.report.payload import left_out, payload
 from recognition.report.run_report import RunReport
 from recognition.run_folder import json_text
 
-_SCRIPTS = ("gl.js", "scene.js", "panels.js", "main.js")
+_SCRIPTS = ("gl.js", "scene.js", "panels.js", "theme.js", "main.js")
 _LAYERS = (
     ("model", "Model"),
     ("truth", "Truth"),
@@ -42,7 +42,7 @@ def report_html(report: RunReport) -> str:
     }
     places = {
         "title": escape(str(summary.get("part") or "a touched object")),
-        "style": _resource("style.css"),
+        "style": resource("style.css"),
         "lede": tables.lede(summary),
         "figures": tables.figures(summary),
         "layers": "".join(_layer(name, label) for name, label in _LAYERS if present[name]),
@@ -52,9 +52,9 @@ def report_html(report: RunReport) -> str:
             f"palpate {summary.get('version', '')}, seed {summary.get('seed', '')}. Lengths in mm, world frame."
         ),
         "data": json_text(payload(report)).replace("<", "\\u003c"),
-        "script": "\n".join(_resource(name) for name in _SCRIPTS).replace('"use strict";\n', ""),
+        "script": "\n".join(resource(name) for name in _SCRIPTS).replace('"use strict";\n', ""),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda place: places[place[1]], _resource("page.html"))
+    return re.sub(r"\{\{(\w+)\}\}", lambda place: places[place[1]], resource("page.html"))
 
 
 def _layer(name: str, label: str) -> str:
@@ -62,5 +62,6 @@ def _layer(name: str, label: str) -> str:
     return f'<label><input type="checkbox" data-layer="{name}"{checked}>{label}</label>'
 
 
-def _resource(name: str) -> str:
+def resource(name: str) -> str:
+    """A file beside this one, as text."""
     return (files(__package__) / name).read_text(encoding="utf-8")

@@ -36,10 +36,10 @@ def payload(report: RunReport, limits: PayloadLimits | None = None) -> dict[str,
         "model": _mesh(model, limits),
         "truth": _mesh(truth, limits),
         "contacts": {
-            "points": _packed(report.contacts[contacts], "f4"),
-            "face": _packed(report.contact_face[contacts], "f4"),
+            "points": packed(report.contacts[contacts], "f4"),
+            "face": packed(report.contact_face[contacts], "f4"),
         },
-        "traces": _packed(_trace_segments(report, limits), "f4"),
+        "traces": packed(_trace_segments(report, limits), "f4"),
         "frames": _frames(report.frames, limits),
         "pad": list(report.pad_size),
         "housing": list(report.housing_size),
@@ -65,10 +65,10 @@ def _mesh(mesh: ReportMesh | None, limits: PayloadLimits) -> Mapping[str, Any] |
     if mesh is None:
         return None
     return {
-        "vertices": _packed(mesh.vertices, "f4"),
-        "triangles": _packed(mesh.triangles, "i4"),
-        "face": _packed(mesh.face, "i4"),
-        "edges": _packed(_outline(mesh, limits.outline), "f4"),
+        "vertices": packed(mesh.vertices, "f4"),
+        "triangles": packed(mesh.triangles, "i4"),
+        "face": packed(mesh.face, "i4"),
+        "edges": packed(_outline(mesh, limits.outline), "f4"),
     }
 
 
@@ -105,13 +105,13 @@ def _frames(frames: ReportFrames, limits: PayloadLimits) -> dict[str, Any]:
     return {
         "count": len(kept),
         "shape": [len(kept), rows, columns],
-        "times": _packed(frames.times[kept] - (frames.times[0] if count else 0.0), "f4"),
-        "poses": _packed(np.swapaxes(frames.poses[kept], 1, 2), "f4"),
-        "counts": _packed(np.rint(levels), "u1"),
-        "forces": _packed(frames.forces[kept], "f4"),
-        "touch": _packed(frames.touch[kept], "i4"),
-        "lines": _packed(np.concatenate([*lines, np.empty((0, 2))]), "f4"),
-        "lineStart": _packed(starts, "i4"),
+        "times": packed(frames.times[kept] - (frames.times[0] if count else 0.0), "f4"),
+        "poses": packed(np.swapaxes(frames.poses[kept], 1, 2), "f4"),
+        "counts": packed(np.rint(levels), "u1"),
+        "forces": packed(frames.forces[kept], "f4"),
+        "touch": packed(frames.touch[kept], "i4"),
+        "lines": packed(np.concatenate([*lines, np.empty((0, 2))]), "f4"),
+        "lineStart": packed(starts, "i4"),
     }
 
 
@@ -144,6 +144,7 @@ def _thinned(count: int, most: int) -> Ints:
     return np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
 
 
-def _packed(values: Any, kind: str) -> dict[str, str]:
+def packed(values: Any, kind: str) -> dict[str, str]:
+    """An array as little-endian base64 of a numpy kind."""
     data = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
     return {"type": kind, "base64": base64.b64encode(data.tobytes()).decode()}

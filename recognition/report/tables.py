@@ -26,6 +26,11 @@ def figures(summary: Json) -> str:
         ("Surface error, rms", _rounded(truth.get("surface_rms_mm"), 3), "mm"),
         ("Overlap with truth", _rounded(truth.get("iou"), 4), ""),
     ]
+    return figure_cells(cells)
+
+
+def figure_cells(cells: Iterable[tuple[str, Any, str]]) -> str:
+    """Names, values and units as large numbers; those without a value are left out."""
     shown = [
         f"<div><dt>{name}</dt><dd>{escape(_thousands(value))}{_unit(unit)}</dd></div>"
         for name, value, unit in cells
@@ -53,7 +58,7 @@ def _many(count: int, noun: str) -> str:
 def legend(summary: Json, traces: bool) -> str:
     """One swatch per shape that occurs."""
     shapes = dict.fromkeys(str(face["shape"]) for face in summary.get("faces") or [])
-    items = [f"<li>{_swatch(shape)}{escape(shape)}</li>" for shape in shapes]
+    items = [f"<li>{swatch(shape)}{escape(shape)}</li>" for shape in shapes]
     if traces:
         items.append('<li><span class="swatch line"></span>tracked edge</li>')
     return "".join(items)
@@ -65,23 +70,25 @@ def sections(summary: Json, settings: Json, notes: Sequence[str]) -> str:
     listed = "".join(f"<li>{escape(str(warning))}</li>" for warning in warnings)
     return "".join(
         [
-            _section("Warnings", f'<ul class="warnings">{listed}</ul>' if warnings else ""),
-            _section("Faces", _table(summary.get("faces") or [], FACES, face_rows=True)),
-            _section("Edges", _table(summary.get("edges") or [], EDGES)),
-            _section("Primitives", _table(summary.get("primitives") or [], PRIMITIVES)),
+            section("Warnings", f'<ul class="warnings">{listed}</ul>' if warnings else ""),
+            section("Faces", table(summary.get("faces") or [], FACES, face_rows=True)),
+            section("Edges", table(summary.get("edges") or [], EDGES)),
+            section("Primitives", table(summary.get("primitives") or [], PRIMITIVES)),
             '<div class="pair">',
-            _section("Against the truth", _pairs(summary.get("truth") or {})),
-            _section("Settings", _pairs(settings)),
+            section("Against the truth", _pairs(summary.get("truth") or {})),
+            section("Settings", _pairs(settings)),
             "</div>",
         ]
     )
 
 
-def _section(title: str, body: str) -> str:
+def section(title: str, body: str) -> str:
+    """A titled part of the page; nothing where the body is empty."""
     return f'<section class="table"><h2>{title}</h2>{body}</section>' if body else ""
 
 
-def _table(rows: Iterable[Row], columns: Sequence[Column], face_rows: bool = False) -> str:
+def table(rows: Iterable[Row], columns: Sequence[Column], face_rows: bool = False) -> str:
+    """Rows under the columns' titles; `face_rows` are marked with their face's id."""
     body = [
         (f'<tr tabindex="0" data-face="{int(row["id"])}">' if face_rows else "<tr>")
         + "".join(f"<td{_align(number)}>{cell(row)}</td>" for _, number, cell in columns)
@@ -145,7 +152,8 @@ def _unit(unit: str) -> str:
     return f"<small> {unit}</small>" if unit else ""
 
 
-def _swatch(shape: str) -> str:
+def swatch(shape: str) -> str:
+    """A small square in the shape's color."""
     return f'<span class="swatch" style="background: var(--{escape(shape)})"></span>'
 
 
@@ -176,7 +184,7 @@ def _radii(row: Row) -> str:
 
 FACES: tuple[Column, ...] = (
     ("", True, lambda f: str(int(f["id"]))),
-    ("Shape", False, lambda f: _swatch(str(f["shape"])) + escape(str(f["shape"]))),
+    ("Shape", False, lambda f: swatch(str(f["shape"])) + escape(str(f["shape"]))),
     ("Status", False, _state),
     ("Extent, mm", True, lambda f: _lengths(f.get("extent_mm"))),
     ("Radius, mm", True, lambda f: _with_sigma(f, "radius_mm", 3)),

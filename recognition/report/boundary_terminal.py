@@ -1,0 +1,109 @@
+"""A boundary as a terminal shows it: size and symmetry, its faces with their neighbors, its edges by kind."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from recognition.report import boundary_words as words
+from recognition.report.boundary_words import Json
+
+COLORS = {  # near the page's, in the terminal's 256
+    "plane": "color(110)",
+    "cylinder": "color(179)",
+    "cone": "color(130)",
+    "sphere": "color(29)",
+    "torus": "color(97)",
+    "freeform": "color(250)",
+}
+_MOST = 100  # rows of faces; the largest stay
+
+
+def print_boundary(summary: Json) -> None:
+    """Print what `library show` found; on a pipe as plain text, wide enough for whole rows."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=160)
+    faces = sorted(summary["faces"], key=lambda face: -face["area_mm2"])[:_MOST]
+    console.print(_head(summary))
+    console.print(_faces(summary, sorted(faces, key=lambda face: int(face["id"]))))
+    left = len(summary["faces"]) - len(faces)
+    if left:
+        console.print(f"and {left} smaller faces; --json lists all", style="dim")
+    console.print("meets: 3 at a convex edge, [3] at a concave one, (3) smoothly", style="dim")
+    if summary["edges"]:
+        console.print(_edges(summary))
+    for warning in summary["warnings"]:
+        console.print(Text(f"warning: {warning}", style="yellow"))
+
+
+def _head(summary: Json) -> Text:
+    size = " × ".join(f"{x:.2f}".rstrip("0").rstrip(".") for x in summary["extent_mm"])
+    unassigned = summary["unassigned_area_fraction"]
+    told = [
+        f"{size} mm",
+        f"{summary['volume_mm3']:.0f} mm³",
+        f"{summary['area_mm2']:.0f} mm²",
+        f"symmetry {summary['symmetry'] or 'unknown'}",
+        "watertight" if summary["watertight"] else "not watertight",
+        *([f"{100 * unassigned:.2g} % of the area unassigned"] if unassigned > 0 else []),
+    ]
+    text = Text(str(summary["name"]), style="bold")
+    text.append("\n" + ", ".join(told), style="not bold")
+    faces, edges = len(summary["faces"]), len(summary["edges"])
+    text.append(
+        f"\n{_many(faces, 'face')} ({words.counted(summary)}), {_many(edges, 'edge')}\n", style="not bold"
+    )
+    return text
+
+
+def _faces(summary: Json, faces: list[Any]) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
+    for title, justify in (
+        ("face", "right"),
+        ("shape", "left"),
+        ("side", "left"),
+        ("extent, mm", "left"),
+        ("size, mm", "left"),
+        ("axis", "left"),
+        ("area, mm²", "right"),
+    ):
+        table.add_column(title, justify=justify, no_wrap=True)  # type: ignore[arg-type]
+    table.add_column("meets")
+    meets = words.neighbors(summary)
+    for face in faces:
+        shape = str(face["shape"])
+        table.add_row(
+            str(face["id"]),
+            Text.assemble(("■ ", COLORS[shape]), shape),
+            words.side(face),
+            words.extent(face),
+            words.sizes(face),
+            words.axis(face),
+            f"{face['area_mm2']:.1f}",
+            _meets(meets.get(int(face["id"]), {})),
+        )
+    return table
+
+
+def _meets(others: dict[int, str]) -> Text:
+    marks = {"convex": "{}", "concave": "[{}]", "smooth": "({})"}
+    return Text(" ".join(marks[kind].format(other) for other, kind in sorted(others.items())))
+
+
+def _edges(summary: Json) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", title_justify="left")
+    table.add_column("edges")
+    table.add_column("curve")
+    table.add_column("count", justify="right")
+    table.add_column("length, mm", justify="right")
+    for kind, curve, count, length in words.edge_kinds(summary["edges"]):
+        table.add_row(kind, curve, str(count), f"{length:.1f}")
+    return table
+
+
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
