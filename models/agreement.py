@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.likeness import SameConfig
+from models.likeness import SameConfig, play
 from models.outline import Outline
 from primitives.arrays import Bools, Floats, Ints
 
@@ -51,24 +51,29 @@ def faces_carried(
 def _alike(
     a: Outline, b: Outline, mine: Ints, theirs: Ints, rotation: Floats, shift: Floats, config: SameConfig
 ) -> Bools:
-    """(n,) whether the surfaces of faces agree: kind, side, sizes, direction, area; spheres' centers too."""
+    """(n,) whether the surfaces of faces agree: kind, side, sizes, area, direction and place."""
     slack = config.tolerance * np.maximum(a.slack[mine], b.slack[theirs])
     same = a.kind[mine] == b.kind[theirs]
     same &= (np.abs(a.sizes[mine] - b.sizes[theirs]) <= slack[:, None]).all(axis=1)
     cosine = np.einsum("ij,ij->i", a.direction[mine] @ rotation.T, b.direction[theirs])
     turned = np.where(a.signed[mine], cosine, np.abs(cosine)) < 0.95
     same &= ~(turned & a.direction[mine].any(axis=1))
-    away = np.linalg.norm(a.anchor[mine] @ rotation.T + shift - b.anchor[theirs], axis=1)
-    same &= (away <= 2 * slack) | ~_has_center(a, mine)
+    off = a.anchor[mine] @ rotation.T + shift - b.anchor[theirs]
+    same &= (np.linalg.norm(off, axis=1) <= 2 * slack) | ~_of_kind(a, mine, ("sphere", "torus"))
+    along = np.einsum("ij,ij->i", off, b.direction[theirs])
+    same &= (np.abs(along) <= 2 * slack) | ~_of_kind(a, mine, ("plane",))
+    aside = np.linalg.norm(off - along[:, None] * b.direction[theirs], axis=1)
+    same &= (aside <= 2 * slack) | ~_of_kind(a, mine, ("cylinder",))
     faces, others = [a.brep.faces[f] for f in mine], [b.brep.faces[f] for f in theirs]
     area, other = (np.array([face.area for face in some]) for some in (faces, others))
-    rim = np.array([sum(a.length[e] for loop in face.loops for e in loop) for face in faces])
-    same &= np.abs(area - other) <= config.area * np.maximum(area, other) + config.tolerance * rim
+    loose = a.length * play(a.bend, config.tolerance)
+    rim = np.array([sum(loose[e] for loop in face.loops for e in loop) for face in faces])
+    same &= np.abs(area - other) <= config.area * np.maximum(area, other) + rim
     return np.asarray(same & np.array([p.convex == q.convex for p, q in zip(faces, others, strict=True)]))
 
 
-def _has_center(whole: Outline, faces: Ints) -> Bools:
-    return np.array([whole.brep.faces[f].kind in ("sphere", "torus") for f in faces], dtype=bool)
+def _of_kind(whole: Outline, faces: Ints, kinds: tuple[str, ...]) -> Bools:
+    return np.array([whole.brep.faces[f].kind in kinds for f in faces], dtype=bool)
 
 
 def edges_agree(a: Outline, b: Outline, edges: Ints, faces: Ints) -> bool:
@@ -80,27 +85,28 @@ def edges_agree(a: Outline, b: Outline, edges: Ints, faces: Ints) -> bool:
     return bool(np.array_equal(mine, theirs))
 
 
-def corner_error(a: Outline, b: Outline, corners: Ints, rotation: Floats, shift: Floats) -> float:
-    """[mm] the worst between corners."""
-    away = np.linalg.norm(a.vertices @ rotation.T + shift - b.vertices[corners], axis=1)
-    return float(away.max(initial=0.0))
+def corner_errors(a: Outline, b: Outline, corners: Ints, rotation: Floats, shift: Floats) -> Floats:
+    """(v,) [mm] between corners."""
+    return np.asarray(np.linalg.norm(a.vertices @ rotation.T + shift - b.vertices[corners], axis=1))
 
 
-def edge_error(a: Outline, b: Outline, edges: Ints, rotation: Floats, shift: Floats) -> float:
-    """[mm] the worst between edges: sample against sample, circle against circle, else curve against curve."""
+def edge_errors(
+    a: Outline, b: Outline, edges: Ints, rotation: Floats, shift: Floats, enough: Floats
+) -> Floats:
+    """(e,) [mm] between edges: sample to sample, circle to circle; if that is not `enough`, curve to curve."""
     goal = b.samples[edges]
     moved = a.samples @ rotation.T + shift
-    forth = np.linalg.norm(moved - goal, axis=2).max(axis=1)
-    back = np.linalg.norm(moved - goal[:, ::-1], axis=2).max(axis=1)
+    forth = np.linalg.norm(moved - goal, axis=2).max(axis=1, initial=0.0)
+    back = np.linalg.norm(moved - goal[:, ::-1], axis=2).max(axis=1, initial=0.0)
     worst = np.minimum(forth, back)
     spun, other = a.spin @ rotation.T, b.spin[edges]
     apart = np.linalg.norm(a.middle @ rotation.T + shift - b.middle[edges], axis=1)
     tilted = np.minimum(np.linalg.norm(spun - other, axis=1), np.linalg.norm(spun + other, axis=1))
     round_ = a.circle & b.circle[edges]
     worst[round_] = (apart + tilted)[round_]
-    for i in np.flatnonzero(~round_ & (worst > 1e-6)):
+    for i in np.flatnonzero(worst > enough):
         worst[i] = min(worst[i], _curve_error(a, b, int(i), int(edges[i]), rotation, shift))
-    return float(worst.max(initial=0.0))
+    return np.asarray(worst)
 
 
 def _curve_error(a: Outline, b: Outline, i: int, j: int, rotation: Floats, shift: Floats) -> float:

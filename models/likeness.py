@@ -20,7 +20,7 @@ from primitives.arrays import Floats, Ints
 class SameConfig:
     """How near two boundaries must come to be the same."""
 
-    tolerance: float = 0.05  # [mm] between corners, between edges, between radii
+    tolerance: float = 0.1  # [mm] between corners, between edges, between radii: twice that of a usual mesh
     dihedral: float = 2.0  # [deg] between dihedral angles, which facets blur where they change along an edge
     area: float = 0.03  # of the area, which facets blur
     gate: float = 0.05  # of the size: how far a first guess may misplace a point
@@ -35,6 +35,11 @@ def colored(a: Outline, b: Outline, config: SameConfig) -> tuple[Colors, Colors]
     columns = [clustered(first[:, k], reach[:, k]) for k in range(first.shape[1])]
     colors = refined(combined(labels, *columns), joined(a.graph, b.graph))
     return colors[:half], colors[half:]
+
+
+def play(bend: Floats, t: float) -> Floats:
+    """[mm] how far edges or corners may be off where surfaces are within t: more where they meet smoothly."""
+    return np.maximum(t, np.sqrt(2 * t * bend))
 
 
 def clustered(values: Floats, reach: Floats) -> Ints:
@@ -65,9 +70,12 @@ def _reach(whole: Outline, t: float, config: SameConfig) -> Floats:
     out = np.full((whole.graph.nodes, 4), t)
     out[:f, :2] = t * whole.slack[:, None]
     blur = np.where(whole.circle, 0.0, 0.005 * whole.length)
-    out[f : f + e, 0], out[f : f + e, 1] = np.pi * t + blur, config.dihedral / 2
-    out[f : f + e, 2] = 1.5 * t + blur
-    out[f + e : f + e + v, 2] = 1.5 * t
+    loose = play(whole.bend, t)
+    out[f : f + e, 0], out[f : f + e, 1] = np.pi * loose + blur, config.dihedral / 2
+    out[f : f + e, 1] += np.rad2deg(np.sqrt(2 * t / np.maximum(whole.bend, 2 * t))) * (whole.bend > 0)
+    out[f : f + e, 2] = 1.5 * loose + blur
+    out[f : f + e, 3] = loose
+    out[f + e : f + e + v, 2] = 1.5 * play(whole.corner_bend, t)
     return out
 
 

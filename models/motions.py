@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from models.agreement import corner_error, edge_error, edges_agree, faces_carried
+from models.agreement import corner_errors, edge_errors, edges_agree, faces_carried
 from models.guesses import guesses
 from models.incidence import Colors
-from models.likeness import SameConfig
+from models.likeness import SameConfig, play
 from models.outline import Outline
 from primitives.arrays import Floats, Ints, frozen
 from primitives.pose import pose, rotation_exp
@@ -83,6 +83,8 @@ def _settled(
     points, keys = nodes(a, colors)
     b, shift = target.whole, np.zeros(3)
     far = config.gate * a.size + 4 * config.tolerance
+    trust = np.concatenate([a.corner_bend, a.bend, np.zeros(len(a.bare))])
+    trust = config.tolerance / play(trust, config.tolerance)
     answer = np.empty(0, dtype=np.int64)
     for _ in range(3):
         away, found = target.nearest(points @ rotation.T + shift, keys)
@@ -91,7 +93,7 @@ def _settled(
         if np.array_equal(found, answer):
             break
         answer = found
-        rotation, shift = _least_squares(points, target.points[answer], rotation, shift)
+        rotation, shift = _least_squares(points, target.points[answer], trust, rotation, shift)
     if len(np.unique(answer)) != len(points):
         return None
     v, e = a.graph.vertices, a.graph.edges
@@ -99,14 +101,22 @@ def _settled(
     faces = faces_carried(a, b, target.face_of, edges, bare, rotation, shift, config)
     if faces is None or not edges_agree(a, b, edges, faces):
         return None
-    residual = max(corner_error(a, b, corners, rotation, shift), edge_error(a, b, edges, rotation, shift))
-    if residual > config.tolerance:
+    allowed = np.concatenate([play(a.corner_bend, config.tolerance), play(a.bend, config.tolerance)])
+    errors = np.concatenate(
+        [
+            corner_errors(a, b, corners, rotation, shift),
+            edge_errors(a, b, edges, rotation, shift, 1e-3 * allowed[v:]),
+        ]
+    )
+    if (errors > allowed).any():
         return None
     b_from_a = pose(rotation, b.center + shift - rotation @ a.center)
-    return Carried(frozen(b_from_a), faces, edges, corners, residual)
+    return Carried(frozen(b_from_a), faces, edges, corners, float(errors.max(initial=0.0)))
 
 
-def _least_squares(points: Floats, goals: Floats, rotation: Floats, shift: Floats) -> tuple[Floats, Floats]:
+def _least_squares(
+    points: Floats, goals: Floats, trust: Floats, rotation: Floats, shift: Floats
+) -> tuple[Floats, Floats]:
     """One Gauss-Newton step toward goals = rotation points + shift; what they do not fix is left alone."""
     if not len(points):
         return rotation, shift
@@ -116,5 +126,6 @@ def _least_squares(points: Floats, goals: Floats, rotation: Floats, shift: Float
     turn = np.stack([zero, z, -y, -z, zero, x, y, -x, zero], axis=1).reshape(-1, 3, 3)
     scale = max(float(np.linalg.norm(points, axis=1).max()), 1e-300)
     system = np.concatenate([turn / scale, np.broadcast_to(np.eye(3), (len(x), 3, 3))], axis=2)
-    step = np.linalg.lstsq(system.reshape(-1, 6), (goals - moved - shift).ravel(), rcond=1e-6)[0]
+    rows, left = system * trust[:, None, None], (goals - moved - shift) * trust[:, None]
+    step = np.linalg.lstsq(rows.reshape(-1, 6), left.ravel(), rcond=1e-6)[0]
     return rotation_exp(step[:3] / scale) @ rotation, shift + step[3:]
