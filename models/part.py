@@ -6,9 +6,12 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from models import parts
 from models.csg import Csg
 from models.formats import openscad
+from models.formats.drawn import body_of
 from models.formats.load import load
 from models.formats.units import MM, Units, checked_flags, size_warnings
 from models.solid import Solid
@@ -43,21 +46,22 @@ def load_part(
     if not _looks_like_a_file(wanted):
         raise PalpateError(parts.unknown(wanted))
     if Path(wanted).suffix.lower() in openscad.SUFFIXES:
-        return _drawn(Path(wanted), units, scale, facets)
+        return _drawn(Path(wanted), units, scale, body, facets)
     loaded = load(wanted, units, scale, body)
     return Part(Path(wanted).stem, loaded.solid, None, loaded.warnings)
 
 
-def _drawn(file: Path, units: Units, scale: float, facets: bool) -> Part:
+def _drawn(file: Path, units: Units, scale: float, body: int | None, facets: bool) -> Part:
     """A part whose file says what it is built from."""
     checked_flags(units, scale)
     drawing = openscad.read(file, scale * MM.get(units, 1.0), facets)
+    low, high = drawing.tree.bounds()
+    said = size_warnings(np.stack([low, high]), file.name, units == "auto")
     try:
-        solid = Solid.from_csg(drawing.tree)
+        drawn = body_of(drawing.tree, body, file.name)
     except PalpateError as error:
-        raise PalpateError(f"{file.name}: {error}") from None
-    said = size_warnings(solid.vertices, file.name, units == "auto")
-    return Part(file.stem, solid, drawing.tree, (*said, *drawing.warnings))
+        raise PalpateError(f"{file.name}: {error}".replace(f"{file.name}: {file.name}", file.name)) from None
+    return Part(file.stem, drawn.solid, drawn.tree, (*said, *drawing.warnings))
 
 
 def _looks_like_a_file(text: str) -> bool:

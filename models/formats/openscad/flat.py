@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,8 +48,11 @@ Flat = Disc | Outline | Combined
 class Plan:
     """Reads the children of an extrusion."""
 
-    def __init__(self, sided: Callable[[Shape], bool]) -> None:
+    def __init__(
+        self, sided: Callable[[Shape], bool], convex: Mapping[str, Callable[[Shape, Sequence[Flat]], Flat]]
+    ) -> None:
         self._sided = sided
+        self._convex = convex
 
     def union(self, shapes: Sequence[Shape], matrix: Floats | None = None) -> Flat | None:
         """What the shapes cover together, under a (4, 4) matrix."""
@@ -65,6 +68,9 @@ class Plan:
             return _joined(name, [self._flat(child, matrix) for child in shape.children])
         if name in TRANSFORMS:
             return self.union(shape.children, matrix @ _in_plane(shape))
+        if name in ("hull", "minkowski"):
+            found = [flat for child in shape.children if (flat := self._flat(child, matrix)) is not None]
+            return self._convex[name](shape, found) if found else None
         if name == "circle":
             return self._circle(shape, matrix)
         if name == "square":

@@ -48,11 +48,12 @@ class Program:
 
     def run(self, source: Source, file: Path) -> list[Shape]:
         """What the file draws."""
-        scope = Scope(variables=dict(_SPECIALS))
-        return self._block(self._expanded(source, file, (file,), scope), scope)
+        used = Scope(variables=dict(_SPECIALS))
+        scope = used.inner()
+        return self._block(self._expanded(source, file, (file,), used), scope)
 
-    def _expanded(self, source: Source, file: Path, chain: tuple[Path, ...], scope: Scope) -> list[Any]:
-        """A file's statements, included files in their places; what it uses is put into the scope."""
+    def _expanded(self, source: Source, file: Path, chain: tuple[Path, ...], used: Scope) -> list[Any]:
+        """A file's statements, included files in their places; what it uses is put into that scope."""
         self.labels.update({(source.name, at): words for at, words in source.labels.items()})
         out: list[Any] = []
         for node in source.statements:
@@ -61,12 +62,13 @@ class Program:
                 other = self.folder.find(node.filepath.val, file, chain, self.budget)
                 included = self.folder.read(other, self.budget)
                 if isinstance(node, syntax.IncludeStatement):
-                    out += self._expanded(included, other, (*chain, other), scope)
+                    out += self._expanded(included, other, (*chain, other), used)
                 else:
-                    library = Scope(variables=dict(_SPECIALS))
-                    self._declare(self._expanded(included, other, (*chain, other), library), library)
-                    scope.functions.update(library.functions)
-                    scope.modules.update(library.modules)
+                    around = Scope(variables=dict(_SPECIALS))
+                    library = around.inner()
+                    self._declare(self._expanded(included, other, (*chain, other), around), library)
+                    used.functions.update(library.functions)
+                    used.modules.update(library.modules)
             else:
                 out.append(node)
         return out

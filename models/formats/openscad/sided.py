@@ -1,10 +1,10 @@
-"""Circles with the sides that OpenSCAD gives them, as the solids that they then are."""
+"""Solids with flat sides: circles with the sides that OpenSCAD gives them, and the corners of any."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from models.csg import Csg, Polyhedron, Prism
+from models.csg import Csg, Cube, Polyhedron, Prism
 from models.formats.openscad.functions import cosine, sine
 from primitives.arrays import Floats
 
@@ -60,3 +60,18 @@ def turned(profile: Floats, count: int, label: str) -> Csg:
             side = dict.fromkeys((lower[i], lower[j], upper[j], upper[i]))
             faces.append(tuple(side))
     return Polyhedron(tuple(corners), tuple(faces), label)
+
+
+def outside(primitive: Cube | Prism | Polyhedron) -> tuple[Floats, tuple[Face, ...]]:
+    """(n, 3) corners, and those round each face."""
+    if isinstance(primitive, Polyhedron):
+        return np.array(primitive.points), primitive.faces
+    if isinstance(primitive, Cube):
+        x, y, half = primitive.size[0] / 2, primitive.size[1] / 2, primitive.size[2] / 2
+        outline = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    else:
+        outline, half = np.array(primitive.outline), primitive.height / 2
+    n = len(outline)
+    ends = [np.column_stack([outline, np.full(n, z)]) for z in (-half, half)]
+    around = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
+    return np.concatenate(ends), (tuple(range(n))[::-1], tuple(range(n, 2 * n)), *around)

@@ -23,7 +23,8 @@ from models.csg import (
     Union,
 )
 from models.formats.openscad import sided, sizes
-from models.formats.openscad.affine import SIX_DIGITS, TRANSFORMS, Split, matrix_of, split
+from models.formats.openscad.affine import SIX_DIGITS, TRANSFORMS, Split, matrix_of, split, vector
+from models.formats.openscad.convex import hull_of_flats, hull_of_solids, sum_of_flats, sum_of_solids
 from models.formats.openscad.extrude import linear, rotated
 from models.formats.openscad.flat import Plan
 from models.formats.openscad.shapes import Shape
@@ -69,6 +70,11 @@ class Solids:
             return self._moved(shape, matrix @ matrix_of(shape))
         if name in _LEAVES:
             return _LEAVES[name](self, shape, matrix)
+        if name in _CONVEX:
+            found = [tree for tree in self._children(shape, matrix) if tree is not None]
+            return _CONVEX[name](shape, found) if found else None
+        if name == "resize":
+            return self._resized(shape, matrix)
         if name in ("linear_extrude", "rotate_extrude"):
             return self._extruded(shape, matrix)
         if name in ("circle", "square", "polygon"):
@@ -84,6 +90,23 @@ class Solids:
             return _joined(Union, self._children(shape, matrix))
         rest = np.diag([*parts.stretch, 1.0])
         return _placed(_joined(Union, self._children(shape, rest)), parts.rigid)
+
+    def _resized(self, shape: Shape, matrix: Floats) -> Csg | None:
+        tree = _joined(Union, self._children(shape, np.eye(4)))
+        if tree is None:
+            return None
+        low, high = tree.bounds()
+        wanted = vector(shape, shape.arguments.get("newsize"), 0.0, "a size")
+        if (
+            len(list(tree.leaves())) > 1
+            or wanted.min() < 0
+            or shape.arguments.get("auto", False) not in (False, (0, 0, 0))
+        ):
+            raise shape.error(
+                "resize() reads one primitive and three sizes; use scale() with factors instead"
+            )
+        factors = np.where(wanted > 0, wanted / (high - low), 1.0)
+        return self.refitted(tree, matrix @ np.diag([*factors, 1.0]), shape)
 
     def _cube(self, shape: Shape, matrix: Floats) -> Csg:
         size = sizes.sides(shape, 3)
@@ -118,7 +141,7 @@ class Solids:
         return self.fitted(made, matrix, shape)
 
     def _extruded(self, shape: Shape, matrix: Floats) -> Csg | None:
-        plan = Plan(self.sided).union(shape.children)
+        plan = Plan(self.sided, _FLAT_CONVEX).union(shape.children)
         if plan is None:
             return None
         made = linear(shape, plan) if shape.name == "linear_extrude" else rotated(shape, plan, self.facets)
@@ -203,23 +226,9 @@ def _flat_sided(primitive: Cube | Prism | Polyhedron, matrix: Floats, parts: Spl
         placed = _placed(made, parts.rigid)
         assert placed is not None
         return placed
-    corners, faces = _outside(primitive)
+    corners, faces = sided.outside(primitive)
     corners = corners @ matrix[:3, :3].T + matrix[:3, 3]
     return Polyhedron(tuple(map(tuple, corners.tolist())), faces, primitive.name)
-
-
-def _outside(primitive: Cube | Prism | Polyhedron) -> tuple[Floats, tuple[tuple[int, ...], ...]]:
-    if isinstance(primitive, Polyhedron):
-        return np.array(primitive.points), primitive.faces
-    if isinstance(primitive, Cube):
-        x, y, half = primitive.size[0] / 2, primitive.size[1] / 2, primitive.size[2] / 2
-        outline = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
-    else:
-        outline, half = np.array(primitive.outline), primitive.height / 2
-    n = len(outline)
-    ends = [np.column_stack([outline, np.full(n, z)]) for z in (-half, half)]
-    around = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
-    return np.concatenate(ends), (tuple(range(n))[::-1], tuple(range(n, 2 * n)), *around)
 
 
 def _placed(tree: Csg | None, rigid: Floats) -> Csg | None:
@@ -240,6 +249,8 @@ def _leafy(shape: Shape) -> bool:
     return shape.name in _LEAVES or shape.name.endswith("_extrude")
 
 
+_CONVEX = {"hull": hull_of_solids, "minkowski": sum_of_solids}
+_FLAT_CONVEX = {"hull": hull_of_flats, "minkowski": sum_of_flats}
 _LEAVES: dict[str, Callable[[Solids, Shape, Floats], Csg]] = {
     "cube": Solids._cube,
     "sphere": Solids._sphere,

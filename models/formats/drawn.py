@@ -1,0 +1,82 @@
+"""The one body of a drawing, as a tree: what a file draws apart are bodies to choose from.
+
+Every term of the union belongs to the bodies that it shares material with; a term that a cut leaves in pieces
+is cut to each body's box, which is exact where the boxes do not meet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from models.csg import Csg, Cube, Placed, Union
+from models.formats.bodies import Found, chosen
+from models.formats.shells import bodies
+from models.solid import Solid
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+
+_MOST = 100  # bodies in one drawing
+_SHARED = 1e-6  # of a term's volume, from which on it belongs to a body
+_MARGIN = 0.05  # of a body's size, that its box is wider
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """One body of a drawing."""
+
+    tree: Csg
+    solid: Solid
+
+
+def body_of(tree: Csg, body: int | None, name: str) -> Drawn:
+    """The body with that number, from 1, or the only one."""
+    whole = Solid.from_csg(tree)
+    found = bodies(whole.vertices, whole.triangles, _MOST)
+    if not found:
+        raise PalpateError(f"{name} draws more than {_MOST} bodies; keep the one that is meant")
+    if len(found.triangles) == 1:
+        chosen([Found("", (whole,), (), "")], body, name)
+        return Drawn(tree, whole)
+    pieces = tuple(Solid.from_mesh(whole.vertices, triangles) for triangles in found.triangles)
+    _, number, _ = chosen([Found("", pieces, (), "")], body, name)
+    terms = [part for term in _terms(tree) if (part := _share(term, pieces, number, name)) is not None]
+    kept = reduce(lambda a, b: a | b, terms)
+    return Drawn(kept, Solid.from_csg(kept))
+
+
+def _share(term: Csg, pieces: tuple[Solid, ...], number: int, name: str) -> Csg | None:
+    """What of a term belongs to one body."""
+    solid = Solid.from_csg(term)
+    holders = [i for i, piece in enumerate(pieces) if solid.shared_volume(piece) > _SHARED * solid.volume]
+    if number not in holders:
+        return None
+    if len(holders) == 1:
+        return term
+    box = _box(pieces[number])
+    for i in holders:
+        other = _box(pieces[i])
+        if i != number and (np.maximum(box[0], other[0]) < np.minimum(box[1], other[1])).all():
+            raise PalpateError(
+                f"{name} cuts one solid into bodies that reach round each other; draw them one by one"
+            )
+    x, y, z = (box[1] - box[0]).tolist()
+    return term & Cube((x, y, z)).at(*box.mean(axis=0).tolist())
+
+
+def _box(piece: Solid) -> Floats:
+    low, high = piece.bounds
+    more = _MARGIN * (high - low).max()
+    return np.stack([low - more, high + more])
+
+
+def _terms(tree: Csg) -> list[Csg]:
+    """What the drawing is the union of."""
+    match tree:
+        case Placed():
+            return [term.placed(tree.pose) for term in _terms(tree.child)]
+        case Union():
+            return [term for child in tree.children for term in _terms(child)]
+    return [tree]

@@ -1,0 +1,167 @@
+"""Hulls and Minkowski sums that have an exact form here.
+
+With conv the convex hull and + the Minkowski sum: the hull of discs of one radius r is conv(centers) + disc(r),
+which is the union of the discs at the hull's corners and of the polygon whose sides are the hull's, moved out by
+r (our derivation); so is the sum of a convex polygon and a disc.  The hull of flat-sided solids is that of their
+corners.  Equal upright bars hull like their discs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from models.csg import Csg, Cube, Cylinder, Operation, Placed, Polyhedron, Primitive, Prism, Union
+from models.formats.openscad.flat import Combined, Disc, Flat, Outline
+from models.formats.openscad.shapes import Shape
+from models.formats.openscad.sided import outside
+from models.polygons import cleaned
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+from primitives.pose import frame_along, pose, transform_points
+
+_SAME = 1e-6  # of the size: lengths and directions this close are one
+
+
+def hull_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
+    """The hull of solids that are flat-sided all, or upright bars of one kind."""
+    leaves = [leaf for tree in trees for leaf in _leaves(tree, np.eye(4))]
+    if len(leaves) == 1:
+        return trees[0]
+    if leaves and all(isinstance(p, Cube | Prism | Polyhedron) for p, _ in leaves):
+        return _polyhedron(np.concatenate([transform_points(m, outside(p)[0]) for p, m in leaves]))  # type: ignore[arg-type]
+    bars = [(p, m) for p, m in leaves if isinstance(p, Cylinder)]
+    if leaves and len(bars) == len(leaves):
+        (first, home), *rest = bars
+        size = first.radius + first.height
+        parallel = all(
+            abs(p.radius - first.radius) + abs(p.height - first.height) <= _SAME * size
+            and np.linalg.norm(np.cross(m[:3, 2], home[:3, 2])) <= _SAME
+            and abs((m[:3, 3] - home[:3, 3]) @ home[:3, 2]) <= _SAME * size
+            for p, m in rest
+        )
+        if parallel:
+            centers = np.array([((m[:3, 3] - home[:3, 3]) @ home[:3, :3])[:2] for _, m in bars])
+            return _bars(_rounded(centers, first.radius), first.height).placed(home)
+    raise shape.error(
+        "hull() of these has no exact form here; use flat-sided solids or equal upright cylinders"
+    )
+
+
+def hull_of_flats(shape: Shape, flats: Sequence[Flat]) -> Flat:
+    """The hull of polygons, or of discs of one radius."""
+    leaves = [leaf for flat in flats for leaf in _flat_leaves(flat)]
+    discs = [leaf for leaf in leaves if isinstance(leaf, Disc)]
+    outlines = [leaf for leaf in leaves if isinstance(leaf, Outline)]
+    if len(leaves) == 1 and discs:
+        return discs[0]
+    if outlines and not discs:
+        return Outline(_corners(np.concatenate([o.corners for o in outlines])))
+    if discs and not outlines and np.ptp([d.radius for d in discs]) <= _SAME * discs[0].radius:
+        return _rounded(np.array([d.center for d in discs]), discs[0].radius)
+    raise shape.error("hull() of these has no exact form here; use polygons, or circles of one radius")
+
+
+def sum_of_flats(shape: Shape, flats: Sequence[Flat]) -> Flat:
+    """The Minkowski sum of a convex polygon and a disc, or of two convex polygons."""
+    if len(flats) == 2 and all(isinstance(flat, Disc | Outline) for flat in flats):
+        first, second = sorted(flats, key=lambda flat: isinstance(flat, Disc))
+        if isinstance(first, Outline) and len(_corners(first.corners)) == len(cleaned(first.corners)):
+            if isinstance(second, Disc):
+                return _rounded(first.corners + second.center, second.radius)
+            if isinstance(second, Outline) and len(_corners(second.corners)) == len(cleaned(second.corners)):
+                return Outline(_corners((first.corners[:, None] + second.corners).reshape(-1, 2)))
+    raise shape.error("minkowski() of these has no exact form here; sum a convex polygon and a circle")
+
+
+def sum_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
+    """The Minkowski sum of two convex flat-sided solids, or of an upright box and an upright bar."""
+    leaves = [leaf for tree in trees for leaf in _leaves(tree, np.eye(4))]
+    if len(trees) == len(leaves) == 2:
+        (first, a), (second, b) = sorted(leaves, key=lambda leaf: isinstance(leaf[0], Cylinder))
+        upright = np.array_equal(a[:3, :3], np.eye(3)) and abs(b[2, 2]) > 1 - _SAME
+        if isinstance(first, Cube) and isinstance(second, Cylinder) and upright:
+            x, y, z = first.size
+            centers = np.array([(i * x / 2, j * y / 2) for i in (-1, 1) for j in (-1, 1)])
+            bar = _bars(_rounded(centers, second.radius), z + second.height)
+            return bar.placed(pose(None, a[:3, 3] + b[:3, 3]))
+        if isinstance(first, Cube) and isinstance(second, Cube):
+            p, q = (transform_points(m, outside(c)[0]) for c, m in ((first, a), (second, b)))
+            return _polyhedron((p[:, None] + q).reshape(-1, 3))
+    raise shape.error("minkowski() of these has no exact form here; sum a cube and an upright cylinder")
+
+
+def _rounded(centers: Floats, radius: float) -> Flat:
+    """The hull of discs round (n, 2) centers."""
+    spread = np.ptp(centers, axis=0).max()
+    if spread <= _SAME * radius:
+        return Disc(centers[0], radius)
+    line = centers - centers.mean(axis=0)
+    _, size, axes = np.linalg.svd(line, full_matrices=False)
+    if size[1] <= _SAME * size[0]:
+        along = line @ axes[0]
+        corners = centers[[int(np.argmin(along)), int(np.argmax(along))]]
+    else:
+        corners = _corners(centers)
+    after = np.roll(corners, -1, axis=0)
+    sides = (after - corners) / np.linalg.norm(after - corners, axis=1)[:, None]
+    normals = radius * np.stack([sides[:, 1], -sides[:, 0]], axis=1)
+    moved = np.stack([corners + normals, after + normals], axis=1).reshape(-1, 2)
+    return Combined("union", (Outline(cleaned(moved)), *(Disc(corner, radius) for corner in corners)))
+
+
+def _bars(flat: Flat, height: float) -> Csg:
+    """A flat hull made solid, its middle at z = 0."""
+    match flat:
+        case Disc():
+            return Cylinder(flat.radius, height).placed(pose(None, (*flat.center, 0.0)))
+        case Outline():
+            return Prism(tuple(map(tuple, flat.corners.tolist())), height)
+    return Union(tuple(_bars(part, height) for part in flat.parts))
+
+
+def _corners(points: Floats) -> Floats:
+    """(m, 2) corners of the convex hull, counterclockwise."""
+    try:
+        return cleaned(points[ConvexHull(points).vertices])
+    except QhullError:
+        raise PalpateError("these points lie on one line; spread them out") from None
+
+
+def _polyhedron(points: Floats) -> Csg:
+    """The hull of (n, 3) points; triangles in one plane become one face."""
+    try:
+        hull = ConvexHull(points)
+    except QhullError:
+        raise PalpateError("these corners lie in one plane; give the solid a height") from None
+    planes = np.round(hull.equations / [1, 1, 1, np.ptp(points, axis=0).max()], 7)
+    faces = []
+    for plane in np.unique(planes, axis=0):
+        of_face = np.unique(hull.simplices[(planes == plane).all(axis=1)])
+        flat = (points[of_face] - points[of_face].mean(axis=0)) @ frame_along(plane[:3])[:, :2]
+        faces.append(tuple(of_face[np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))].tolist()))
+    return Polyhedron(tuple(map(tuple, points.tolist())), tuple(faces))
+
+
+def _leaves(tree: Csg, matrix: Floats) -> list[tuple[Primitive, Floats]]:
+    """Placed primitives of a tree that only joins; anything else has no simple hull."""
+    match tree:
+        case Placed():
+            return _leaves(tree.child, matrix @ tree.pose)
+        case Union():
+            return [leaf for child in tree.children for leaf in _leaves(child, matrix)]
+        case Primitive():
+            return [(tree, matrix)]
+        case Operation():
+            raise PalpateError("hull() and minkowski() read primitives and unions; take cuts out of them")
+    return []
+
+
+def _flat_leaves(flat: Flat) -> list[Disc | Outline]:
+    if not isinstance(flat, Combined):
+        return [flat]
+    if flat.operation != "union":
+        raise PalpateError("hull() and minkowski() read circles, polygons and unions; take cuts out of them")
+    return [leaf for part in flat.parts for leaf in _flat_leaves(part)]
