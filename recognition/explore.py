@@ -10,13 +10,14 @@ import logging
 import time
 from collections.abc import Callable
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 
 from exploration.devices.guard import Guard
 from exploration.planning.explorer import Explorer, ExplorerConfig, Findings
 from exploration.recordings.mcap import Recorder
-from models.formats import mesh, openscad
+from models.formats import mesh, openscad, step_out
 from models.solid import Solid
 from primitives.arrays import Ints
 from primitives.errors import PalpateError
@@ -66,6 +67,7 @@ def run(options: ExploreOptions, progress: Watcher) -> dict[str, object]:
     )
     progress(_stand("writing", guard, findings).within(folder.path))
     _write(folder, made)
+    _write_step(folder, made, summary)
     report = _report(summary, options, world, made, findings, logbook.frames())
     with folder.writing("report.html") as path:
         write_report(path, report)
@@ -127,6 +129,18 @@ def _write(folder: RunFolder, made: Reconstruction) -> None:
     for name in ("model.stl", "model.glb"):
         with folder.writing(name) as path:
             mesh.save(made.assembly.solid, path)
+
+
+def _write_step(folder: RunFolder, made: Reconstruction, summary: dict[str, Any]) -> None:
+    """Where the extra for it is installed; a kernel that cannot is a warning, and the rest of the run stands."""
+    if isinstance(made.assembly, NotClosed) or not step_out.available():
+        return
+    try:
+        with folder.writing("model.step") as path:
+            step_out.write(made.assembly.tree, path, name="model")
+        summary["files"] = {**summary["files"], "step": "model.step"}
+    except PalpateError as error:
+        summary["warnings"] = [*summary["warnings"], f"no model.step: {error}"]
 
 
 def _report(

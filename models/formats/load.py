@@ -15,6 +15,7 @@ import numpy as np
 from models.formats import gltf, intake, mesh, openscad, step, threemf
 from models.formats.bodies import Found, chosen, united
 from models.formats.crossings import crossings
+from models.formats.fair import fair
 from models.formats.labeled import LabeledMesh
 from models.formats.repair import RepairConfig, closed
 from models.formats.units import MM, SizeLimits, Units, checked_flags, size_warnings
@@ -28,6 +29,9 @@ class Parsed(NamedTuple):
     meshes: list[LabeledMesh]  # one for each body that the file itself tells apart
     mm: float | None  # how many mm the meshes' numbers are worth as the file has it; None: the file is silent
     own: float = 1.0  # how many mm the file's numbers were taken to be worth before the meshes were made
+
+
+_Reader = Callable[[Path, bytes, step.StepConfig | None], Parsed]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +48,12 @@ def load(
     scale: float = 1.0,
     body: int | None = None,
     limits: SizeLimits | None = None,
+    fineness: step.StepConfig | None = None,
 ) -> Loaded:
-    """The solid in a file; `units` is the file's, auto takes the format's own or mm; `body` counts from 1."""
+    """The solid in a file; `units` is the file's, auto takes the format's own or mm; `body` counts from 1.
+
+    `fineness` is that of the facets of a STEP file.
+    """
     file = Path(path)
     name, suffix = file.name, file.suffix.lower()
     checked_flags(units, scale)
@@ -53,7 +61,7 @@ def load(
         known = " ".join((*READERS, *openscad.SUFFIXES))
         raise PalpateError(f"cannot read {name}: {suffix or 'no'} extension; use one of {known}")
     data = intake.checked(intake.read(file), suffix, name)
-    parsed = READERS[suffix](file, data)
+    parsed = READERS[suffix](file, data, fineness)
     factor = scale * ((parsed.mm or 1.0) if units == "auto" else MM[units] / parsed.own)
     meshes = [m.scaled(factor) for m in parsed.meshes if len(m.triangles)]
     if not meshes:
@@ -79,6 +87,7 @@ def _found(read: LabeledMesh, name: str, config: RepairConfig) -> Found:
         if not np.isfinite(read.vertices[np.unique(read.triangles)]).all():
             raise PalpateError(f"{name} has coordinates that are not finite numbers; export it again")
         parts, said = closed(read, name, config)
+        parts = [fair(part) if part.surfaces else part for part in parts]
         solids = [Solid.from_labeled(p.vertices, p.triangles, p.labels, p.surfaces) for p in parts]
     except PalpateError as error:
         text = str(error)
@@ -96,26 +105,26 @@ def _refuse_crossings(solid: Solid, name: str) -> None:
         )
 
 
-def _mesh(suffix: str) -> Callable[[Path, bytes], Parsed]:
-    def read(file: Path, data: bytes) -> Parsed:
+def _mesh(suffix: str) -> _Reader:
+    def read(file: Path, data: bytes, _: step.StepConfig | None) -> Parsed:
         return Parsed([LabeledMesh.of(*mesh.parse(data, suffix, file.name))], None)
 
     return read
 
 
-def _gltf(file: Path, data: bytes) -> Parsed:
+def _gltf(file: Path, data: bytes, _: step.StepConfig | None) -> Parsed:
     return Parsed(*gltf.parse(file, data))
 
 
-def _threemf(file: Path, data: bytes) -> Parsed:
+def _threemf(file: Path, data: bytes, _: step.StepConfig | None) -> Parsed:
     return Parsed(*threemf.parse(data, file.name))
 
 
-def _step(file: Path, data: bytes) -> Parsed:
-    return Parsed(step.parse(data, file.name), 1.0, step.unit_mm(data))
+def _step(file: Path, data: bytes, fineness: step.StepConfig | None) -> Parsed:
+    return Parsed(step.parse(data, file.name, fineness), 1.0, step.unit_mm(data))
 
 
-READERS: dict[str, Callable[[Path, bytes], Parsed]] = {
+READERS: dict[str, _Reader] = {
     **{suffix: _mesh(suffix) for suffix in mesh.SUFFIXES},
     **dict.fromkeys(gltf.SUFFIXES, _gltf),
     **dict.fromkeys(threemf.SUFFIXES, _threemf),

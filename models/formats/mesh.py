@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import logging
-import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,6 +18,7 @@ import numpy as np
 import trimesh
 
 from models.formats import off
+from models.formats.whole_file import write_whole
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
 from primitives.surface import TriangleSurface
@@ -35,13 +35,7 @@ def save(surface: TriangleSurface, path: str | Path) -> None:
         raise PalpateError(f"cannot write {file.name}; use one of {' '.join(OUT_SUFFIXES)}")
     mesh = trimesh.Trimesh(np.array(surface.vertices), np.array(surface.triangles), process=False)
     data = mesh.export(file_type=suffix[1:]) if suffix != ".glb" else _glb(mesh)
-    partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    try:
-        partial.write_bytes(data)
-        partial.replace(file)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise PalpateError(f"cannot write {file} ({error.strerror}); choose another folder") from None
+    write_whole(file, data)
 
 
 def _glb(mesh: Any) -> bytes:

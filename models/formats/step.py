@@ -31,7 +31,7 @@ class StepConfig:
     """How finely a file is cut into triangles, and what reading it may cost."""
 
     tolerance: float = 0.005  # [mm] between a facet and its surface
-    angle: float = 0.2  # [rad] between neighboring facets
+    angle: float = 0.1  # [rad] between neighboring facets
     coarser: float = 0.1  # [mm] where the fine one takes too much
     memory: int = 4_000_000_000  # [bytes]
     seconds: int = 60
