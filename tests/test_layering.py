@@ -21,10 +21,12 @@ ROOMS = ("sensing", "devices", "recordings", "control", "planning")
 ONE_FILE_ONLY = {
     "embreex": "models/raycast.py",
     "manifold3d": "models/solid.py",
+    "OCP": "models/formats/step_out_worker.py",
+    "cascadio": "models/formats/step_worker.py",
     "mcap": "exploration/recordings/mcap.py",
     "typer": "recognition/cli.py",
 }
-DISTRIBUTION_OF = {"serial": "pyserial"}
+DISTRIBUTION_OF = {"serial": "pyserial", "OCP": "cadquery_ocp_novtk"}
 FILES = sorted(path for package in MAY_IMPORT for path in (ROOT / package).rglob("*.py"))
 MODULES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path for path in FILES
