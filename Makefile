@@ -5,7 +5,7 @@ SOURCES := $(shell find primitives models exploration recognition -name '*.py' -
 export PIP_NO_CACHE_DIR := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test bench lint clean
+.PHONY: demo test bench lint docs clean
 
 demo: $(VENV)/.kernels
 	$(BIN)/palpate explore block --out runs/demo --overwrite
@@ -20,6 +20,9 @@ lint: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+docs: $(VENV)/.kernels
+	$(BIN)/python docs/draw_parts.py
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

@@ -6,15 +6,18 @@ from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from models.expression import Primitive
 from models.polygons import triangulated
-from models.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.pose import frame_along
+
+if TYPE_CHECKING:
+    from models.triangle_tree import TriangleTree
 
 FLATNESS = 1e-5  # of the solid's size: how far a face's corners may lie off its plane
 
@@ -80,6 +83,8 @@ class Polyhedron(Primitive):
 
     @cached_property
     def _tree(self) -> TriangleTree:
+        from models.triangle_tree import TriangleTree  # compiled code, which other primitives do without
+
         return TriangleTree(np.array(self.points), self.triangles[0])
 
 

@@ -7,21 +7,30 @@ from difflib import get_close_matches
 from functools import cache
 from types import ModuleType
 
+import numpy as np
+
 from models.csg import Csg
 from models.parts import blocks, brackets, concave, convex, turned
 from primitives.errors import PalpateError
 
-_MODULES = (convex, concave, brackets, blocks, turned)
+_GROUPS = {
+    convex: "Convex",
+    concave: "Steps and holes",
+    brackets: "Brackets and plates",
+    blocks: "Milled blocks",
+    turned: "Turned parts and fasteners",
+}
 
 
 @dataclass(frozen=True)
 class BuiltIn:
-    """What there is to say about a part without meshing it."""
+    """What there is to say about a part in a list."""
 
     name: str
     description: str
     extent: tuple[float, float, float]  # [mm] sides of its bounding box
     convex: bool
+    group: str  # what stands over it in a list
 
 
 def names() -> tuple[str, ...]:
@@ -38,10 +47,10 @@ def build(name: str) -> Csg:
 
 def describe(name: str) -> BuiltIn:
     """Its line in the list of parts."""
-    low, high = build(name).bounds()
     maker, module = _makers()[name]
-    x, y, z = (round(float(side), 6) for side in high - low)
-    return BuiltIn(name, (maker.__doc__ or "").rstrip("."), (x, y, z), module is convex)
+    return BuiltIn(
+        name, (maker.__doc__ or "").rstrip("."), _extent(build(name)), module is convex, _GROUPS[module]
+    )
 
 
 def unknown(name: str) -> str:
@@ -51,11 +60,23 @@ def unknown(name: str) -> str:
     return f"no part {name!r}{hint} (palpate parts lists all)"
 
 
+def _extent(tree: Csg) -> tuple[float, float, float]:
+    """Sides of the bounding box [mm], to 0.1: the tree's own box, unless an intersection leaves that too large."""
+    low, high = tree.bounds()
+    sides = high - low
+    if "&" in repr(tree):
+        from models.solid import Solid  # only a mesh knows
+
+        sides = np.minimum(sides, Solid.from_csg(tree, tolerance=0.02).extent)
+    x, y, z = (round(float(side), 1) for side in sides)
+    return x, y, z
+
+
 @cache
 def _makers() -> dict[str, tuple[Callable[[], Csg], ModuleType]]:
     return {
         name: (maker, module)
-        for module in _MODULES
+        for module in _GROUPS
         for name, maker in vars(module).items()
         if inspect.isfunction(maker) and maker.__module__ == module.__name__ and name[0] != "_"
     }
