@@ -35,7 +35,8 @@ def anchored(shape: Shape | None, corners: Floats, rim: Floats) -> tuple[Shape |
         case Cone():
             along = ((rim if len(rim) else corners.reshape(-1, 3)) - shape.apex) @ shape.axis
             least = min(float(((corners - shape.apex) @ shape.axis).min()), float(along.min()))
-            return shape, (max(least, 0.0) if least < 1e-6 else float(along.min()), float(along.max()))
+            begin, end = float(along.min()), float(along.max())
+            return shape, (0.0 if least < 0.01 * begin or not len(rim) else begin, end)
         case Sphere():
             return shape, _cap(shape, corners, rim)
         case Torus():
