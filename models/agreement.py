@@ -66,7 +66,7 @@ def _alike(
     same &= (aside <= 2 * slack) | ~_of_kind(a, mine, ("cylinder",))
     faces, others = [a.brep.faces[f] for f in mine], [b.brep.faces[f] for f in theirs]
     area, other = (np.array([face.area for face in some]) for some in (faces, others))
-    loose = a.length * play(a.bend, config.tolerance)
+    loose = a.length * play(a, config.tolerance)[0]
     rim = np.array([sum(loose[e] for loop in face.loops for e in loop) for face in faces])
     same &= np.abs(area - other) <= config.area * np.maximum(area, other) + rim
     return np.asarray(same & np.array([p.convex == q.convex for p, q in zip(faces, others, strict=True)]))

@@ -21,7 +21,8 @@ class SameConfig:
     """How near two boundaries must come to be the same."""
 
     tolerance: float = 0.1  # [mm] between corners, between edges, between radii: twice that of a usual mesh
-    dihedral: float = 2.0  # [deg] between dihedral angles, which facets blur where they change along an edge
+    dihedral: float = 2.0  # [deg] between dihedral angles
+    changing: float = 10.0  # [deg] between medians of angles that change along an edge, which sampling moves
     area: float = 0.03  # of the area, which facets blur
     gate: float = 0.05  # of the size: how far a first guess may misplace a point
 
@@ -37,9 +38,16 @@ def colored(a: Outline, b: Outline, config: SameConfig) -> tuple[Colors, Colors]
     return colors[:half], colors[half:]
 
 
-def play(bend: Floats, t: float) -> Floats:
-    """[mm] how far edges or corners may be off where surfaces are within t: more where they meet smoothly."""
-    return np.maximum(t, np.sqrt(2 * t * bend))
+def play(whole: Outline, t: float) -> tuple[Floats, Floats]:
+    """(e,) and (v,) [mm] how far edges and corners may be off where all surfaces are within t."""
+    own = np.minimum(t / np.maximum(whole.slant, 1e-9), np.sqrt(2 * t * whole.bend))
+    edges, corners = np.maximum(own, t), np.full(len(whole.vertices), t)
+    ended = [(edge.id, v) for edge in whole.brep.edges for v in edge.vertices or ()]
+    if ended:
+        edge, corner = np.array(ended).T
+        np.maximum.at(corners, corner, edges[edge])
+        np.maximum.at(edges, edge, corners[corner])
+    return edges, corners
 
 
 def clustered(values: Floats, reach: Floats) -> Ints:
@@ -70,12 +78,15 @@ def _reach(whole: Outline, t: float, config: SameConfig) -> Floats:
     out = np.full((whole.graph.nodes, 4), t)
     out[:f, :2] = t * whole.slack[:, None]
     blur = np.where(whole.circle, 0.0, 0.005 * whole.length)
-    loose = play(whole.bend, t)
-    out[f : f + e, 0], out[f : f + e, 1] = np.pi * loose + blur, config.dihedral / 2
-    out[f : f + e, 1] += np.rad2deg(np.sqrt(2 * t / np.maximum(whole.bend, 2 * t))) * (whole.bend > 0)
+    loose, corners = play(whole, t)
+    turned = np.rad2deg(np.arcsin(np.minimum(1.0, np.sqrt(2 * t / whole.bend))))
+    changing = np.array([edge.curve == "other" for edge in whole.brep.edges], dtype=bool)
+    out[f : f + e, 0] = np.pi * loose + blur
+    out[f : f + e, 1] = np.where(changing, config.changing, config.dihedral) / 2
+    out[f : f + e, 1] += np.where(whole.slant < 0.3, turned, 0.0)
     out[f : f + e, 2] = 1.5 * loose + blur
     out[f : f + e, 3] = loose
-    out[f + e : f + e + v, 2] = 1.5 * play(whole.corner_bend, t)
+    out[f + e : f + e + v, 2] = 1.5 * corners
     return out
 
 

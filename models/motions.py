@@ -83,8 +83,9 @@ def _settled(
     points, keys = nodes(a, colors)
     b, shift = target.whole, np.zeros(3)
     far = config.gate * a.size + 4 * config.tolerance
-    trust = np.concatenate([a.corner_bend, a.bend, np.zeros(len(a.bare))])
-    trust = config.tolerance / play(trust, config.tolerance)
+    loose, loose_corners = play(a, config.tolerance)
+    allowed = np.concatenate([loose_corners, loose])
+    trust = np.append(config.tolerance / allowed, np.ones(len(a.bare)))
     answer = np.empty(0, dtype=np.int64)
     for _ in range(3):
         away, found = target.nearest(points @ rotation.T + shift, keys)
@@ -101,7 +102,6 @@ def _settled(
     faces = faces_carried(a, b, target.face_of, edges, bare, rotation, shift, config)
     if faces is None or not edges_agree(a, b, edges, faces):
         return None
-    allowed = np.concatenate([play(a.corner_bend, config.tolerance), play(a.bend, config.tolerance)])
     errors = np.concatenate(
         [
             corner_errors(a, b, corners, rotation, shift),

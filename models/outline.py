@@ -1,12 +1,12 @@
 """What of a boundary moves with it and what does not, as arrays: points, directions and sizes to compare.
 
-The center is the centroid of all firm edges by length (of all edges where none is firm, of the anchors of faces
-where there are no edges), so it moves with the part and hardly with the facets.  Edges are sampled at equal
-shares of their length; a rim has no first point, so circles are kept as center, normal and radius.
+The center is the centroid of all edges by length (of the anchors of faces where there are no edges), so it moves
+with the part and hardly with the facets.  Edges are sampled at equal shares of their length; a rim has no first
+point, so circles are kept as center, normal and radius.
 
-Where surfaces of curvatures k1 and k2 meet smoothly, an error t of either moves their edge by
-sqrt(2 t / |k1 - k2|) (our derivation): a fillet of 5 mm that is 0.05 mm off ends 0.7 mm elsewhere.  Such edges, and those that end on
-them, are not firm; the surfaces beside them must still agree.
+Where surfaces meet at an angle a, an error t of either moves their edge by t / sin a, and where they are tangent
+with curvatures k1 and k2, by sqrt(2 t / |k1 - k2|) (our derivation): a fillet of 5 mm that is 0.05 mm off ends
+0.7 mm elsewhere.  Such edges, and what ends on them, are given that much play, and hardly count for the center.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from models.incidence import Incidence, incidence
 from primitives.arrays import Bools, Floats, Ints, frozen
 
 SAMPLES = 9  # points along an edge
-_SMOOTH_DEG = 10.0  # from 180 within which an edge is smooth to some maker
+_FIRM = 0.3  # sine of the angle between faces above which their edge counts in full
 _KINDS = ("plane", "cylinder", "cone", "sphere", "torus", "freeform")
 
 
@@ -44,8 +44,8 @@ class Outline:
     length: Floats  # (e,) [mm]
     dihedral: Floats  # (e,) [deg]
     circle: Bools  # (e,) whether the edge is a whole circle
-    bend: Floats  # (e,) [mm] 1 / |k1 - k2| across a smooth edge or the edges that it ends on; zero if firm
-    corner_bend: Floats  # (v,) [mm] the same of the edges that meet in each vertex
+    slant: Floats  # (e,) sine of the angle between the faces' normals
+    bend: Floats  # (e,) [mm] 1 / |k1 - k2| across it
     spin: Floats  # (e, 3) radius times normal of circles [mm], either sign; zero for others
     vertices: Floats  # (v, 3) [mm]
 
@@ -63,11 +63,9 @@ def outline(brep: Brep) -> Outline:
     length = np.array([edge.length for edge in brep.edges])
     circles = [_circle(edge) for edge in brep.edges]
     anchors = np.reshape([_anchor(brep, f) for f in range(len(brep.faces))], (-1, 3))
-    bend, corner_bend = _bends(brep)
-    firm = length * (bend == 0)
-    weights = (
-        (firm if firm.any() else length) if len(length) else np.array([face.area for face in brep.faces])
-    )
+    slant = np.abs(np.sin(np.deg2rad([edge.dihedral_deg for edge in brep.edges])))
+    firmness = np.clip((slant / _FIRM) ** 2, 1e-3, 1.0)
+    weights = length * firmness if len(length) else np.array([face.area for face in brep.faces])
     points = middles if len(length) else anchors
     center = weights @ points / weights.sum()
     spread = samples - center if len(length) else anchors[:, None] - center
@@ -94,8 +92,8 @@ def outline(brep: Brep) -> Outline:
         frozen(length),
         frozen([edge.dihedral_deg for edge in brep.edges]),
         frozen([c is not None for c in circles], np.bool_),
-        frozen(bend),
-        frozen(corner_bend),
+        frozen(slant),
+        frozen(_bends(brep)),
         frozen(np.reshape([np.zeros(3) if c is None else c for c in circles], (-1, 3))),
         frozen(brep.vertices.reshape(-1, 3) - center),
     )
@@ -135,18 +133,11 @@ def _circle(edge: Edge) -> Floats | None:
     return spin
 
 
-def _bends(brep: Brep) -> tuple[Floats, Floats]:
-    """(e,) and (v,) [mm] radius of the difference in curvature at smooth edges; zero for what is firm."""
+def _bends(brep: Brep) -> Floats:
+    """(e,) [mm] radius of the difference between the faces' greater curvatures."""
     curvature = np.array([_curvature(brep, f) for f in range(len(brep.faces))])
-    own, corner = np.zeros(len(brep.edges)), np.zeros(len(brep.vertices))
-    for edge in brep.edges:
-        if abs(edge.dihedral_deg - 180.0) < _SMOOTH_DEG:
-            f, g = edge.faces
-            own[edge.id] = 1 / max(abs(float(curvature[f] - curvature[g])), 1e-3)
-            for v in edge.vertices or ():
-                corner[v] = max(corner[v], own[edge.id])
-    ends = [max((corner[v] for v in edge.vertices or ()), default=0.0) for edge in brep.edges]
-    return np.maximum(own, ends), corner
+    pairs = np.array([edge.faces for edge in brep.edges], dtype=np.int64).reshape(-1, 2)
+    return np.asarray(1 / np.maximum(np.abs(curvature[pairs[:, 0]] - curvature[pairs[:, 1]]), 1e-3))
 
 
 def _curvature(brep: Brep, f: int) -> float:
