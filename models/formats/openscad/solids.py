@@ -82,7 +82,15 @@ class Solids:
         raise shape.error(f"{name}() is outside the subset that is read; draw the shape with primitives")
 
     def _children(self, shape: Shape, matrix: Floats) -> list[Csg | None]:
-        return [self.solid(child, matrix) for child in shape.children]
+        """What a shape holds; groups that stand for a loop or a call are opened where nothing changes by it."""
+        found: list[Csg | None] = []
+        for i, child in enumerate(shape.children):
+            loose = shape.name not in ("intersection", "minkowski") and not (
+                shape.name == "difference" and i == 0
+            )
+            opened = loose and child.name == "group" and not child.label
+            found += self._children(child, matrix) if opened else [self.solid(child, matrix)]
+        return found
 
     def _moved(self, shape: Shape, matrix: Floats) -> Csg | None:
         parts = split(matrix)

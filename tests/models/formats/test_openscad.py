@@ -1,4 +1,7 @@
 import re
+import shutil
+import subprocess
+from collections.abc import Iterator
 from math import pi
 from pathlib import Path
 
@@ -6,9 +9,23 @@ import numpy as np
 import pytest
 
 from models import parts
-from models.csg import Cone, Cube, Cylinder, Sphere
+from models.csg import Cone, Csg, Cube, Cylinder, Operation, Placed, Polyhedron, Prism, Sphere, Torus
 from models.formats import openscad
+from models.normal_form import same_tree
+from models.part import load_part
+from models.solid import Solid, iou
 from primitives.errors import PalpateError
+
+
+def names(tree: Csg) -> Iterator[str]:
+    """Every name in the tree, from the root down."""
+    if tree.name:
+        yield tree.name
+    children = (
+        tree.children if isinstance(tree, Operation) else (tree.child,) if isinstance(tree, Placed) else ()
+    )
+    for child in children:
+        yield from names(child)
 
 
 def test_a_tree_is_written_as_openscad_writes_it() -> None:
@@ -33,6 +50,60 @@ def test_circles_stay_within_the_chord() -> None:
 def test_names_cannot_break_out_of_their_comment() -> None:
     text = openscad.text(Cube((1, 1, 1), name="a\ncube(9);"))
     assert text.splitlines()[0] == "// a cube(9);"
+
+
+@pytest.mark.parametrize("name", parts.names())
+def test_every_part_comes_back_as_the_same_tree(name: str) -> None:
+    tree = parts.build(name)
+    back = openscad.read_text(openscad.text(tree))
+    assert same_tree(back.tree, tree, 1e-9)
+    assert back.warnings == ()
+    assert list(names(back.tree)) == list(names(tree))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", parts.names())
+def test_every_part_comes_back_as_the_same_solid(name: str) -> None:
+    tree = parts.build(name)
+    back = openscad.read_text(openscad.text(tree)).tree
+    assert iou(Solid.from_csg(back), Solid.from_csg(tree)) >= 0.9999
+
+
+@pytest.mark.parametrize(
+    "tree",
+    [
+        Torus(20, 3, name="ring").at(1, 2, 3),
+        Prism(((0, 0), (10, 0), (10, 4), (4, 4), (4, 10), (0, 10)), 1 / 3, name="ell"),
+        Polyhedron(
+            ((0, 0, 0), (9, 0, 0), (0, 8, 0), (0, 0, 7)), ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+        ),
+        (Cone(1 / 3, 0, 0.1) | Sphere(pi)).turned("x", 0.1).named("pair").turned("y", 0.2),
+        Cube((1, 2, 3)) - (Sphere(1) | Cylinder(0.5, 9, name="pin")) - (Cube((9, 9, 9)) & Sphere(0.2)),
+    ],
+)
+def test_a_tree_comes_back_to_the_last_digit(tree: Csg) -> None:
+    assert openscad.read_text(openscad.text(tree)).tree == tree
+
+
+def test_a_ring_is_a_turned_circle_as_freecad_reads_it() -> None:
+    assert openscad.text(Torus(20, 3)) == (
+        "rotate_extrude(angle = 360, convexity = 2, $fn = 108, $fa = 12, $fs = 2) {\n"
+        "\tmultmatrix([[1, 0, 0, 20], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) {\n"
+        "\t\tcircle($fn = 40, $fa = 12, $fs = 2, r = 3);\n\t}\n}\n"
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("openscad") is None, reason="OpenSCAD is not installed")
+@pytest.mark.parametrize("name", ["bracket", "hex_nut", "o_ring", "pyramid_stand", "pulley"])
+def test_openscad_draws_what_was_written(name: str, tmp_path: Path) -> None:
+    tree = parts.build(name)
+    openscad.write(tree, tmp_path / "part.csg", chord=0.05)
+    command = ["openscad", "-o", str(tmp_path / "part.stl"), str(tmp_path / "part.csg")]
+    subprocess.run(command, check=True, capture_output=True, timeout=100)
+    drawn, ours = load_part(tmp_path / "part.stl").solid, Solid.from_csg(tree)
+    assert drawn.volume == pytest.approx(ours.volume, rel=0.01)
+    np.testing.assert_allclose(drawn.bounds, ours.bounds, atol=0.06)
 
 
 def test_the_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:

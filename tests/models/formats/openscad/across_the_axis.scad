@@ -1,0 +1,2 @@
+rotate_extrude()
+    square(10, center = true);

@@ -1,0 +1,4 @@
+module again(n) {
+    again(n + 1);
+}
+again(0);

@@ -1,0 +1,3 @@
+double = function (x) 2 * x;
+twice = function (f, x) f(f(x));
+cube(twice(double, 3));

@@ -1,0 +1,1 @@
+peg_radius = 7;

@@ -1,0 +1,4 @@
+minkowski() {
+    difference() { cube(20); cube(10); }
+    sphere(3);
+}

@@ -1,0 +1,4 @@
+difference() {
+    cube(20);
+    sphere(12;
+}

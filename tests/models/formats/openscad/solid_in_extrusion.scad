@@ -1,0 +1,4 @@
+linear_extrude(10) {
+    circle(3);
+    sphere(3);
+}

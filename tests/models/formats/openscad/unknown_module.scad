@@ -1,0 +1,3 @@
+include <lib/sizes.scad>
+
+gear(teeth = 20);

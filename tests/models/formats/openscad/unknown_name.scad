@@ -1,0 +1,4 @@
+width = 10;
+cube([width,
+      depth,
+      3]);

@@ -1,0 +1,3 @@
+include <lib/sizes.scad>
+use <lib/pegs.scad>
+peg(peg_radius);
