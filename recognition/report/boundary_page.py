@@ -19,6 +19,7 @@ from recognition.report.run_report import EMPTY_FRAMES, ReportMesh, RunReport
 from recognition.run_folder import json_text
 
 _SCRIPTS = ("gl.js", "scene.js", "panels.js", "theme.js", "boundary.js")
+_LONG = 40  # rows of edges; more are folded away
 _NO_POINTS = np.empty((0, 3))
 
 
@@ -110,9 +111,16 @@ def _sections(summary: Json) -> str:
         [
             tables.section("Warnings", f'<ul class="warnings">{listed}</ul>' if listed else ""),
             tables.section("Faces", tables.table(faces, _FACES, face_rows=True)),
-            tables.section("Edges", tables.table(summary["edges"], _EDGES)),
+            tables.section("Edges", _folded(tables.table(summary["edges"], _EDGES), len(summary["edges"]))),
         ]
     )
+
+
+def _folded(table: str, rows: int) -> str:
+    """A long table behind a line that opens it."""
+    if rows <= _LONG:
+        return table
+    return f"<details><summary>{rows} edges</summary>{table}</details>"
 
 
 def _meets(others: dict[int, str]) -> str:

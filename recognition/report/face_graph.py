@@ -7,9 +7,12 @@ from html import escape
 import networkx as nx
 import numpy as np
 
+from primitives.arrays import Floats
 from recognition.report.boundary_words import Json, neighbors, side
 
-_SIZE = 400.0  # the drawing's side
+_SIZE = 400.0  # the drawing's side, for as many faces as fit
+_FITTING = 32
+_GAP = 3.0  # between discs
 _MOST = 150  # faces; more would be a tangle
 
 
@@ -21,7 +24,9 @@ def graph_svg(summary: Json) -> str:
     links = {
         (min(a, b), max(a, b)): kind for a, others in neighbors(summary).items() for b, kind in others.items()
     }
-    places, radius = _places(faces, links), _radii(faces)
+    side = _SIZE * max(1.0, np.sqrt(len(faces) / _FITTING))
+    radius = _radii(faces)
+    places = _places(faces, links, radius, side)
     order = ("convex", "smooth", "concave")
     lines = [
         f'<line class="{kind}" x1="{places[a][0]:.1f}" y1="{places[a][1]:.1f}" '
@@ -29,7 +34,7 @@ def graph_svg(summary: Json) -> str:
         for (a, b), kind in sorted(links.items(), key=lambda item: order.index(item[1]))
     ]
     return (
-        f'<svg class="graph" viewBox="0 0 {_SIZE:.0f} {_SIZE:.0f}" role="img" aria-label="Which face meets which">'
+        f'<svg class="graph" viewBox="0 0 {side:.0f} {side:.0f}" role="img" aria-label="Which face meets which">'
         f"{''.join(lines)}{''.join(_disc(faces[f], places[f], radius[f]) for f in faces)}</svg>"
     )
 
@@ -48,15 +53,13 @@ def _disc(face: Json, place: tuple[float, float], radius: float) -> str:
 
 def _radii(faces: dict[int, Json]) -> dict[int, float]:
     largest = max(face["area_mm2"] for face in faces.values())
-    most = 20.0 if len(faces) <= 40 else 13.0
-    least = 10.0 if len(faces) <= 40 else 7.0
-    return {
-        f: least + (most - least) * float(np.sqrt(face["area_mm2"] / largest)) for f, face in faces.items()
-    }
+    return {f: 11 + 9 * float(np.sqrt(face["area_mm2"] / largest)) for f, face in faces.items()}
 
 
-def _places(faces: dict[int, Json], links: dict[tuple[int, int], str]) -> dict[int, tuple[float, float]]:
-    """Kamada and Kawai's layout, each connected piece first spread on a circle, scaled to the drawing."""
+def _places(
+    faces: dict[int, Json], links: dict[tuple[int, int], str], radius: dict[int, float], size: float
+) -> dict[int, tuple[float, float]]:
+    """Kamada and Kawai's layout scaled to the drawing, then discs that overlap pushed apart."""
     graph = nx.Graph()
     graph.add_nodes_from(faces)
     graph.add_edges_from(links)
@@ -66,5 +69,22 @@ def _places(faces: dict[int, Json], links: dict[tuple[int, int], str]) -> dict[i
     points = np.array([layout[f] for f in faces])
     points = points - (points.max(axis=0) + points.min(axis=0)) / 2
     spread = np.maximum(np.abs(points).max(axis=0), 1e-9)
-    scaled = points / spread * (_SIZE / 2 - 26) + _SIZE / 2
-    return {f: (float(x), float(y)) for f, (x, y) in zip(faces, scaled, strict=True)}
+    edge = max(radius.values()) + _GAP
+    scaled = points / spread * (size / 2 - edge) + size / 2
+    apart = _pushed_apart(scaled, np.array([radius[f] for f in faces]), edge, size - edge)
+    return {f: (float(x), float(y)) for f, (x, y) in zip(faces, apart, strict=True)}
+
+
+def _pushed_apart(points: Floats, radius: Floats, low: float, high: float) -> Floats:
+    """(n, 2) points moved until no two discs overlap, as far as that goes in 300 rounds."""
+    wanted = radius[:, None] + radius[None] + _GAP
+    np.fill_diagonal(wanted, 0.0)
+    out = points + 1e-3 * np.stack([np.cos(np.arange(len(points))), np.sin(np.arange(len(points)))], axis=1)
+    for _ in range(300):
+        away = out[:, None] - out[None]
+        distance = np.maximum(np.linalg.norm(away, axis=2), 1e-9)
+        short = np.maximum(wanted - distance, 0.0)
+        if not short.any():
+            break
+        out = np.clip(out + 0.35 * (away / distance[..., None] * short[..., None]).sum(axis=1), low, high)
+    return out

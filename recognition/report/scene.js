@@ -128,8 +128,9 @@ class Scene {
     const dot = (a) => -(a[0] * eye[0] + a[1] * eye[1] + a[2] * eye[2]);
     const look = new Float32Array([right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0,
       dot(right), dot(up), dot(back), 1]);
-    const near = Math.max(camera.distance - 12 * radius, camera.distance / 50);
-    const clip = multiply(perspective(FIELD_OF_VIEW, view[0] / view[1], near, camera.distance + 14 * radius), look);
+    const around = (this.data.frames.count ? 12 : 1.5) * radius;
+    const near = Math.max(camera.distance - around, camera.distance / 50);
+    const clip = multiply(perspective(FIELD_OF_VIEW, view[0] / view[1], near, camera.distance + around + 2 * radius), look);
     gl.viewport(0, 0, ...view);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
