@@ -13,6 +13,7 @@ from typing import Any
 import openscad_lalr_parser as syntax
 
 from models.formats.openscad import values
+from models.formats.openscad.comprehension import listed
 from models.formats.openscad.functions import FUNCTIONS
 from models.formats.openscad.limits import Budget
 from models.formats.openscad.scope import Scope
@@ -206,49 +207,6 @@ class Evaluator:
             scope.variable(name.name)[0] or scope.function(name.name) or name.name == "PI"
         )
 
-    def _list(self, node: Any, scope: Scope) -> Value:
-        out: list[Value] = []
-        for element in node.elements:
-            self._collect(element, scope, out)
-        return tuple(out)
-
-    def _collect(self, node: Any, scope: Scope, out: list[Value]) -> None:
-        """Add what one element of a list stands for."""
-        self.budget.spend()
-        self.budget.check_length(len(out), "a list")
-        match node:
-            case syntax.ListCompFor():
-                for inner in self.loops(node.assignments, scope):
-                    self._collect(node.body, inner, out)
-            case syntax.ListCompIf():
-                if true(self.value(node.condition, scope)):
-                    self._collect(node.true_expr, scope, out)
-            case syntax.ListCompIfElse():
-                holds = true(self.value(node.condition, scope))
-                self._collect(node.true_expr if holds else node.false_expr, scope, out)
-            case syntax.ListCompLet():
-                self._collect(node.body, self.bind(node.assignments, scope), out)
-            case syntax.ListCompEach():
-                found: list[Value] = []
-                self._collect(node.body, scope, found)
-                for value in found:
-                    out.extend(self.each(value, node))
-            case syntax.ListCompCFor():
-                self._count(node, scope, out)
-            case _:
-                out.append(self.value(node, scope))
-
-    def _count(self, node: Any, scope: Scope, out: list[Value]) -> None:
-        """A loop with a start, a condition and a step."""
-        inner = self.bind(node.inits, scope)
-        while true(self.value(node.condition, inner)):
-            self.at(node)
-            self._collect(node.body, inner, out)
-            after = Scope(inner.outer, inner.caller, dict(inner.variables))
-            for assignment in node.incrs:
-                after.variables[assignment.name.name] = self.value(assignment.expr, inner)
-            inner = after
-
     def _index(self, node: Any, scope: Scope) -> Value:
         return values.element(self.value(node.left, scope), self.value(node.index, scope), self.budget)
 
@@ -291,7 +249,7 @@ _METHODS: dict[type, Callable[[Evaluator, Any, Scope], Value]] = {
         true(self.value(node.left, scope)) or true(self.value(node.right, scope))
     ),
     syntax.FunctionLiteral: lambda self, node, scope: Closure(node.parameters, node.body, scope),
-    syntax.ListComprehension: Evaluator._list,
+    syntax.ListComprehension: listed,
     syntax.RangeLiteral: Evaluator._range,
     syntax.PrimaryCall: Evaluator._call,
     syntax.PrimaryIndex: Evaluator._index,

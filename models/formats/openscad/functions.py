@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from models.formats.openscad.limits import Budget
-from models.formats.openscad.values import Closure, Range, Value, is_number, power, text
+from models.formats.openscad.values import Closure, Value, is_number, power, text
 
 Function = Callable[[Sequence[Value], Budget], Value]
 
@@ -197,7 +197,6 @@ FUNCTIONS: dict[str, Function] = {
     "is_string": _kind(lambda v: isinstance(v, str)),
     "is_list": _kind(lambda v: isinstance(v, tuple)),
     "is_function": _kind(lambda v: isinstance(v, Closure)),
-    "is_range": _kind(lambda v: isinstance(v, Range)),
     "version_num": lambda values, budget: 20210100.0,
     "version": lambda values, budget: (2021.0, 1.0),
 }
