@@ -5,7 +5,7 @@ large regular neighborhoods are looked at first.
 
 What counts as curved and not as a prism, where triangles alone cannot say: neighbors turn by at most `smooth`
 (a twelve-sided hole is round, an octagon is not), and a few facets that are not tangent to anything must be
-at least four of like width.
+of like width, and four of them unless they turn gently.
 """
 
 from __future__ import annotations
@@ -29,22 +29,24 @@ class CurvedOptions:
 
     smooth: float = np.deg2rad(32.0)  # [rad] the greatest turn between facets of one curved surface
     alike: float = 6.0  # the greatest ratio of areas between neighbors of one patch
+    smoothly: float = 20.0  # and between neighbors that may be of one face
     patches: tuple[int, ...] = (12, 5)  # facets of a patch, the larger tried first
     fewest: dict[str, int] = field(
         default_factory=lambda: {"cylinder": 3, "sphere": 4, "cone": 3, "torus": 6}
     )
     few: int = 5  # a region of no more facets needs to be regular or tangent to a neighbor
     regular: float = 1.6  # ratio of widths of regular facets
+    gentle: float = np.deg2rad(16.0)  # [rad] the greatest turn between regular facets that are only three
     tangent: float = np.deg2rad(5.0)  # [rad] between a neighbor's normal and the surface's at their rim
     simpler: float = 0.97  # a simpler shape with this share of the best one's area is preferred
     whole: float = 0.95  # a shape that covers this share of its neighborhood is not challenged
     rounds: int = 5  # of growing and fitting again
     failures: int = (
-        12  # patches that may lead nowhere before a neighborhood is given up; and one in 20 facets
+        12  # patches that may lead nowhere before a neighborhood is given up; and one in 40 facets
     )
     slack: float = 1.2  # how far corners may be off where chords were cut, in units of the chords' sag
     together: int = 3  # surfaces that may explain a neighborhood of cut chords
-    fit: FacetFitOptions = FacetFitOptions()
+    fit: FacetFitOptions = field(default_factory=FacetFitOptions)
 
 
 @dataclass(frozen=True)
@@ -57,43 +59,19 @@ class Region:
     reach: Reach
 
 
-def find_curved(mesh: Mesh, noise: float, options: CurvedOptions) -> list[Region]:
+def find_curved(mesh: Mesh, taken: Bools, noise: float, options: CurvedOptions) -> list[Region]:
     """Disjoint regions whose corners are on their surface but for `noise` [mm], in the order of finding."""
-    free = np.ones(len(mesh.flats), dtype=bool)
+    free = ~taken
     return [
         region
-        for hood in neighborhoods(mesh, free, options)
-        for region in _in_neighborhood(mesh, hood, free, noise, 0.0, options)
+        for hood in neighborhoods(mesh, free, options.alike, options)
+        for region in in_neighborhood(mesh, hood, free, noise, 0.0, options)
     ]
 
 
-def find_cut(mesh: Mesh, taken: Bools, noise: float, options: CurvedOptions) -> list[Region]:
-    """Regions whose every chord was cut, so that corners are off by up to a chord's sag.
-
-    At that tolerance an arc fits any short piece of a freeform surface; so surfaces count only where one, two or
-    three of them explain the whole of a neighborhood.
-    """
-    out: list[Region] = []
-    free = ~taken
-    for hood in neighborhoods(mesh, free, options):
-        inside = np.zeros(len(free), dtype=bool)
-        inside[hood] = True
-        area = mesh.flats.area * inside
-        found: list[Region] = []
-        for region in _in_neighborhood(mesh, hood, inside & free, noise, options.slack, options):
-            found.append(region)
-            if len(found) == options.together:
-                break
-        if sum(area[region.facets].sum() for region in found) > options.whole * area.sum():
-            out += found
-            for region in found:
-                free[region.facets] = False
-    return out
-
-
-def neighborhoods(mesh: Mesh, free: Bools, options: CurvedOptions) -> list[Ints]:
+def neighborhoods(mesh: Mesh, free: Bools, ratio: float, options: CurvedOptions) -> list[Ints]:
     """Sets of free facets that hang together by links of like facets, the largest area first."""
-    first, second = alike(mesh, options)
+    first, second = alike(mesh, ratio, options.smooth)
     both = free[first] & free[second]
     n = len(mesh.flats)
     links = (np.ones(int(both.sum()), dtype=bool), (first[both], second[both]))
@@ -104,12 +82,12 @@ def neighborhoods(mesh: Mesh, free: Bools, options: CurvedOptions) -> list[Ints]
     return sorted(hoods, key=lambda hood: -float(mesh.flats.area[hood].sum()))
 
 
-def _in_neighborhood(
+def in_neighborhood(
     mesh: Mesh, hood: Ints, free: Bools, noise: float, slack: float, options: CurvedOptions
 ) -> Iterator[Region]:
     """Regions from seeds in one neighborhood, larger facets first; marks what they take as no longer free."""
     tried = np.zeros(len(free), dtype=bool)
-    left = options.failures + len(hood) // 20
+    left = options.failures + len(hood) // 40
     for seed in hood[np.argsort(-mesh.flats.area[hood])].tolist():
         if not free[seed] or tried[seed]:
             continue
@@ -118,18 +96,18 @@ def _in_neighborhood(
             free[region.facets] = False
             yield region
             continue
-        tried[_patch(mesh, seed, free, 5, options)[0]] = True
+        tried[patch_round(mesh, seed, free, 5, options)[0]] = True
         left -= 1
         if left == 0:
             return
 
 
-def alike(mesh: Mesh, options: CurvedOptions) -> tuple[Ints, Ints]:
-    """Pairs of neighbors that may be of one curved surface: a small turn and areas of one size."""
+def alike(mesh: Mesh, ratio: float, smooth: float) -> tuple[Ints, Ints]:
+    """Pairs of neighbors that may be of one curved surface: a small turn, and areas of at most this ratio."""
     creases, area = mesh.creases, mesh.flats.area
     first = np.repeat(np.arange(len(mesh.flats)), np.diff(creases.start))
-    ratio = area[first] / area[creases.other]
-    good = (np.abs(creases.turn) < options.smooth) & (ratio < options.alike) & (ratio > 1 / options.alike)
+    share = area[first] / area[creases.other]
+    good = (np.abs(creases.turn) < smooth) & (share < ratio) & (share > 1 / ratio)
     good &= ~mesh.thin[first] & ~mesh.thin[creases.other]
     return first[good], creases.other[good]
 
@@ -139,7 +117,7 @@ def _from_seed(
 ) -> Region | None:
     around = float(mesh.flats.area[hood[free[hood]]].sum())
     for count in options.patches:
-        patch, turn, sag = _patch(mesh, seed, free, count, options)
+        patch, turn, sag = patch_round(mesh, seed, free, count, options)
         if len(patch) < 3:
             return None
         best: tuple[float, Region] | None = None
@@ -157,7 +135,7 @@ def _from_seed(
     return None
 
 
-def _patch(
+def patch_round(
     mesh: Mesh, seed: int, free: Bools, count: int, options: CurvedOptions
 ) -> tuple[Ints, float, float]:
     """The nearest free facets of like size, the greatest turn among them [rad] and their typical sag [mm]."""
@@ -207,7 +185,7 @@ def _region(
     reach = replace(reach, corner=3 * noise)
     members = np.sort(grow(mesh, shape, convex, members, free, reach))
     members = members[free[members]]
-    if not _convincing(kind, mesh, shape, convex, members, options):
+    if not convincing(kind, mesh, shape, convex, members, turn, options):
         return None
     return Region(shape, convex, members, reach)
 
@@ -217,8 +195,8 @@ def _corner_list(mesh: Mesh, facets: Ints) -> Ints:
     return np.concatenate([mesh.flats.corners[start[f] : start[f + 1]] for f in facets])
 
 
-def _convincing(
-    kind: str, mesh: Mesh, shape: Shape, convex: bool, members: Ints, options: CurvedOptions
+def convincing(
+    kind: str, mesh: Mesh, shape: Shape, convex: bool, members: Ints, turn: float, options: CurvedOptions
 ) -> bool:
     thick = members[~mesh.thin[members]]
     if len(thick) < options.fewest[kind]:
@@ -228,7 +206,9 @@ def _convincing(
     if _touches_smoothly(mesh, shape, convex, thick, options):
         return True
     widths = np.sqrt(depth(mesh, shape, thick))
-    return len(thick) >= 4 and bool(widths.max() < options.regular * widths.min())
+    if widths.max() > options.regular * widths.min():
+        return False
+    return len(thick) > 3 or turn < options.gentle
 
 
 def _touches_smoothly(mesh: Mesh, shape: Shape, convex: bool, members: Ints, options: CurvedOptions) -> bool:

@@ -6,7 +6,7 @@ their normals, which give the fit its start and settle what few corners leave op
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -25,7 +25,7 @@ class FacetFitOptions:
     most_middles: int = 80
     normal: float = 0.4  # deviation of a facet's normal, in units of the typical turn between facets
     sag: float = 0.1  # and of its middle, in units of its size times that turn
-    fit: FitOptions = FitOptions(gain=1e-4, iterations=15, starts=2)
+    fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-4, iterations=30, starts=2))
 
 
 def corners_of(mesh: Mesh, facets: Ints) -> Ints:

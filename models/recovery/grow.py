@@ -1,9 +1,9 @@
 """Facets that lie on one exact surface, gathered from neighbor to neighbor.
 
-Corners of a tessellation are on the surface and its flats are chords, so a facet belongs where all its corners are
-near the surface, its middle is no deeper than a chord may be, and its normal is the surface's within the angle that
-a facet spans.  A large flat that is tangent to a fillet fails by its far corners; the flat of a shaft, whose corners
-are all on the round, fails by its middle and by its normal.
+Corners of a tessellation are on the surface and its flats are chords, so a facet belongs where all its corners
+are near the surface, its middle is no deeper than a chord may be, and its normal is the surface's within the
+angle that a facet spans.  A large flat that is tangent to a fillet fails by its far corners; the flat of a shaft,
+whose corners are all on the round, fails by its middle and by its normal.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from primitives.arrays import Bools, Floats, Ints
 from primitives.shapes import Shape
 
 _KIND = {"plane": 0, "cylinder": 1, "cone": 2, "sphere": 3, "torus": 4}
+_APEX = 900.0  # a cone has no normal within this many squared tolerances of its apex
 
 
 @dataclass(frozen=True)
@@ -43,145 +44,99 @@ class Reach:
 
 def grow(mesh: Mesh, shape: Shape, convex: bool, seeds: Ints, free: Bools, reach: Reach) -> Ints:
     """Seeds that fit, and every free facet that is reached from them and fits."""
-    sizes = np.zeros(2)
-    sizes[: len(shape.sizes)] = shape.sizes
+    sizes = [*shape.sizes, 0.0, 0.0][:2]
+    coded = np.array([_KIND[shape.kind], *shape.anchor, *shape.direction, *sizes, 1.0 if convex else -1.0])
+    limits = np.array(
+        [reach.corner, reach.middle, np.cos(reach.tilt), np.cos(0.7 * reach.tilt), reach.smooth]
+    )
     flats, creases = mesh.flats, mesh.creases
     return np.asarray(
         _grow(
-            _KIND[shape.kind],
-            np.asarray(shape.anchor),
-            np.asarray(shape.direction),
-            sizes,
-            1.0 if convex else -1.0,
+            coded,
             mesh.vertices,
-            flats.corners,
-            flats.start,
-            flats.normal,
-            flats.center,
-            mesh.thin,
-            creases.start,
-            creases.other,
-            creases.turn,
+            (flats.corners, flats.start),
+            (flats.normal, flats.center, mesh.thin),
+            (creases.start, creases.other, creases.turn),
             seeds,
             free,
-            np.array(
-                [reach.corner, reach.middle, np.cos(reach.tilt), np.cos(0.7 * reach.tilt), reach.smooth]
-            ),
+            limits,
         )
     )
 
 
 @njit(cache=True)
-def _field(kind, anchor, axis, sizes, p):  # type: ignore[no-untyped-def]
-    """Signed distance and unit gradient of a shape at a point."""
-    q = p - anchor
-    z = (q * axis).sum()
+def _field(shape, x, y, z):  # type: ignore[no-untyped-def]
+    """Signed distance and unit gradient, of the solid's side, of a coded shape at a point."""
+    kind, sign = int(shape[0]), shape[9]
+    x, y, z = x - shape[1], y - shape[2], z - shape[3]
+    ax, ay, az = shape[4], shape[5], shape[6]
+    h = x * ax + y * ay + z * az
     if kind == 0:
-        return z, axis[0], axis[1], axis[2]
+        return h, sign * ax, sign * ay, sign * az
     if kind == 3:
-        far = max(np.sqrt((q * q).sum()), 1e-12)
-        return far - sizes[0], q[0] / far, q[1] / far, q[2] / far
-    across = q - z * axis
-    rho = np.sqrt((across * across).sum())
-    if rho > 1e-12:
-        across = across / rho
+        far = max(np.sqrt(x * x + y * y + z * z), 1e-12)
+        return far - shape[7], sign * x / far, sign * y / far, sign * z / far
+    x, y, z = x - h * ax, y - h * ay, z - h * az
+    rho = np.sqrt(x * x + y * y + z * z)
+    radial = 1.0 / max(rho, 1e-12)
+    axial = 0.0
     if kind == 1:
-        return rho - sizes[0], across[0], across[1], across[2]
-    if kind == 2:
-        c, s = np.cos(sizes[0]), np.sin(sizes[0])
-        n = c * across - s * axis
-        return rho * c - z * s, n[0], n[1], n[2]
-    out = rho - sizes[0]
-    far = max(np.sqrt(out * out + z * z), 1e-12)
-    n = out / far * across + z / far * axis
-    return far - sizes[1], n[0], n[1], n[2]
+        d = rho - shape[7]
+    elif kind == 2:
+        c, s = np.cos(shape[7]), np.sin(shape[7])
+        d = rho * c - h * s
+        radial, axial = radial * c, -s
+    else:
+        out = rho - shape[7]
+        far = max(np.sqrt(out * out + h * h), 1e-12)
+        d = far - shape[8]
+        radial, axial = radial * out / far, h / far
+    return (
+        d,
+        sign * (radial * x + axial * ax),
+        sign * (radial * y + axial * ay),
+        sign * (radial * z + axial * az),
+    )
 
 
 @njit(cache=True)
-def _fits(kind, anchor, axis, sizes, sign, vertices, corners, begin, end, normal, center, thin, limits):  # type: ignore[no-untyped-def]
+def _fits(shape, vertices, corners, begin, end, normal, center, thin, limits):  # type: ignore[no-untyped-def]
     for i in range(begin, end):
-        d, x, y, z = _field(kind, anchor, axis, sizes, vertices[corners[i]])
+        p = vertices[corners[i]]
+        d, x, y, z = _field(shape, p[0], p[1], p[2])
         if abs(d) > limits[0]:
             return False
-        at_apex = kind == 2 and ((vertices[corners[i]] - anchor) ** 2).sum() < 900.0 * limits[0] ** 2
-        if not thin and not at_apex and sign * (x * normal[0] + y * normal[1] + z * normal[2]) < limits[2]:
+        if thin or x * normal[0] + y * normal[1] + z * normal[2] >= limits[2]:
+            continue
+        far = (p[0] - shape[1]) ** 2 + (p[1] - shape[2]) ** 2 + (p[2] - shape[3]) ** 2
+        if shape[0] != 2 or far > _APEX * limits[0] ** 2:
             return False
     if thin:
         return True
-    d, x, y, z = _field(kind, anchor, axis, sizes, center)
-    return abs(d) <= limits[1] and sign * (x * normal[0] + y * normal[1] + z * normal[2]) >= limits[3]
+    d, x, y, z = _field(shape, center[0], center[1], center[2])
+    return abs(d) <= limits[1] and x * normal[0] + y * normal[1] + z * normal[2] >= limits[3]
 
 
 @njit(cache=True)
-def _grow(  # type: ignore[no-untyped-def]
-    kind,
-    anchor,
-    axis,
-    sizes,
-    sign,
-    vertices,
-    corners,
-    start,
-    normal,
-    center,
-    thin,
-    first,
-    other,
-    turn,
-    seeds,
-    free,
-    limits,
-):
-    n = len(normal)
+def _grow(shape, vertices, outlines, faces, links, seeds, free, limits):  # type: ignore[no-untyped-def]
+    corners, start = outlines
+    normal, center, thin = faces
+    first, other, turn = links
+    n = len(thin)
     seen = np.zeros(n, dtype=np.bool_)
-    out = np.empty(n, dtype=np.int64)
-    size = 0
-    for f in seeds:
-        if not seen[f]:
-            seen[f] = True
-            if _fits(
-                kind,
-                anchor,
-                axis,
-                sizes,
-                sign,
-                vertices,
-                corners,
-                start[f],
-                start[f + 1],
-                normal[f],
-                center[f],
-                thin[f],
-                limits,
-            ):
-                out[size] = f
-                size += 1
-    at = 0
+    queue = np.empty(n, dtype=np.int64)
+    size, at = 0, -1
     while at < size:
-        f = out[at]
-        at += 1
-        for i in range(first[f], first[f + 1]):
-            g = other[i]
-            if seen[g] or not free[g]:
+        begin, end = (0, len(seeds)) if at < 0 else (first[queue[at]], first[queue[at] + 1])
+        for i in range(begin, end):
+            g = seeds[i] if at < 0 else other[i]
+            if seen[g] or not (at < 0 or free[g]):
                 continue
-            if abs(turn[i]) > limits[4] and not thin[f] and not thin[g]:
+            if at >= 0 and abs(turn[i]) > limits[4] and not thin[g] and not thin[queue[at]]:
                 continue
             seen[g] = True
-            if _fits(
-                kind,
-                anchor,
-                axis,
-                sizes,
-                sign,
-                vertices,
-                corners,
-                start[g],
-                start[g + 1],
-                normal[g],
-                center[g],
-                thin[g],
-                limits,
-            ):
-                out[size] = g
+            if _fits(shape, vertices, corners, start[g], start[g + 1], normal[g], center[g], thin[g], limits):
+                queue[size] = g
                 size += 1
-    return out[:size].copy()
+        at += 1
+    return queue[:size].copy()

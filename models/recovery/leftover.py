@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from models.body import LabeledSurface
-from models.recovery.curved import Region
+from models.recovery.curved import Region, alike
 from models.recovery.grow import Mesh
 from primitives.arrays import Ints
 from primitives.shapes import Plane
@@ -49,18 +49,13 @@ def label_leftover(
 
 
 def _freeform(mesh: Mesh, label: Ints, options: LeftoverOptions) -> list[Ints]:
-    creases, area = mesh.creases, mesh.flats.area
-    n = len(mesh.flats)
-    first = np.repeat(np.arange(n), np.diff(creases.start))
-    ratio = area[first] / area[creases.other]
-    good = (label[first] < 0) & (label[creases.other] < 0) & (np.abs(creases.turn) < options.smooth)
-    good &= (ratio < options.alike) & (ratio > 1 / options.alike)
-    good &= ~mesh.thin[first] & ~mesh.thin[creases.other]
-    graph = coo_array(
-        (np.ones(int(good.sum()), dtype=bool), (first[good], creases.other[good])), shape=(n, n)
-    )
+    area, n = mesh.flats.area, len(mesh.flats)
+    first, second = alike(mesh, options.alike, options.smooth)
+    open_ = (label[first] < 0) & (label[second] < 0)
+    first, second = first[open_], second[open_]
+    graph = coo_array((np.ones(len(first), dtype=bool), (first, second)), shape=(n, n))
     group = connected_components(graph, False)[1]
-    links = np.bincount(first[good], minlength=n)
+    links = np.bincount(first, minlength=n)
     out = []
     for g in np.flatnonzero(np.bincount(group) >= options.fewest):
         members = np.flatnonzero(group == g)
@@ -73,30 +68,24 @@ def _freeform(mesh: Mesh, label: Ints, options: LeftoverOptions) -> list[Ints]:
 def _place_thin(mesh: Mesh, label: Ints, surfaces: list[LabeledSurface], flat: float) -> None:
     """Slivers join the neighbor on whose surface their corners are, or else the one they share most rim with."""
     creases, start = mesh.creases, mesh.flats.start
-    waiting = [f for f in np.flatnonzero(label < 0).tolist()]
+    waiting = np.flatnonzero(label < 0).tolist()
     while waiting:
         again: list[int] = []
         for f in waiting:
             rows = creases.around(f)
-            known = [
-                (float(n), int(label[g]))
-                for g, n in zip(creases.other[rows], creases.length[rows], strict=True)
-                if label[g] >= 0
-            ]
-            if not known:
+            beside = label[creases.other[rows]]
+            if (beside < 0).all():
                 again.append(f)
                 continue
             corners = mesh.vertices[mesh.flats.corners[start[f] : start[f + 1]]]
-
-            def cost(item: tuple[float, int], corners=corners) -> tuple[float, float]:
-                shape = surfaces[item[1]].shape
+            costs = []
+            for s, shared in zip(beside.tolist(), creases.length[rows].tolist(), strict=True):
+                shape = surfaces[s].shape if s >= 0 else None
                 away = flat if shape is None else float(np.abs(shape.signed_distance(corners)).max())
-                return max(away, flat), -item[0]
-
-            label[f] = min(known, key=cost)[1]
+                costs.append((max(away, flat) if s >= 0 else np.inf, -shared, s))
+            label[f] = min(costs)[2]
         if len(again) == len(waiting):
-            for f in again:
-                label[f] = len(surfaces)
-                surfaces.append(LabeledSurface(None, True, -1))
-            break
+            label[again] = len(surfaces)
+            surfaces.append(LabeledSurface(None, True, -1))
+            return
         waiting = again

@@ -13,7 +13,8 @@ import numpy as np
 
 from models.body import LabeledSurface
 from models.recovery.creases import find_creases
-from models.recovery.curved import CurvedOptions, find_curved, find_cut
+from models.recovery.curved import CurvedOptions, Region, find_curved
+from models.recovery.cut import find_cut
 from models.recovery.flats import find_flats
 from models.recovery.grow import Mesh
 from models.recovery.joined import joined
@@ -50,12 +51,12 @@ def recover(
     creases = find_creases(vertices, triangles, neighbors, flats)
     mesh = Mesh(vertices, flats, creases, flats.thin)
     noise = corner_noise(mesh, flat / 30, flat / 3)
-    regions = joined(mesh, find_curved(mesh, noise, tolerances.curved), noise)
-    taken = np.zeros(len(flats), dtype=bool)
-    for region in regions:
-        taken[region.facets] = True
-    if not taken.all():
-        regions = joined(mesh, regions + find_cut(mesh, taken, noise, tolerances.curved), noise)
+    regions: list[Region] = []
+    for find in (find_curved, find_cut):
+        taken = np.zeros(len(flats), dtype=bool)
+        for region in regions:
+            taken[region.facets] = True
+        regions = joined(mesh, regions + find(mesh, taken, noise, tolerances.curved), noise)
     labels, surfaces = label_leftover(mesh, regions, flat, tolerances.leftover)
     return Recovered(frozen(labels[flats.of_triangle], np.int64), surfaces)
 

@@ -1,0 +1,114 @@
+"""Surfaces whose chords were cut, so that their corners no longer lie on them.
+
+Cylinders and cones show in the planes of their sides, to rounding.  Spheres and tori are looked for with corners
+off by up to a chord's sag; at that tolerance an arc fits any short piece of a freeform surface, so they count only
+where few of them explain a whole neighborhood, and fewer than cylinders and cones would (each row of a torus's
+facets is a cone's).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from models.recovery.curved import (
+    CurvedOptions,
+    Region,
+    convincing,
+    in_neighborhood,
+    neighborhoods,
+    patch_round,
+)
+from models.recovery.fits import depth
+from models.recovery.grow import Mesh, Reach, grow
+from models.recovery.prismatic import fit_planes
+from primitives.arrays import Bools, Ints
+
+
+def find_cut(mesh: Mesh, taken: Bools, noise: float, options: CurvedOptions) -> list[Region]:
+    """Regions of surfaces among the facets that are not taken."""
+    out: list[Region] = []
+    free = ~taken
+    for hood in neighborhoods(mesh, free, options.smoothly, options):
+        sides = _prismatic(mesh, hood, free, noise, options)
+        if not (len(sides) == 1 and _explained(mesh, hood, sides, options)):
+            whole = _round(mesh, hood, noise, options)
+            if _explained(mesh, hood, whole, options) and len(whole) < max(len(sides), options.together + 1):
+                sides = whole
+            else:
+                sides = [region for region in sides if len(region.facets) > options.few]
+                rest = np.setdiff1d(hood, np.concatenate([hood[:0], *(region.facets for region in sides)]))
+                more = _round(mesh, rest, noise, options) if sides and len(rest) > 2 else []
+                sides += more if _explained(mesh, rest, more, options) else []
+        for region in sides:
+            free[region.facets] = False
+        out += sides
+    return out
+
+
+def _explained(mesh: Mesh, hood: Ints, regions: list[Region], options: CurvedOptions) -> bool:
+    covered = sum(float(mesh.flats.area[region.facets].sum()) for region in regions)
+    return covered > options.whole * float(mesh.flats.area[hood].sum())
+
+
+def _round(mesh: Mesh, hood: Ints, noise: float, options: CurvedOptions) -> list[Region]:
+    """The first few spheres and tori of a neighborhood."""
+    kinds = replace(options, fewest={kind: options.fewest[kind] for kind in ("sphere", "torus")})
+    inside = np.zeros(len(mesh.flats), dtype=bool)
+    inside[hood] = True
+    found: list[Region] = []
+    for region in in_neighborhood(mesh, hood, inside, noise, options.slack, kinds):
+        found.append(region)
+        if len(found) == options.together:
+            break
+    return found
+
+
+def _prismatic(mesh: Mesh, hood: Ints, free: Bools, noise: float, options: CurvedOptions) -> list[Region]:
+    """Cylinders and cones of a neighborhood, from planes."""
+    out: list[Region] = []
+    inside = np.zeros(len(free), dtype=bool)
+    inside[hood] = free[hood]
+    tried = np.zeros(len(free), dtype=bool)
+    left = options.failures + len(hood) // 10
+    for seed in hood[np.argsort(-mesh.flats.area[hood])].tolist():
+        if tried[seed] or not inside[seed]:
+            continue
+        patch, turn, _ = patch_round(mesh, seed, inside, 8, options)
+        for some in (patch, patch[:3]):
+            region = _sides(mesh, some, turn, hood, inside, noise, options)
+            if region is not None:
+                inside[region.facets] = False
+                out.append(region)
+                break
+        else:
+            tried[seed] = True
+            left -= 1
+            if left == 0:
+                break
+    return out
+
+
+def _sides(
+    mesh: Mesh, patch: Ints, turn: float, hood: Ints, free: Bools, noise: float, options: CurvedOptions
+) -> Region | None:
+    members = patch
+    for _ in range(options.rounds):
+        found = fit_planes(mesh, members, turn) if len(members) >= 3 else None
+        if found is None:
+            return None
+        touched = np.zeros(len(free), dtype=bool)
+        touched[hood] = found.touched(mesh, hood, noise)
+        sag = float(np.quantile(depth(mesh, found.shape, members), 0.9))
+        reach = Reach(
+            1.2 * sag + 3 * noise, 2 * sag + 3 * noise, min(0.8 * turn + 0.02, 0.45), options.smooth
+        )
+        inside = members[touched[members]]
+        grown = np.sort(grow(mesh, found.shape, found.convex, inside, free & touched, reach))
+        if np.array_equal(grown, members):
+            break
+        members = grown
+    if not convincing(found.shape.kind, mesh, found.shape, found.convex, members, turn, options):
+        return None
+    return Region(found.shape, found.convex, members, replace(reach, corner=3 * noise))
