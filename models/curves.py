@@ -97,12 +97,12 @@ def curve_of(points: Floats, tolerance: float) -> tuple[Curve, float]:
 
 
 def refined(edge: Edge, parts: int = 8) -> Floats:
-    """(m, 3) points along an edge, a circle's closer together and still on it."""
+    """(m, 3) points along an edge, in order, a circle's closer together and still on it."""
     if edge.curve != "circle":
         return edge.points
     center, radius, _ = _circle(edge.points)
-    share = np.arange(parts)[:, None, None] / parts
-    chords = edge.points[:-1] * (1 - share) + edge.points[1:] * share - center
+    share = np.arange(parts)[:, None] / parts
+    chords = edge.points[:-1, None] * (1 - share) + edge.points[1:, None] * share - center
     on_circle: Floats = center + radius * chords / np.linalg.norm(chords, axis=2, keepdims=True)
     return np.concatenate([on_circle.reshape(-1, 3), edge.points[-1:]])
 
