@@ -62,6 +62,8 @@ def vector(shape: Shape, value: Value, fill: float, what: str) -> Floats:
         value = (value,) * 3
     if not isinstance(value, tuple) or not 1 <= len(value) <= 3 or not all(map(is_number, value)):
         raise shape.error(f"{shape.name} needs {what}; write it as [x, y, z]")
+    if not np.isfinite(value).all():
+        raise shape.error(f"{shape.name} needs finite numbers; check them")
     return np.array([*value, *[fill] * (3 - len(value))])
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from models.csg import Csg
 from models.formats import intake
 from models.formats.openscad import syntax
@@ -50,7 +52,7 @@ def _drawing(
     source = syntax.parse(text, file.name)
     budget = Budget(limits or Limits(), place=file.name)
     try:
-        with syntax.deep_stack():
+        with syntax.deep_stack(), np.errstate(all="ignore"):
             shapes = Program(budget, folder).run(source, file)
             alone = [found for shape in shapes if (found := shape.shown_root()) is not None]
             tree = solids.all(alone[:1] or shapes, scale)

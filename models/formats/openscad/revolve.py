@@ -15,6 +15,7 @@ from models.formats.openscad.flat import Disc, Outline
 from models.formats.openscad.shapes import Shape
 from models.polygons import cleaned
 from primitives.arrays import Floats
+from primitives.errors import PalpateError
 
 Side = tuple[Floats, Floats]  # lower and upper end (radius, height) [mm]
 _TOUCH = 1e-9  # of the profile's size: nearer than this to the axis is on it
@@ -34,6 +35,8 @@ def turned_ring(shape: Shape, disc: Disc) -> Csg:
 def turned_outline(outline: Outline) -> Csg:
     """A polygon's part with x >= 0 turned."""
     corners = right_half(cleaned(outline.corners))
+    if len(corners) < 3:
+        raise PalpateError("an outline needs three corners or more that are not on one line")
     levels = np.unique(corners[:, 1])
     rows = [_crossings(corners, low, high) for low, high in pairwise(levels)]
     if all(len(row) == 2 for row in rows):

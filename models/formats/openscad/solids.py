@@ -56,6 +56,8 @@ class Solids:
             if str(error).startswith(shape.place.split(",")[0]):
                 raise
             raise shape.error(str(error)) from None
+        except (ArithmeticError, LookupError, ValueError):  # sizes too far apart to compute with
+            raise shape.error(f"{shape.name} cannot be made of these numbers; check their sizes") from None
         return made.named(shape.label) if made is not None and shape.label and not _leafy(shape) else made
 
     def _made(self, shape: Shape, matrix: Floats) -> Csg | None:
