@@ -64,7 +64,7 @@ def _listed(whole: list[tuple[Found, int]]) -> str:
     lines = []
     for number, (mesh, i) in enumerate(whole[:_LISTED], 1):
         size = " x ".join(f"{side:.4g}" for side in mesh.solids[i].extent)
-        label = " ".join(mesh.name.split())[:24]
+        label = " ".join(mesh.name.split())[:24].lstrip("0123456789")
         lines.append(f"{number} {label + ' ' if label else ''}({size} mm)")
     more = f", and {len(whole) - _LISTED} more" if len(whole) > _LISTED else ""
     return ", ".join(lines) + more

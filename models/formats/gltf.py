@@ -34,9 +34,11 @@ def parse(file: Path, data: bytes) -> tuple[list[LabeledMesh], float]:
                 raise PalpateError(f"{name} is compressed ({extension}); export it without compression")
         intake.check_triangles(scene.triangle_count(), name)
         groups: dict[int, list[Primitive]] = {}
+        total = 0
         for run in scene.primitives():
-            groups.setdefault(run.node, []).append(run)
-            intake.check_triangles(sum(len(r.triangles) for runs in groups.values() for r in runs), name)
+            groups.setdefault(run.place, []).append(run)
+            total += len(run.triangles)
+            intake.check_triangles(total, name)
         unit = scene.tree.get("asset", {}).get("extras", {})
     except BROKEN:
         raise broken from None

@@ -21,14 +21,14 @@ BROKEN = (KeyError, ValueError, IndexError, TypeError, AttributeError, struct.er
 _NUMBERS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _DEEPEST = 64  # nodes below one another
-_MOST_NODES = 10_000
+_MOST_NODES = 5_000
 _FACES = "TM_brep_faces"  # cascadio's extension
 
 
 class Primitive(NamedTuple):
     """One run of triangles of one node."""
 
-    node: int
+    place: int  # the same for all runs of one node where it stands
     name: str
     vertices: Floats  # (v, 3) [m]
     normals: Floats | None  # (v, 3)
@@ -84,18 +84,18 @@ class Gltf:
         self._visits += 1
         if depth > _DEEPEST or self._visits > _MOST_NODES:
             raise ValueError("nodes without end")
-        node = self.tree["nodes"][_index(number)]
+        place, node = self._visits, self.tree["nodes"][_index(number)]
         here, label = parent @ _pose(node), str(node.get("name", name))
         if "mesh" in node:
             mesh = self.tree["meshes"][_index(node["mesh"])]
             shown = name if label.startswith("=>") else label
             for run in mesh["primitives"]:
                 if run.get("mode", 4) in _MODES:
-                    yield self._primitive(run, number, here, shown or str(mesh.get("name", "")))
+                    yield self._primitive(run, place, here, shown or str(mesh.get("name", "")))
         for child in node.get("children", []):
             yield from self._under(child, here, label, depth + 1)
 
-    def _primitive(self, run: dict[str, Any], node: int, pose: Floats, name: str) -> Primitive:
+    def _primitive(self, run: dict[str, Any], place: int, pose: Floats, name: str) -> Primitive:
         points = self.accessor(run["attributes"]["POSITION"]).astype(np.float64).reshape(-1, 3)
         normals = None
         if "NORMAL" in run["attributes"]:
@@ -106,7 +106,7 @@ class Gltf:
             triangles = triangles[:, ::-1]
         faces = run.get("extensions", {}).get(_FACES, {})
         return Primitive(
-            node,
+            place,
             name,
             points @ pose[:3, :3].T + pose[:3, 3],
             normals,

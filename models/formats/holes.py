@@ -23,6 +23,7 @@ class HoleConfig:
     flat: float = 1e-3  # from its plane that a rim may be
     few: int = 4  # edges of a rim that need not be flat
     most: int = 400  # edges of a rim
+    holes: int = 200
 
 
 def filled(vertices: Floats, triangles: Ints, config: HoleConfig | None = None) -> tuple[Ints, int]:
@@ -33,7 +34,7 @@ def filled(vertices: Floats, triangles: Ints, config: HoleConfig | None = None) 
     limits = config or HoleConfig()
     rims = _rims(triangles)
     none = np.empty((0, 3), dtype=np.int64), len(rims)
-    if any(len(rim) > limits.most for rim in rims):
+    if len(rims) > limits.holes or any(len(rim) > limits.most for rim in rims):
         return none
     size = float(np.ptp(vertices[np.unique(triangles)], axis=0).max())
     planes = [_plane(vertices[rim]) for rim in rims]

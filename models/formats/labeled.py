@@ -50,6 +50,19 @@ class LabeledMesh:
         )
 
 
+def joined(meshes: list[LabeledMesh]) -> LabeledMesh:
+    """All as one."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    firsts = np.cumsum([0, *(len(mesh.surfaces) for mesh in meshes)])
+    labels = [np.where(m.labels >= 0, m.labels + first, -1) for m, first in zip(meshes, firsts, strict=False)]
+    return LabeledMesh(
+        frozen(np.concatenate([mesh.vertices for mesh in meshes])),
+        frozen(np.concatenate([m.triangles + s for m, s in zip(meshes, starts, strict=False)]), np.int64),
+        frozen(np.concatenate(labels), np.int64),
+        tuple(surface for mesh in meshes for surface in mesh.surfaces),
+    )
+
+
 def _scaled(shape: Shape, factor: float) -> Shape:
     sizes = shape.sizes if isinstance(shape, Cone) else tuple(size * factor for size in shape.sizes)
     return shape.with_parts(shape.anchor * factor, shape.direction, sizes)

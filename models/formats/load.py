@@ -16,7 +16,7 @@ from models.formats import gltf, intake, mesh, openscad, step, threemf
 from models.formats.bodies import Found, chosen, united
 from models.formats.crossings import crossings
 from models.formats.fair import fair
-from models.formats.labeled import LabeledMesh
+from models.formats.labeled import LabeledMesh, joined
 from models.formats.repair import RepairConfig, closed
 from models.formats.units import MM, SizeLimits, Units, checked_flags, size_warnings
 from models.solid import Solid
@@ -68,7 +68,10 @@ def load(
         raise PalpateError(f"{name} has no faces; export it as a solid")
     intake.check_triangles(sum(len(m.triangles) for m in meshes), name)
     exact = suffix in step.SUFFIXES
-    found = [_found(m, name, RepairConfig(fill_holes=not exact)) for m in meshes]
+    repair = RepairConfig(fill_holes=not exact)
+    found = [_found(m, name, repair) for m in meshes]
+    if len(found) > 1 and not any(one.solids for one in found):
+        found = [_found(joined(meshes), name, repair)]
     if len(found) == 1 and not exact:
         found = [united(found[0], name)]
     picked, number, said = chosen(found, body, name)

@@ -34,6 +34,10 @@ def closed(found: LabeledMesh, name: str, config: RepairConfig) -> tuple[list[La
     if len(single) < len(corners):
         said.append(f"{name} had {len(corners) - len(single)} doubled triangles; they were left out")
         corners, source = corners[single], source[single]
+    if not len(corners):
+        raise PalpateError(
+            f"{name} is folded flat: it has every triangle both ways round; export it as a solid"
+        )
     if len(corners) < 4:
         count = f"{len(corners)} triangle" + "s" * (len(corners) != 1)
         raise PalpateError(f"{name} has only {count}, which enclose nothing; export it as a solid")

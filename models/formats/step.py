@@ -47,9 +47,9 @@ def parse(data: bytes, name: str, config: StepConfig | None = None) -> list[Labe
         raise PalpateError(f"{name} gives no usable geometry; export it again as AP214") from None
     if not found:
         raise PalpateError(f"{name} has no solid in it, only {_held(data)}; export it as a solid")
-    groups: dict[tuple[str, bytes], list[Primitive]] = {}
+    groups: dict[int, list[Primitive]] = {}
     for run in found:
-        groups.setdefault((run.name, run.model_from_node.tobytes()), []).append(run)
+        groups.setdefault(run.place, []).append(run)
     return [labeled(runs, _MM_PER_M) for runs in groups.values()]
 
 
@@ -77,6 +77,8 @@ def _converted(data: bytes, name: str, limits: StepConfig) -> bytes:
         raise PalpateError(
             f"{name} ends in the middle (no END-ISO-10303-21); it is truncated: export it again"
         )
+    if b"_POINT" not in data:
+        raise PalpateError(f"{name} has no geometry in it; export it again")
     raise PalpateError(f"cannot read {name} as STEP; export it again as AP214")
 
 

@@ -23,7 +23,7 @@ from primitives.evidence import Contacts
 from primitives.fit import Fit, fit
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
-_ORDER = ("plane", "cylinder", "sphere", "cone", "torus")  # the fewest parameters first
+_ORDER = ("cylinder", "sphere", "cone", "torus")  # the fewest parameters first
 _MOST_FITTED = 400  # corners of a face that a fit looks at
 
 
@@ -32,7 +32,9 @@ class FaceConfig:
     """When a fitted face is what the fit says."""
 
     distance: float = 2e-3  # [mm] of corners from the surface
-    turn: float = 0.02  # [rad] of normals from the surface's
+    turn: float = (
+        0.02  # [rad] of nine normals in ten from the surface's; where splines end in a pole they fail
+    )
     least: int = 8  # corners
 
 
@@ -118,6 +120,8 @@ def _point(about: dict[str, Any], key: str, scale: float) -> Floats:
 
 
 def _fitted(points: Floats, normals: Floats, used: Ints, config: FaceConfig) -> Shape | None:
+    if flat := _plane(points[used], config):
+        return flat
     if len(used) < config.least:
         return None
     if len(used) > _MOST_FITTED:
@@ -132,7 +136,15 @@ def _fitted(points: Floats, normals: Floats, used: Ints, config: FaceConfig) -> 
     return None
 
 
+def _plane(points: Floats, config: FaceConfig) -> Plane | None:
+    middle = points.mean(axis=0)
+    normal = np.linalg.svd(points - middle, full_matrices=False)[2][-1] if len(points) > 2 else None
+    if normal is None or np.abs((points - middle) @ normal).max() > config.distance / 10:
+        return None
+    return Plane(middle, normal)
+
+
 def _explains(shape: Shape, points: Floats, normals: Floats, config: FaceConfig) -> bool:
     away = np.abs(shape.signed_distance(points)).max()
-    sine = np.linalg.norm(np.cross(shape.normals(points), normals), axis=1).max()
+    sine = np.quantile(np.linalg.norm(np.cross(shape.normals(points), normals), axis=1), 0.9)
     return bool(away < config.distance and sine < config.turn)

@@ -41,11 +41,11 @@ def size_warnings(
     fits = [u for u, f in MM.items() if bounds.small <= size * f <= bounds.large]
     hint = f"give its unit, for example --units {fits[-1]}" if fits else "give --units or --scale"
     if size < bounds.least:
-        raise PalpateError(f"{name} is {size:.3g} mm across, less than {bounds.least:g} mm; {hint}")
+        raise PalpateError(f"{name} is {size:.4g} mm across, less than {bounds.least:g} mm; {hint}")
     if size > bounds.most:
-        raise PalpateError(f"{name} is {size:.3g} mm across, more than 10 m; give --units or --scale")
+        raise PalpateError(f"{name} is {size:.4g} mm across, more than 10 m; give --units or --scale")
     if bounds.small <= size <= bounds.large:
         return ()
     if guessed:
-        return (f"{name} is {size:.3g} mm across if it is in mm; if not, {hint}",)
+        return (f"{name} is {size:.4g} mm across if it is in mm; if not, {hint}",)
     return ()
