@@ -94,7 +94,7 @@ def _settled(
         if np.array_equal(found, answer):
             break
         answer = found
-        rotation, shift = _least_squares(points, target.points[answer], trust, rotation, shift)
+        rotation, shift = _least_squares(points, target.points[answer], trust, rotation, shift, a.size)
     if len(np.unique(answer)) != len(points):
         return None
     v, e = a.graph.vertices, a.graph.edges
@@ -105,7 +105,7 @@ def _settled(
     errors = np.concatenate(
         [
             corner_errors(a, b, corners, rotation, shift),
-            edge_errors(a, b, edges, rotation, shift, 1e-3 * allowed[v:]),
+            edge_errors(a, b, edges, rotation, shift, allowed[v:]),
         ]
     )
     if (errors > allowed).any():
@@ -115,16 +115,15 @@ def _settled(
 
 
 def _least_squares(
-    points: Floats, goals: Floats, trust: Floats, rotation: Floats, shift: Floats
+    points: Floats, goals: Floats, trust: Floats, rotation: Floats, shift: Floats, scale: float
 ) -> tuple[Floats, Floats]:
-    """One Gauss-Newton step toward goals = rotation points + shift; what they do not fix is left alone."""
+    """One Gauss-Newton step toward goals = rotation points + shift; turns that move none are left alone."""
     if not len(points):
         return rotation, shift
     moved = points @ rotation.T
     x, y, z = moved.T
     zero = np.zeros_like(x)
     turn = np.stack([zero, z, -y, -z, zero, x, y, -x, zero], axis=1).reshape(-1, 3, 3)
-    scale = max(float(np.linalg.norm(points, axis=1).max()), 1e-300)
     system = np.concatenate([turn / scale, np.broadcast_to(np.eye(3), (len(x), 3, 3))], axis=2)
     rows, left = system * trust[:, None, None], (goals - moved - shift) * trust[:, None]
     step = np.linalg.lstsq(rows.reshape(-1, 6), left.ravel(), rcond=1e-6)[0]
