@@ -11,16 +11,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
-from models.csg import Csg, Cube, Cylinder, Operation, Placed, Polyhedron, Primitive, Prism, Union
+from models.csg import Csg, Cube, Cylinder, Operation, Placed, Polyhedron, Primitive, Prism, Sphere, Union
+from models.formats.openscad import sizes
+from models.formats.openscad.balls import hull_of_balls
 from models.formats.openscad.flat import Combined, Disc, Flat, Outline
+from models.formats.openscad.hulls import convex_corners, convex_faces
 from models.formats.openscad.shapes import Shape
 from models.formats.openscad.sided import outside
 from models.polygons import cleaned
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
-from primitives.pose import frame_along, pose, transform_points
+from primitives.pose import pose, transform_points
 
 _SAME = 1e-6  # of the size: lengths and directions this close are one
 
@@ -31,7 +33,14 @@ def hull_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
     if len(leaves) == 1:
         return trees[0]
     if leaves and all(isinstance(p, Cube | Prism | Polyhedron) for p, _ in leaves):
-        return _polyhedron(np.concatenate([transform_points(m, outside(p)[0]) for p, m in leaves]))  # type: ignore[arg-type]
+        return _hull(np.concatenate([transform_points(m, outside(p)[0]) for p, m in leaves]))  # type: ignore[arg-type]
+    balls = [(p, m) for p, m in leaves if isinstance(p, Sphere)]
+    if (
+        leaves
+        and len(balls) == len(leaves)
+        and np.ptp([p.radius for p, _ in balls]) <= _SAME * balls[0][0].radius
+    ):
+        return hull_of_balls(np.array([m[:3, 3] for _, m in balls]), balls[0][0].radius)
     bars = [(p, m) for p, m in leaves if isinstance(p, Cylinder)]
     if leaves and len(bars) == len(leaves):
         (first, home), *rest = bars
@@ -46,7 +55,7 @@ def hull_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
             centers = np.array([((m[:3, 3] - home[:3, 3]) @ home[:3, :3])[:2] for _, m in bars])
             return _bars(_rounded(centers, first.radius), first.height).placed(home)
     raise shape.error(
-        "hull() of these has no exact form here; use flat-sided solids or equal upright cylinders"
+        "hull() of these has no exact form here; use flat-sided solids, equal spheres or equal upright cylinders"
     )
 
 
@@ -58,7 +67,7 @@ def hull_of_flats(shape: Shape, flats: Sequence[Flat]) -> Flat:
     if len(leaves) == 1 and discs:
         return discs[0]
     if outlines and not discs:
-        return Outline(_corners(np.concatenate([o.corners for o in outlines])))
+        return Outline(convex_corners(np.concatenate([o.corners for o in outlines])))
     if discs and not outlines and np.ptp([d.radius for d in discs]) <= _SAME * discs[0].radius:
         return _rounded(np.array([d.center for d in discs]), discs[0].radius)
     raise shape.error("hull() of these has no exact form here; use polygons, or circles of one radius")
@@ -68,19 +77,40 @@ def sum_of_flats(shape: Shape, flats: Sequence[Flat]) -> Flat:
     """The Minkowski sum of a convex polygon and a disc, or of two convex polygons."""
     if len(flats) == 2 and all(isinstance(flat, Disc | Outline) for flat in flats):
         first, second = sorted(flats, key=lambda flat: isinstance(flat, Disc))
-        if isinstance(first, Outline) and len(_corners(first.corners)) == len(cleaned(first.corners)):
+        if isinstance(first, Outline) and len(convex_corners(first.corners)) == len(cleaned(first.corners)):
             if isinstance(second, Disc):
                 return _rounded(first.corners + second.center, second.radius)
-            if isinstance(second, Outline) and len(_corners(second.corners)) == len(cleaned(second.corners)):
-                return Outline(_corners((first.corners[:, None] + second.corners).reshape(-1, 2)))
+            if isinstance(second, Outline) and len(convex_corners(second.corners)) == len(
+                cleaned(second.corners)
+            ):
+                return Outline(convex_corners((first.corners[:, None] + second.corners).reshape(-1, 2)))
     raise shape.error("minkowski() of these has no exact form here; sum a convex polygon and a circle")
+
+
+def offset(shape: Shape, flat: Flat) -> Flat:
+    """`offset` of a disc or a convex polygon."""
+    away = sizes.number(shape, "delta" if shape.arguments.get("delta") is not None else "r", 1.0)
+    if isinstance(flat, Disc) and flat.radius + away > 0:
+        return Disc(flat.center, flat.radius + away, flat.label)
+    sharp = away <= 0 or shape.arguments.get("delta") is not None
+    if isinstance(flat, Outline) and not shape.arguments.get("chamfer"):
+        corners = cleaned(flat.corners)
+        if len(convex_corners(corners)) == len(corners):
+            if not sharp:
+                return _rounded(corners, away)
+            moved = _moved_sides(corners, away)
+            if moved is not None:
+                return Outline(moved, flat.label)
+    raise shape.error("offset() of this has no exact form here; use it on a circle or a convex polygon")
 
 
 def sum_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
     """The Minkowski sum of two convex flat-sided solids, or of an upright box and an upright bar."""
     leaves = [leaf for tree in trees for leaf in _leaves(tree, np.eye(4))]
     if len(trees) == len(leaves) == 2:
-        (first, a), (second, b) = sorted(leaves, key=lambda leaf: isinstance(leaf[0], Cylinder))
+        (first, a), (second, b) = sorted(leaves, key=lambda leaf: isinstance(leaf[0], Cylinder | Sphere))
+        if isinstance(first, Cube) and isinstance(second, Sphere):
+            return hull_of_balls(transform_points(a, outside(first)[0]) + b[:3, 3], second.radius)
         upright = np.array_equal(a[:3, :3], np.eye(3)) and abs(b[2, 2]) > 1 - _SAME
         if isinstance(first, Cube) and isinstance(second, Cylinder) and upright:
             x, y, z = first.size
@@ -89,8 +119,8 @@ def sum_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
             return bar.placed(pose(None, a[:3, 3] + b[:3, 3]))
         if isinstance(first, Cube) and isinstance(second, Cube):
             p, q = (transform_points(m, outside(c)[0]) for c, m in ((first, a), (second, b)))
-            return _polyhedron((p[:, None] + q).reshape(-1, 3))
-    raise shape.error("minkowski() of these has no exact form here; sum a cube and an upright cylinder")
+            return _hull((p[:, None] + q).reshape(-1, 3))
+    raise shape.error("minkowski() of these has no exact form here; sum a cube and one more solid")
 
 
 def _rounded(centers: Floats, radius: float) -> Flat:
@@ -104,12 +134,23 @@ def _rounded(centers: Floats, radius: float) -> Flat:
         along = line @ axes[0]
         corners = centers[[int(np.argmin(along)), int(np.argmax(along))]]
     else:
-        corners = _corners(centers)
+        corners = convex_corners(centers)
     after = np.roll(corners, -1, axis=0)
     sides = (after - corners) / np.linalg.norm(after - corners, axis=1)[:, None]
     normals = radius * np.stack([sides[:, 1], -sides[:, 0]], axis=1)
     moved = np.stack([corners + normals, after + normals], axis=1).reshape(-1, 2)
     return Combined("union", (Outline(cleaned(moved)), *(Disc(corner, radius) for corner in corners)))
+
+
+def _moved_sides(corners: Floats, away: float) -> Floats | None:
+    """A convex polygon whose sides are moved out; None where one of them vanishes."""
+    sides = np.roll(corners, -1, axis=0) - corners
+    normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1)[:, None]
+    before = np.roll(normals, 1, axis=0)
+    bend = 1 + np.einsum("ij,ij->i", normals, before)
+    moved: Floats = corners + away * (normals + before) / bend[:, None]
+    kept = np.einsum("ij,ij->i", np.roll(moved, -1, axis=0) - moved, sides) > 0
+    return moved if kept.all() else None
 
 
 def _bars(flat: Flat, height: float) -> Csg:
@@ -122,27 +163,8 @@ def _bars(flat: Flat, height: float) -> Csg:
     return Union(tuple(_bars(part, height) for part in flat.parts))
 
 
-def _corners(points: Floats) -> Floats:
-    """(m, 2) corners of the convex hull, counterclockwise."""
-    try:
-        return cleaned(points[ConvexHull(points).vertices])
-    except QhullError:
-        raise PalpateError("these points lie on one line; spread them out") from None
-
-
-def _polyhedron(points: Floats) -> Csg:
-    """The hull of (n, 3) points; triangles in one plane become one face."""
-    try:
-        hull = ConvexHull(points)
-    except QhullError:
-        raise PalpateError("these corners lie in one plane; give the solid a height") from None
-    planes = np.round(hull.equations / [1, 1, 1, np.ptp(points, axis=0).max()], 7)
-    faces = []
-    for plane in np.unique(planes, axis=0):
-        of_face = np.unique(hull.simplices[(planes == plane).all(axis=1)])
-        flat = (points[of_face] - points[of_face].mean(axis=0)) @ frame_along(plane[:3])[:, :2]
-        faces.append(tuple(of_face[np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))].tolist()))
-    return Polyhedron(tuple(map(tuple, points.tolist())), tuple(faces))
+def _hull(points: Floats) -> Csg:
+    return Polyhedron(tuple(map(tuple, points.tolist())), tuple(map(tuple, convex_faces(points))))
 
 
 def _leaves(tree: Csg, matrix: Floats) -> list[tuple[Primitive, Floats]]:

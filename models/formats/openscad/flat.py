@@ -49,10 +49,14 @@ class Plan:
     """Reads the children of an extrusion."""
 
     def __init__(
-        self, sided: Callable[[Shape], bool], convex: Mapping[str, Callable[[Shape, Sequence[Flat]], Flat]]
+        self,
+        sided: Callable[[Shape], bool],
+        convex: Mapping[str, Callable[[Shape, Sequence[Flat]], Flat]],
+        offset: Callable[[Shape, Flat], Flat],
     ) -> None:
         self._sided = sided
         self._convex = convex
+        self._offset = offset
 
     def union(self, shapes: Sequence[Shape], matrix: Floats | None = None) -> Flat | None:
         """What the shapes cover together, under a (4, 4) matrix."""
@@ -71,6 +75,9 @@ class Plan:
         if name in ("hull", "minkowski"):
             found = [flat for child in shape.children if (flat := self._flat(child, matrix)) is not None]
             return self._convex[name](shape, found) if found else None
+        if name == "offset":
+            flat = self.union(shape.children)
+            return None if flat is None else transformed(self._offset(shape, flat), matrix, shape)
         if name == "circle":
             return self._circle(shape, matrix)
         if name == "square":
@@ -87,15 +94,25 @@ class Plan:
         radius = sizes.radius(shape)
         if self._sided(shape):
             return _outline(polygon(sizes.fragments(shape, radius), radius), matrix, shape.label)
-        linear = matrix[:2, :2]
-        factor = float(np.sqrt(abs(np.linalg.det(linear))))
-        if np.abs(linear.T @ linear / factor**2 - np.eye(2)).max() > SIX_DIGITS:
-            raise shape.error(
-                "circle is stretched to an ellipse, which has no exact form here; scale it evenly"
-            )
-        near = float(f"{factor:.5g}")
-        factor = near if abs(factor - near) <= SIX_DIGITS * near else factor
-        return Disc(matrix[:2, 3].copy(), radius * factor, shape.label)
+        return transformed(Disc(np.zeros(2), radius, shape.label), matrix, shape)
+
+
+def transformed(flat: Flat, matrix: Floats, shape: Shape) -> Flat:
+    """A flat shape under a (4, 4) matrix that keeps it in the plane."""
+    linear = matrix[:2, :2]
+    match flat:
+        case Outline():
+            return _outline(flat.corners, matrix, flat.label)
+        case Combined():
+            return Combined(flat.operation, tuple(transformed(part, matrix, shape) for part in flat.parts))
+    factor = float(np.sqrt(abs(np.linalg.det(linear))))
+    if np.abs(linear.T @ linear / factor**2 - np.eye(2)).max() > SIX_DIGITS:
+        raise shape.error(
+            f"{shape.name} is stretched to an ellipse, which has no exact form here; scale it evenly"
+        )
+    near = float(f"{factor:.5g}")
+    factor = near if abs(factor - near) <= SIX_DIGITS * near else factor
+    return Disc(linear @ flat.center + matrix[:2, 3], flat.radius * factor, flat.label)
 
 
 def bounds(flat: Flat) -> Floats:

@@ -32,6 +32,7 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "linear_extrude": ("height", "center", "convexity", "twist", "slices", "scale"),
     "rotate_extrude": ("angle", "convexity"),
     "hull": (),
+    "offset": ("r", "delta", "chamfer"),
     "minkowski": ("convexity",),
 }
 CHILDLESS = frozenset({"cube", "cylinder", "sphere", "polyhedron", "square", "circle", "polygon"})
@@ -40,7 +41,6 @@ REFUSED = {
     "surface": "load it as a mesh (STL) instead",
     "text": "draw the letters as polygons, or leave them out",
     "projection": "draw the outline as a polygon",
-    "offset": "draw the outline as it is to be",
     "roof": "draw it as a polyhedron",
     "fill": "draw the outline as it is to be",
     "assign": "use let() instead",

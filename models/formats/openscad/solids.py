@@ -19,15 +19,15 @@ from models.csg import (
     Polyhedron,
     Prism,
     Sphere,
-    Torus,
     Union,
 )
 from models.formats.openscad import sided, sizes
-from models.formats.openscad.affine import SIX_DIGITS, TRANSFORMS, Split, matrix_of, split, vector
-from models.formats.openscad.convex import hull_of_flats, hull_of_solids, sum_of_flats, sum_of_solids
+from models.formats.openscad.affine import TRANSFORMS, matrix_of, split, vector
+from models.formats.openscad.convex import hull_of_flats, hull_of_solids, offset, sum_of_flats, sum_of_solids
 from models.formats.openscad.extrude import linear, rotated
 from models.formats.openscad.flat import Plan
 from models.formats.openscad.shapes import Shape
+from models.formats.openscad.stretch import flat_sided, stretched
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.pose import pose
@@ -79,7 +79,7 @@ class Solids:
             return self._resized(shape, matrix)
         if name in ("linear_extrude", "rotate_extrude"):
             return self._extruded(shape, matrix)
-        if name in ("circle", "square", "polygon"):
+        if name in ("circle", "square", "polygon", "offset"):
             raise shape.error(f"{name} is flat where a solid is needed; put it into linear_extrude")
         raise shape.error(f"{name}() is outside the subset that is read; draw the shape with primitives")
 
@@ -151,11 +151,12 @@ class Solids:
         return self.fitted(made, matrix, shape)
 
     def _extruded(self, shape: Shape, matrix: Floats) -> Csg | None:
-        plan = Plan(self.sided, _FLAT_CONVEX).union(shape.children)
+        plan = Plan(self.sided, _FLAT_CONVEX, offset).union(shape.children)
         if plan is None:
             return None
         made = linear(shape, plan) if shape.name == "linear_extrude" else rotated(shape, plan, self.facets)
-        return None if made is None else self.refitted(made, matrix, shape)
+        tree = self.refitted(made, matrix, shape)
+        return tree.named(shape.label) if shape.label else tree
 
     def sided(self, shape: Shape) -> bool:
         """Whether a circle keeps its sides; warns where it does not and they may be meant."""
@@ -172,7 +173,7 @@ class Solids:
         if parts is not None and np.array_equal(parts.stretch, np.ones(3)):
             placed = _placed(tree, parts.rigid)
             assert placed is not None
-            return placed.named(shape.label) if shape.label else placed
+            return placed
         children = getattr(tree, "children", None)
         if children:
             return type(tree)(tuple(self.refitted(c, matrix, shape) for c in children))  # type: ignore[call-arg]
@@ -187,11 +188,11 @@ class Solids:
         if parts is not None and np.array_equal(parts.stretch, np.ones(3)):
             made: Csg | None = primitive
         elif isinstance(primitive, Cube | Prism | Polyhedron):
-            return _flat_sided(primitive, matrix, parts)
+            return flat_sided(primitive, matrix, parts)
         elif parts is None:
             raise shape.error(f"a sheared or slanting {shape.name} has no exact form here; stretch it evenly")
         else:
-            made = _stretched(primitive, np.abs(parts.stretch), parts.stretch[2] < 0)
+            made = stretched(primitive, np.abs(parts.stretch), parts.stretch[2] < 0)
         if made is None or parts is None:
             raise shape.error(
                 f"{shape.name} is stretched to an ellipse, which has no exact form here; scale it evenly"
@@ -199,46 +200,6 @@ class Solids:
         placed = _placed(made, parts.rigid)
         assert placed is not None
         return placed
-
-
-def _stretched(primitive: Csg, by: Floats, turned_over: bool) -> Csg | None:
-    """A round primitive stretched along its axes; None where it loses its roundness."""
-    x, y, z = (float(b) for b in by)
-    if abs(x - y) > SIX_DIGITS * x:
-        return None
-    if isinstance(primitive, Cylinder):
-        return Cylinder(primitive.radius * x, primitive.height * z, primitive.name)
-    if isinstance(primitive, Cone):
-        ends = (primitive.bottom_radius * x, primitive.top_radius * x)
-        return Cone(*(ends[::-1] if turned_over else ends), primitive.height * z, primitive.name)
-    if abs(x - z) > SIX_DIGITS * x:
-        return None
-    if isinstance(primitive, Sphere):
-        return Sphere(primitive.radius * x, primitive.name)
-    if isinstance(primitive, Torus):
-        return Torus(primitive.major_radius * x, primitive.minor_radius * x, primitive.name)
-    return None
-
-
-def _flat_sided(primitive: Cube | Prism | Polyhedron, matrix: Floats, parts: Split | None) -> Csg:
-    """A primitive with flat faces under any matrix; it is a polyhedron where nothing simpler holds."""
-    if parts is not None:
-        x, y, z = parts.stretch.tolist()
-        made: Csg | None = None
-        if isinstance(primitive, Cube):
-            made = Cube(tuple(np.abs(parts.stretch) * primitive.size), primitive.name)
-        elif isinstance(primitive, Prism):
-            outline = tuple((x * a, y * b) for a, b in primitive.outline)
-            made = Prism(outline, abs(z) * primitive.height, primitive.name)
-        else:
-            moved = tuple((x * a, y * b, z * c) for a, b, c in primitive.points)
-            made = Polyhedron(moved, primitive.faces, primitive.name)
-        placed = _placed(made, parts.rigid)
-        assert placed is not None
-        return placed
-    corners, faces = sided.outside(primitive)
-    corners = corners @ matrix[:3, :3].T + matrix[:3, 3]
-    return Polyhedron(tuple(map(tuple, corners.tolist())), faces, primitive.name)
 
 
 def _placed(tree: Csg | None, rigid: Floats) -> Csg | None:

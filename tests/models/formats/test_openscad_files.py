@@ -109,6 +109,14 @@ VOLUMES = {
     "hulls.scad": (40 * 20 + 2 * 5 * 60 + pi * 25) * 8
     + (400 + 10 * (400 + 100 + 200) / 3)
     + (20 * 10 + 2 * 3 * 30 + pi * 9) * 6,
+    "rounded.scad": 10 * 20 * 5
+    + 3 * 2 * (200 + 50 + 100)
+    + pi * 9 * 35
+    + 36 * pi  # Steiner's formula
+    + pi * 25 * 20
+    + 4 / 3 * pi * 125
+    + (200 + 2 * 2 * 30 + pi * 4) * 4
+    + 8 * 18 * 4,
     "intersections.scad": 10 * 20**2 * sqrt(3) / 2 + 4 / 3 * pi * 19**3 - 6 * pi * 4**2 * (3 * 19 - 4) / 3,
 }
 REFUSED = {
@@ -123,6 +131,7 @@ REFUSED = {
     "flat_at_top.scad": "line 2: circle is flat where a solid is needed",
     "solid_in_extrusion.scad": "line 3: sphere is solid where a flat shape is needed",
     "across_the_axis.scad": "line 1: rotate_extrude's shape lies on both sides of the axis",
+    "hollow_offset.scad": r"line 2: offset\(\) of this",
     "minkowski.scad": r"line 1: .*minkowski\(\)",
     "missing_bracket.scad": "line 3: cannot read",
     "missing_semicolon.scad": "line 1: cube holds nothing",
