@@ -20,6 +20,7 @@ from models.curves import Chain, chains, edge_between, handles, loops, refined
 from models.extents import anchored
 from models.recovery import Recovered, recover
 from models.solid import Solid
+from models.tangent import absorbed, forward, on_tangents
 from primitives.arrays import Floats, Ints, frozen
 from primitives.shapes import Plane, Shape, Sphere
 
@@ -73,12 +74,15 @@ def _boundary(body: Body, tolerances: BoundaryConfig) -> tuple[Brep, Ints]:
         surface = _merged(surface, known.surfaces, tolerances.same_surface)
     face = _faces(surface, body.neighbors)
     face = _without_slivers(face, body.neighbors, _areas(body.vertices[body.triangles]), tolerances.sliver)
+    if body.surfaces:
+        face = _tidied(face, surface, known.surfaces, body)
     areas = np.bincount(face, weights=_areas(body.vertices[body.triangles]))
     surfaces = [known.surfaces[i] for i in _majority(face, surface, _areas(body.vertices[body.triangles]))]
     pieces = chains(body.triangles, body.neighbors, face)
     runs = loops(pieces, body.triangles, body.neighbors, face)
     round_ = handles(face, body.triangles, body.neighbors, [len(r) for r in runs])
-    exact = _on_surfaces(body.vertices, pieces, [s.shape for s in surfaces], tolerances.parallel)
+    shapes = [s.shape for s in surfaces]
+    exact = _on_surfaces(body.vertices, pieces, shapes, tolerances.parallel, bool(body.surfaces))
     corners = np.unique([v for p in pieces if not p.closed for v in (p.vertices[0], p.vertices[-1])])
     number = {int(v): i for i, v in enumerate(corners)}
     edges = tuple(
@@ -104,6 +108,16 @@ def _boundary(body: Body, tolerances: BoundaryConfig) -> tuple[Brep, Ints]:
     return brep, frozen(face, np.int64)
 
 
+def _tidied(face: Ints, surface: Ints, surfaces: tuple[LabeledSurface, ...], body: Body) -> Ints:
+    """(t,) faces without the islands that facets of tangent surfaces leave in each other."""
+    areas = _areas(body.vertices[body.triangles])
+    while True:
+        whole = absorbed(face, [surfaces[i] for i in _majority(face, surface, areas)], body)
+        if np.array_equal(whole, face):
+            return face
+        face = np.asarray(np.unique(whole, return_inverse=True)[1])
+
+
 def _edge(
     i: int,
     piece: Chain,
@@ -115,8 +129,10 @@ def _edge(
 ) -> Edge:
     ends = None if piece.closed else (number[piece.vertices[0]], number[piece.vertices[-1]])
     points = exact[list(piece.vertices)]
+    kept = forward(points, tolerances.on_curve)
+    points = points[kept]
     middle = (points[1:] + points[:-1]) / 2
-    flat = body.triangle_normals[np.array(piece.triangles)]
+    flat = body.triangle_normals[np.array(piece.triangles)[kept[:-1]]]
     left, right = (surfaces[f].normals(middle, flat[:, k]) for k, f in enumerate(piece.faces))
     return edge_between(i, piece.faces, points, ends, (left, right), tolerances.smooth, tolerances.on_curve)
 
@@ -185,9 +201,13 @@ def _without_slivers(face: Ints, neighbors: Ints, area: Floats, least: float) ->
 
 
 def _on_surfaces(
-    vertices: Floats, pieces: list[Chain], shapes: list[Shape | None], parallel: float
+    vertices: Floats, pieces: list[Chain], shapes: list[Shape | None], parallel: float, known: bool
 ) -> Floats:
-    """(v, 3) vertices, those on edges put on every surface that meets there: least-norm Newton steps."""
+    """(v, 3) vertices, those on edges put on every surface that meets there: least-norm Newton steps.
+
+    Where surfaces are `known` exactly and touch, onto the curve along which they do.
+    """
+    size = float(np.ptp(vertices, axis=0).max())
     meets: dict[int, set[int]] = {}
     for piece in pieces:
         for v in piece.vertices:
@@ -201,6 +221,10 @@ def _on_surfaces(
         if not near:
             continue
         points = out[rows]
+        touching = on_tangents(points, near, size) if known else None
+        if touching is not None:
+            out[rows] = touching
+            continue
         for _ in range(3):
             gap = np.stack([shape.signed_distance(points) for shape in near], axis=1)
             slope = np.stack([shape.normals(points) for shape in near], axis=1)

@@ -241,7 +241,7 @@ def _manifold_of(
 ) -> tuple[Any, list[LabeledSurface]]:
     made = facets(leaf.primitive, tolerance)
     mesh = manifold3d.Mesh64(
-        vert_properties=np.array(transform_points(leaf.part_from_primitive, made.vertices), order="C"),
+        vert_properties=np.array(made.vertices, order="C"),
         tri_verts=made.triangles.astype(np.uint64),
         run_index=np.array([0, made.triangles.size], dtype=np.uint64),
         run_original_id=np.array([identity], dtype=np.uint32),
@@ -261,8 +261,8 @@ def _outward(shape: Shape, adds: bool) -> tuple[Shape, bool]:
 
 
 def _evaluate(tree: Csg, parts: Any) -> Any:
-    if isinstance(tree, Placed):
-        return _evaluate(tree.child, parts)
+    if isinstance(tree, Placed):  # after what is below it, whose faces may touch exactly in their own frame
+        return _evaluate(tree.child, parts).transform(tree.pose[:3])
     if not isinstance(tree, Operation):
         return next(parts)
     operands = [_evaluate(child, parts) for child in tree.children]
