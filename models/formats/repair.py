@@ -45,9 +45,12 @@ def closed(found: LabeledMesh, name: str, config: RepairConfig) -> tuple[list[La
     if (missing := open_edges(corners)) > 0:
         patch, holes = filled(points, corners) if config.fill_holes else (np.empty((0, 3), np.int64), 0)
         if not len(patch) or open_edges(np.concatenate([corners, patch])):
-            raise PalpateError(
-                f"{name} is not closed: {missing} open edges; repair it in a mesh editor first"
+            cure = (
+                "repair it in a mesh editor first"
+                if config.fill_holes
+                else "sew its faces into a solid first"
             )
+            raise PalpateError(f"{name} is not closed: {missing} open edges; {cure}")
         said.append(f"{name} had {_count(holes, 'hole')} with {missing} open edges; flat pieces fill them")
         corners = np.concatenate([corners, patch])
         source = np.concatenate([source, np.full(len(patch), -1)])
