@@ -33,13 +33,18 @@ class Flats:
         return len(self.area)
 
 
-def find_flats(vertices: Floats, triangles: Ints, neighbors: Ints, flat: float, angle: float) -> Flats:
-    """Facets whose corners are within `flat` [mm] of a plane and whose normals are within `angle` [rad]."""
+def find_flats(
+    vertices: Floats, triangles: Ints, neighbors: Ints, flat: float, noise: float, angle: float
+) -> Flats:
+    """Facets whose corners are within `flat` [mm] of a plane and whose normals are within `angle` [rad].
+
+    A triangle so thin that `noise` [mm] in its corners turns it by more than that is a sliver.
+    """
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     cross = np.cross(b - a, c - a)
     twice = np.linalg.norm(cross, axis=1)
     longest = np.sqrt(np.max([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0))
-    sliver = twice / np.maximum(longest, 1e-300) < flat / np.tan(angle)
+    sliver = twice / np.maximum(longest, 1e-300) < noise / np.tan(angle)
     order = np.lexsort((-twice, sliver))
     of = _cluster(
         vertices, triangles, neighbors, cross, sliver, order.astype(np.int64), flat, float(np.cos(angle))
@@ -64,6 +69,16 @@ def find_flats(vertices: Floats, triangles: Ints, neighbors: Ints, flat: float, 
         np.searchsorted(pairs[:, 0], np.arange(count + 1)),
         np.bincount(of, ~sliver, count) == 0,
     )
+
+
+def corner_noise(vertices: Floats, flats: Flats, least: float, most: float) -> float:
+    """[mm] of rounding in the corners, as the facets with more than four of them show it."""
+    corners, start, normal = flats.corners, flats.start, flats.normal
+    facet = np.repeat(np.arange(len(flats)), np.diff(start))
+    away = np.abs(np.einsum("ij,ij->i", vertices[corners] - flats.center[facet], normal[facet]))
+    proven = (np.diff(start) > 4)[facet]
+    spread = 2 * float(np.quantile(away[proven], 0.8)) if proven.any() else 0.0
+    return float(np.clip(spread, least, most))
 
 
 @njit(cache=True)

@@ -15,7 +15,7 @@ from models.body import LabeledSurface
 from models.recovery.creases import find_creases
 from models.recovery.curved import CurvedOptions, Region, find_curved
 from models.recovery.cut import find_cut
-from models.recovery.flats import find_flats
+from models.recovery.flats import corner_noise, find_flats
 from models.recovery.grow import Mesh
 from models.recovery.joined import joined
 from models.recovery.leftover import LeftoverOptions, label_leftover
@@ -45,12 +45,15 @@ def recover(
 ) -> Recovered:
     """The surfaces of a closed mesh of (v, 3) vertices [mm] and (t, 3) triangles with (t, 3) neighbors."""
     tolerances = options or RecoveryOptions()
-    flat = tolerances.flat * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     angle = float(np.deg2rad(tolerances.flat_deg))
-    flats = find_flats(vertices, triangles, neighbors, flat, angle)
+    flat = tolerances.flat * size
+    flats = find_flats(vertices, triangles, neighbors, flat, flat / 30, angle)
+    noise = corner_noise(vertices, flats, flat / 30, flat / 3)
+    flat = max(flat / 5, 3 * noise)
+    flats = find_flats(vertices, triangles, neighbors, flat, noise, angle)
     creases = find_creases(vertices, triangles, neighbors, flats)
     mesh = Mesh(vertices, flats, creases, flats.thin)
-    noise = corner_noise(mesh, flat / 30, flat / 3)
     regions: list[Region] = []
     for find in (find_curved, find_cut):
         taken = np.zeros(len(flats), dtype=bool)
@@ -59,13 +62,3 @@ def recover(
         regions = joined(mesh, regions + find(mesh, taken, noise, tolerances.curved), noise)
     labels, surfaces = label_leftover(mesh, regions, flat, tolerances.leftover)
     return Recovered(frozen(labels[flats.of_triangle], np.int64), surfaces)
-
-
-def corner_noise(mesh: Mesh, least: float, most: float) -> float:
-    """[mm] of rounding in the corners, as the flats with more than three show it."""
-    corners, start, normal = mesh.flats.corners, mesh.flats.start, mesh.flats.normal
-    facet = np.repeat(np.arange(len(mesh.flats)), np.diff(start))
-    away = np.abs(np.einsum("ij,ij->i", mesh.vertices[corners] - mesh.flats.center[facet], normal[facet]))
-    proven = (np.diff(start) > 4)[facet]
-    spread = 2 * float(np.quantile(away[proven], 0.8)) if proven.any() else 0.0
-    return float(np.clip(spread, least, most))
