@@ -11,8 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.spatial import cKDTree
 
 from models.csg import (
@@ -106,9 +104,9 @@ def _trimmed(primitive: Primitive) -> Primitive:
 
 def _same(a: Csg, b: Csg, tolerance: float) -> bool:
     if isinstance(a, Operation) or isinstance(b, Operation):
-        if type(a) is not type(b) or len(getattr(a, "children", ())) != len(getattr(b, "children", ())):
-            return False
-        return _same_children(a, b, tolerance)  # type: ignore[arg-type]
+        if isinstance(a, Operation) and isinstance(b, Operation) and type(a) is type(b):
+            return _same_children(a, b, tolerance)
+        return False
     first, second = next(a.leaves()), next(b.leaves())
     if type(first.primitive) is not type(second.primitive):
         return False
@@ -119,14 +117,15 @@ def _same(a: Csg, b: Csg, tolerance: float) -> bool:
 
 
 def _same_children(a: Operation, b: Operation, tolerance: float) -> bool:
+    """Whether each operand of one is found in the other: repeating or reordering one changes nothing."""
     fixed = isinstance(a, Difference)
     if fixed and not _same(a.children[0], b.children[0], tolerance):
         return False
     ours, theirs = a.children[fixed:], b.children[fixed:]
-    if all(_same(x, y, tolerance) for x, y in zip(ours, theirs, strict=True)):
+    if len(ours) == len(theirs) and all(_same(x, y, tolerance) for x, y in zip(ours, theirs, strict=True)):
         return True
     fits: Bools = np.array([[_same(x, y, tolerance) for y in theirs] for x in ours])
-    return bool((maximum_bipartite_matching(csr_array(fits)) >= 0).all())
+    return bool(fits.any(axis=0).all() and fits.any(axis=1).all())
 
 
 def _features(primitive: Primitive, placed: Floats) -> list[Floats]:

@@ -82,6 +82,11 @@ def test_the_tolerance_is_a_length_at_the_solid() -> None:
         assert same_tree(tree.at(shift, 0, 0), tree, 0.01) == same
 
 
+def test_a_child_repeated_within_the_tolerance_counts_once() -> None:
+    assert same_tree(A | B | A.at(1e-8, 0, 0), A | B)
+    assert not same_tree(A | B | A.at(1, 0, 0), A | B)
+
+
 def test_no_two_built_in_parts_are_the_same_tree() -> None:
     forms = {normal_form(parts.build(name)) for name in parts.names()}
     assert len(forms) == len(parts.names())
