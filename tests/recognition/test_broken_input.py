@@ -11,6 +11,8 @@ import pytest
 TETRAHEDRON = np.array([[0, 0, 0], [20, 0, 0], [0, 20, 0], [0, 0, 20]], dtype=float)
 TRIANGLES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 
+TWO = [*TRIANGLES, *(tuple(i + 4 for i in corners) for corners in TRIANGLES)]
+
 
 def binary_stl(points, triangles, announced=None):
     body = b"".join(
@@ -49,7 +51,10 @@ BROKEN = {
     "nan.off": off(with_a_nan(), TRIANGLES),
     "infinite.obj": obj(TETRAHEDRON + np.inf, TRIANGLES),
     "one_triangle.stl": binary_stl(TETRAHEDRON, TRIANGLES[:1]),
-    "one_face_missing.off": off(TETRAHEDRON, TRIANGLES[:3]),
+    "two_faces_missing.off": off(TETRAHEDRON, TRIANGLES[:2]),
+    "two_bodies.off": off(np.concatenate([TETRAHEDRON, TETRAHEDRON + 50]), TWO),
+    "garbage.step": b"ISO-10303-21;\n" + b"garbage " * 100,
+    "noise.3mf": b"PK\3\4" + NOISE,
     "without_area.obj": obj(TETRAHEDRON * [1, 0, 0], TRIANGLES),
     "corner_that_is_not_there.obj": obj(TETRAHEDRON[:3], TRIANGLES),
     "corner_that_is_not_there.off": off(TETRAHEDRON[:3], TRIANGLES),
