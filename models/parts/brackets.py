@@ -58,6 +58,20 @@ def slotted_plate() -> Csg:
     return part
 
 
+def link() -> Csg:
+    """A flat link with round ends and a hole in each."""
+    bar = Cube((80, 36, 10)) | Cylinder(18, 10).at(-40, 0, 0) | Cylinder(18, 10).at(40, 0, 0)
+    return bar - Cylinder(10, 30).at(-40, 0, 0) - Cylinder(7, 30).at(40, 0, 0)
+
+
+def lug() -> Csg:
+    """A lug with a round end on a foot with two holes."""
+    tongue = Cube((40, 14, 40)).at(0, 0, 28) | Cylinder(20, 14, name="end").turned("x", pi / 2).at(0, 0, 48)
+    part = Cube((100, 40, 10)).at(0, 0, 5) | tongue
+    part = part - Cylinder(9, 30, name="eye").turned("x", pi / 2).at(0, 0, 48)
+    return part - Cylinder(5, 30).at(-36, 0, 5) - Cylinder(5, 30).at(36, 0, 5)
+
+
 def _bolt_plate(*radii: float) -> Csg:
     part: Csg = Cube((80, 80, 10))
     for radius, (x, y) in zip(radii, ((-28, -28), (28, -28), (-28, 28), (28, 28)), strict=True):

@@ -109,3 +109,16 @@ def hollow_bushing() -> Csg:
     """A flanged bushing with a counterbore."""
     bushing = Cylinder(16, 40).at(0, 0, 20) | Cylinder(24, 6).at(0, 0, 3)
     return bushing - Cylinder(10, 90, name="bore") - Cylinder(13, 20, name="counterbore").at(0, 0, 35)
+
+
+def filleted_post() -> Csg:
+    """A post on a round foot, with a fillet where they meet."""
+    post = Cylinder(34, 12).at(0, 0, 6) | Cylinder(14, 70).at(0, 0, 35)
+    fillet = Cylinder(22, 8).at(0, 0, 16) - Torus(22, 8).at(0, 0, 20)
+    return post | fillet.named("fillet")
+
+
+def cap_nut() -> Csg:
+    """A hexagonal nut closed by a dome, with a blind bore."""
+    nut = Prism(hexagon(36), 16).at(0, 0, 8) | Cylinder(16, 10, name="neck").at(0, 0, 17)
+    return (nut | Sphere(16, name="dome").at(0, 0, 22)) - Cylinder(9, 50, name="bore")
