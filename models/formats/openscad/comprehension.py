@@ -69,12 +69,12 @@ def _collect(evaluate: Evaluates, node: Any, scope: Scope, out: list[Value]) -> 
 
 
 def _count(evaluate: Evaluates, node: Any, scope: Scope, out: list[Value]) -> None:
-    """A loop with a start, a condition and a step."""
+    """A loop with a start, a condition and steps, each of which sees those before it."""
     inner = evaluate.bind(node.inits, scope)
     while true(evaluate.value(node.condition, inner)):
         evaluate.at(node)
         _collect(evaluate, node.body, inner, out)
         after = Scope(inner.outer, inner.caller, dict(inner.variables))
         for assignment in node.incrs:
-            after.variables[assignment.name.name] = evaluate.value(assignment.expr, inner)
+            after.variables[assignment.name.name] = evaluate.value(assignment.expr, after)
         inner = after

@@ -68,7 +68,7 @@ READ: dict[str, Csg] = {
     | Cube((20, 20, 10)).at(0, 0, 10)
     | Cube((10, 10, 10)).at(0, 0, 20)
     | Cube((50, 8, 10)).at(0, 0, -10),
-    "lists.scad": box(11, 22, 9),
+    "lists.scad": box(11, 22, 12),
     "arithmetic.scad": box(6, 12, 12),
     "trigonometry.scad": box(10, 5, 12),
     "strings.scad": box(16, 6, 10),
