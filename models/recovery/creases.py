@@ -39,4 +39,5 @@ def find_creases(vertices: Floats, triangles: Ints, neighbors: Ints, flats: Flat
     first, second = np.divmod(key, len(flats))
     a, b = flats.normal[first], flats.normal[second]
     angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ij,ij->i", a, b))
-    return Creases(np.searchsorted(first, np.arange(len(flats) + 1)), second, length, sign * angle)
+    start = np.searchsorted(first, np.arange(len(flats) + 1))
+    return Creases(np.asarray(start), second, np.asarray(length, dtype=np.float64), sign * angle)

@@ -20,6 +20,7 @@ from scipy.sparse.csgraph import connected_components
 from models.recovery.fits import FacetFitOptions, depth, evidence, fit_facets, refit_facets
 from models.recovery.grow import Mesh, Reach, grow
 from primitives.arrays import Bools, Floats, Ints
+from primitives.fit import NoFit
 from primitives.shapes import Shape
 
 
@@ -32,7 +33,7 @@ class CurvedOptions:
     smoothly: float = 20.0  # and between neighbors that may be of one face
     patches: tuple[int, ...] = (12, 5)  # facets of a patch, the larger tried first
     fewest: dict[str, int] = field(
-        default_factory=lambda: {"cylinder": 3, "sphere": 4, "cone": 3, "torus": 6}
+        default_factory=lambda: {"cylinder": 3, "cone": 3, "sphere": 4, "torus": 6}
     )
     few: int = 5  # a region of no more facets needs to be regular or tangent to a neighbor
     regular: float = 1.6  # ratio of widths of regular facets
@@ -159,7 +160,7 @@ def _region(
     kind: str, mesh: Mesh, patch: Ints, turn: float, free: Bools, noise: float, options: CurvedOptions
 ) -> Region | None:
     found = fit_facets(kind, evidence(mesh, patch, turn, noise, options.fit), options.fit)
-    if not found:
+    if isinstance(found, NoFit):
         return None
     shape, convex = found.shape, found.convex
     off = shape.signed_distance(mesh.vertices[_corner_list(mesh, patch)])
@@ -179,7 +180,7 @@ def _region(
             break
         members, last = grown, area
         again = refit_facets(shape, convex, evidence(mesh, members, turn, noise, options.fit), options.fit)
-        if not again:
+        if isinstance(again, NoFit):
             return None
         shape = again.shape
     reach = replace(reach, corner=3 * noise)
@@ -198,6 +199,7 @@ def _corner_list(mesh: Mesh, facets: Ints) -> Ints:
 def convincing(
     kind: str, mesh: Mesh, shape: Shape, convex: bool, members: Ints, turn: float, options: CurvedOptions
 ) -> bool:
+    """Whether facets are enough to call them round and not a prism: many, tangent to a neighbor, or regular."""
     thick = members[~mesh.thin[members]]
     if len(thick) < options.fewest[kind]:
         return False

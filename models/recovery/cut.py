@@ -105,10 +105,15 @@ def _sides(
             1.2 * sag + 3 * noise, 2 * sag + 3 * noise, min(0.8 * turn + 0.02, 0.45), options.smooth
         )
         inside = members[touched[members]]
-        grown = np.sort(grow(mesh, found.shape, found.convex, inside, free & touched, reach))
-        if np.array_equal(grown, members):
+        region = Region(
+            found.shape,
+            found.convex,
+            np.sort(grow(mesh, found.shape, found.convex, inside, free & touched, reach)),
+            replace(reach, corner=3 * noise),
+        )
+        settled = np.array_equal(region.facets, members)
+        members = region.facets
+        if settled:
             break
-        members = grown
-    if not convincing(found.shape.kind, mesh, found.shape, found.convex, members, turn, options):
-        return None
-    return Region(found.shape, found.convex, members, replace(reach, corner=3 * noise))
+    sound = convincing(region.shape.kind, mesh, region.shape, region.convex, members, turn, options)
+    return region if sound else None

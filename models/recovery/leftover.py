@@ -55,14 +55,48 @@ def _freeform(mesh: Mesh, label: Ints, options: LeftoverOptions) -> list[Ints]:
     first, second = first[open_], second[open_]
     graph = coo_array((np.ones(len(first), dtype=bool), (first, second)), shape=(n, n))
     group = connected_components(graph, False)[1]
-    links = np.bincount(first, minlength=n)
     out = []
     for g in np.flatnonzero(np.bincount(group) >= options.fewest):
         members = np.flatnonzero(group == g)
-        ends = (links[members] < 2) & (area[members] > options.flat * np.median(area[members]))
+        large = members[area[members] > options.flat * np.median(area[members])]
+        ends = np.isin(members, [f for f in large.tolist() if _is_tangent(mesh, f, members, options.smooth)])
         if (~ends).sum() >= options.fewest:
-            out.append(members[~ends])
+            out.append(_with_narrow(mesh, members[~ends], label, options))
     return out
+
+
+def _is_tangent(mesh: Mesh, facet: int, members: Ints, smooth: float) -> bool:
+    """Whether a facet only touches one other, and that one turns away from it half as far as on its other side."""
+    creases = mesh.creases
+    inside = set(members.tolist())
+
+    def turns(f: int) -> dict[int, float]:
+        rows = creases.around(f)
+        pairs = zip(creases.other[rows].tolist(), np.abs(creases.turn[rows]).tolist(), strict=True)
+        return {g: turn for g, turn in pairs if g in inside and turn < smooth}
+
+    mine = turns(facet)
+    if len(mine) != 1:
+        return False
+    ((neighbor, turn),) = mine.items()
+    beyond = [t for g, t in turns(neighbor).items() if g != facet]
+    return bool(beyond) and turn < 0.75 * max(beyond)
+
+
+def _with_narrow(mesh: Mesh, members: Ints, label: Ints, options: LeftoverOptions) -> Ints:
+    """The members, and the leftover facets smaller than most that meet them smoothly round most of a rim."""
+    inside = np.zeros(len(label), dtype=bool)
+    inside[members] = True
+    creases, area = mesh.creases, mesh.flats.area
+    first = np.repeat(np.arange(len(label)), np.diff(creases.start))
+    rim = np.bincount(first, creases.length, len(label))
+    narrow = (label < 0) & (area < np.median(area[members]))
+    while True:
+        shared = inside[creases.other] & (np.abs(creases.turn) < options.smooth)
+        joins = narrow & ~inside & (np.bincount(first, creases.length * shared, len(label)) > 0.6 * rim)
+        if not joins.any():
+            return np.flatnonzero(inside)
+        inside |= joins
 
 
 def _place_thin(mesh: Mesh, label: Ints, surfaces: list[LabeledSurface], flat: float) -> None:
