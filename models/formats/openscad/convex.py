@@ -12,17 +12,30 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.csg import Csg, Cube, Cylinder, Operation, Placed, Polyhedron, Primitive, Prism, Sphere, Union
+from models.csg import (
+    Cone,
+    Csg,
+    Cube,
+    Cylinder,
+    Operation,
+    Placed,
+    Polyhedron,
+    Primitive,
+    Prism,
+    Sphere,
+    Union,
+)
 from models.formats.openscad import sizes
 from models.formats.openscad.balls import hull_of_balls
 from models.formats.openscad.flat import Combined, Disc, Flat, Outline
 from models.formats.openscad.hulls import convex_corners, convex_faces
+from models.formats.openscad.revolve import turned_outline
 from models.formats.openscad.shapes import Shape
 from models.formats.openscad.sided import outside
 from models.polygons import cleaned
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
-from primitives.pose import pose, transform_points
+from primitives.pose import inverse, pose, transform_points
 
 _SAME = 1e-6  # of the size: lengths and directions this close are one
 
@@ -54,8 +67,10 @@ def hull_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
         if parallel:
             centers = np.array([((m[:3, 3] - home[:3, 3]) @ home[:3, :3])[:2] for _, m in bars])
             return _bars(_rounded(centers, first.radius), first.height).placed(home)
+    if leaves and (profile := _common_profile(leaves)) is not None:
+        return turned_outline(Outline(convex_corners(profile))).placed(leaves[0][1])
     raise shape.error(
-        "hull() of these has no exact form here; use flat-sided solids, equal spheres or equal upright cylinders"
+        "hull() of these has no exact form here; use flat-sided solids, or round ones of one kind"
     )
 
 
@@ -140,6 +155,25 @@ def _rounded(centers: Floats, radius: float) -> Flat:
     normals = radius * np.stack([sides[:, 1], -sides[:, 0]], axis=1)
     moved = np.stack([corners + normals, after + normals], axis=1).reshape(-1, 2)
     return Combined("union", (Outline(cleaned(moved)), *(Disc(corner, radius) for corner in corners)))
+
+
+def _common_profile(leaves: Sequence[tuple[Primitive, Floats]]) -> Floats | None:
+    """(n, 2) radii and heights of bars and cones on one axis, in the first one's frame; None if they are not."""
+    home = inverse(leaves[0][1])
+    profile: list[tuple[float, float]] = []
+    for primitive, placed in leaves:
+        if not isinstance(primitive, Cylinder | Cone):
+            return None
+        ends = [primitive.radius] * 2 if isinstance(primitive, Cylinder) else None
+        low, high = ends or (primitive.bottom_radius, primitive.top_radius)  # type: ignore[union-attr]
+        moved, half = home @ placed, primitive.height / 2
+        off = np.abs(moved[:2, 2]).max() + np.abs(moved[:2, 3]).max() / (half + max(low, high))
+        if off > _SAME:
+            return None
+        up = half * np.sign(moved[2, 2])
+        for radius, z in ((low, moved[2, 3] - up), (high, moved[2, 3] + up)):
+            profile += [(radius, z), (0.0, z)]
+    return np.array(profile)
 
 
 def _moved_sides(corners: Floats, away: float) -> Floats | None:

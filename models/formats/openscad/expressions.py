@@ -219,7 +219,10 @@ class Evaluator:
     def _range(self, node: Any, scope: Scope) -> Value:
         first, last = self.value(node.start, scope), self.value(node.end, scope)
         step = 1.0 if node.implicit_step else self.value(node.step, scope)
-        return Range(first, step, last) if all(map(is_number, (first, step, last))) else None
+        if not (is_number(first) and is_number(step) and is_number(last)):
+            return None
+        backward = node.implicit_step and last < first  # OpenSCAD turns such a range over
+        return Range(last, step, first) if backward else Range(first, step, last)
 
 
 def _not_less(a: Value, b: Value) -> Value:

@@ -129,8 +129,9 @@ def _str(values: Sequence[Value], budget: Budget) -> Value:
 
 
 def _chr(values: Sequence[Value], budget: Budget) -> Value:
-    code = values[0] if values and is_number(values[0]) else 0.0
-    return chr(int(code)) if 0 < code < 0xD800 else ""
+    codes = values[0] if values and isinstance(values[0], tuple) else values[:1]
+    budget.spend(len(codes))
+    return "".join(chr(int(code)) for code in codes if is_number(code) and 0 < code < 0xD800)
 
 
 def _ord(values: Sequence[Value], budget: Budget) -> Value:

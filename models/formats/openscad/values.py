@@ -63,7 +63,7 @@ def text(value: Value, budget: Budget) -> str:
             return "true" if value else "false"
         case float():
             shown = f"{value:.6g}"
-            return "0" if shown == "-0" else shown
+            return "0" if shown == "-0" else shown.replace("e+0", "e+").replace("e-0", "e-")
         case tuple():
             pieces, length = [], 0
             for x in value:
