@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rich.console import Console
@@ -25,15 +26,28 @@ _MOST = 100  # rows of faces; the largest stay
 def print_boundary(summary: Json) -> None:
     """Print what `library show` found; on a pipe as plain text, wide enough for whole rows."""
     console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=160)
+    if console.is_terminal:
+        _print(summary, console)
+        return
+    pipe = Console(highlight=False, width=160)
+    with pipe.capture() as captured:
+        _print(summary, pipe)
+    pipe.file.write("".join(f"{line.rstrip()}\n" for line in captured.get().splitlines()))
+
+
+def _print(summary: Json, console: Console) -> None:
     faces = sorted(summary["faces"], key=lambda face: -face["area_mm2"])[:_MOST]
+    columns = _WIDE if console.width >= _WIDE_ENOUGH else _NARROW
     console.print(_head(summary))
-    console.print(_faces(summary, sorted(faces, key=lambda face: int(face["id"]))))
+    console.print(_faces(summary, sorted(faces, key=lambda face: int(face["id"])), columns))
     left = len(summary["faces"]) - len(faces)
     if left:
         console.print(f"and {left} smaller faces; --json lists all", style="dim")
-    console.print("meets: 3 at a convex edge, [3] at a concave one, (3) smoothly", style="dim")
+    if columns is _NARROW:
+        console.print(
+            "in: hollow, with the material outside; a wider terminal says what extents mean", style="dim"
+        )
+    console.print("meets: 3 at a convex edge, [3] at a concave one, (3) smoothly\n", style="dim")
     if summary["edges"]:
         console.print(_edges(summary))
     for warning in summary["warnings"]:
@@ -60,33 +74,52 @@ def _head(summary: Json) -> Text:
     return text
 
 
-def _faces(summary: Json, faces: list[Any]) -> Table:
+def _faces(summary: Json, faces: list[Any], columns: tuple[Column, ...]) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
-    for title, justify in (
-        ("face", "right"),
-        ("shape", "left"),
-        ("side", "left"),
-        ("extent, mm", "left"),
-        ("size, mm", "left"),
-        ("axis", "left"),
-        ("area, mm²", "right"),
-    ):
-        table.add_column(title, justify=justify, no_wrap=True)  # type: ignore[arg-type]
+    for title, number, _ in columns:
+        table.add_column(title, justify="right" if number else "left", no_wrap=True)
     table.add_column("meets")
     meets = words.neighbors(summary)
     for face in faces:
-        shape = str(face["shape"])
-        table.add_row(
-            str(face["id"]),
-            Text.assemble(("■ ", COLORS[shape]), shape),
-            words.side(face),
-            words.extent(face),
-            words.sizes(face),
-            words.axis(face),
-            f"{face['area_mm2']:.1f}",
-            _meets(meets.get(int(face["id"]), {})),
-        )
+        row = [cell(face) for _, _, cell in columns]
+        table.add_row(*row, _meets(meets.get(int(face["id"]), {})))
     return table
+
+
+def _shape(face: Json) -> Text:
+    return Text.assemble(("■ ", COLORS[face["shape"]]), str(face["shape"]))
+
+
+def _shape_and_side(face: Json) -> Text:
+    return _shape(face) + Text(" in" if words.side(face) == "inside" else "")
+
+
+def _short_axis(face: Json) -> str:
+    axis = words.axis(face)
+    return "tilted" if "," in axis else axis
+
+
+Column = tuple[str, bool, Callable[[Json], str | Text]]  # title, whether a number, the cell
+_FACE: Column = ("face", True, lambda face: str(face["id"]))
+_AREA: Column = ("area, mm²", True, lambda face: f"{face['area_mm2']:.1f}")
+_WIDE: tuple[Column, ...] = (
+    _FACE,
+    ("shape", False, _shape),
+    ("side", False, words.side),
+    ("extent, mm", False, words.extent),
+    ("size, mm", False, words.sizes),
+    ("axis", False, words.axis),
+    _AREA,
+)
+_NARROW: tuple[Column, ...] = (
+    _FACE,
+    ("shape", False, _shape_and_side),
+    ("extent, mm", False, lambda face: " × ".join(f"{x:.2f}" for x in face["extent_mm"])),
+    ("size, mm", False, lambda face: words.sizes(face, 2)),
+    ("axis", False, _short_axis),
+    _AREA,
+)
+_WIDE_ENOUGH = 130  # [columns]
 
 
 def _meets(others: dict[int, str]) -> Text:

@@ -51,6 +51,23 @@ def test_the_terminal_names_every_face_its_neighbors_and_the_edges_by_kind():
     assert re.search(r"concave +line +1 +40\.0", text)
 
 
+@pytest.mark.parametrize("columns", [80, 200])
+def test_a_terminal_of_any_width_shows_whole_cells(columns, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    text = re.sub("\x1b\\[[0-9;]*m", "", palpate("pulley").stdout)
+    assert "…" not in text
+    row = next(line for line in text.splitlines() if "■ torus" in line)
+    assert (
+        row.split()
+        == (
+            "8 ■ torus in 23.13 × 289.03 r 46, tube 8 +z 5886.9 0 1"
+            if columns < 100
+            else "8 ■ torus inside 23.13 round tube, 289.03 round axis r 46, tube 8 +z 5886.9 0 1"
+        ).split()
+    )
+
+
 def test_a_file_is_shown_as_a_built_in_part_is(tmp_path):
     from models.solid import Solid
 
