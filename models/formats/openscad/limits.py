@@ -15,6 +15,7 @@ class Limits:
     calls: int = 400  # functions and modules within one another
     length: int = 100_000  # elements of a list, characters of a string, turns of a loop
     solids: int = 5_000  # shapes that the file draws
+    depth: int = 150  # booleans and placements within one another
     files: int = 100  # files read through use and include
 
 

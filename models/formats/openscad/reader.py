@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.csg import Csg
+from models.csg import Csg, Operation, Placed
 from models.formats import intake
 from models.formats.openscad import syntax
 from models.formats.openscad.folder import Folder, decoded
@@ -60,4 +60,20 @@ def _drawing(
         raise budget.error("calls or expressions go too deep; end the recursion or split it up") from None
     if tree is None:
         raise PalpateError(f"{file.name} draws nothing; add a solid, or look for an empty first operand")
+    if _depth(tree) > budget.limits.depth:
+        deep = f"nests more than {budget.limits.depth} booleans and placements"
+        raise PalpateError(f"{file.name} {deep}; draw it flatter")
     return Drawing(tree, tuple(dict.fromkeys(solids.warnings)))
+
+
+def _depth(tree: Csg) -> int:
+    """How many nodes stand above the deepest primitive."""
+    deepest, left = 0, [(tree, 0)]
+    while left:
+        node, depth = left.pop()
+        deepest = max(deepest, depth)
+        if isinstance(node, Operation):
+            left += [(child, depth + 1) for child in node.children]
+        elif isinstance(node, Placed):
+            left.append((node.child, depth + 1))
+    return deepest

@@ -10,7 +10,7 @@ from models.formats.openscad.limits import Limits
 from models.part import load_part
 from primitives.errors import PalpateError
 
-FEW = Limits(steps=20_000, length=2_001, solids=500)
+FEW = Limits(steps=20_000, length=2_001, solids=700)
 DOUBLING = "function f(s, n) = n == 0 ? s : f([s, s], n - 1); x = f([1], 60); "
 ENDLESS = {
     "module a() { a(); } a();": "line 1: calls go more than 400 deep",
@@ -20,9 +20,10 @@ ENDLESS = {
     "\nfor (i = [0 : 1e12]) cube(i);": "line 2: a loop has more than",
     "for (i = [0 : 0 : 5]) cube(1);": "a loop has more than",
     "for (i = [0 : 1e-9 : 5]) cube(1);": "a loop has more than",
-    "for (i = [0 : 1500]) translate([i, 0, 0]) cube(1);": "draws more than 500 shapes",
+    "for (i = [0 : 1500]) translate([i, 0, 0]) cube(1);": "draws more than 700 shapes",
     "for (i = [0 : 1500], j = [0 : 1500]) if (false) cube(1);": "draws more than|computes too long",
-    "module a(n) { if (n > 0) { a(n - 1); a(n - 1); } else cube(1); } a(40);": "draws more than",
+    "module a(n) { if (n > 0) { a(n - 1); a(n - 1); } else cube(1); } a(40);": "draws more than|computes too long",
+    "module a(n) { if (n > 0) difference() { cube(9); a(n - 1); } else cube(1); } a(200);": "nests more than 150",
     "x = [for (i = [0 : 1999]) for (j = [0 : 1999]) i]; cube(1);": "a list has more than|computes too long",
     "x = [for (i = 0; true; i = i + 1) if (false) i]; cube(1);": "computes too long",
     'function f(s, n) = n == 0 ? s : f(str(s, s), n - 1); cube(len(f("ab", 60)));': "a string has more than",
