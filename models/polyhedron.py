@@ -73,6 +73,9 @@ class Polyhedron(Primitive):
         corners = np.array(self.points)
         cut = []
         for face, normal in zip(self.faces, self.normals, strict=True):
+            if len(face) == 3:
+                cut.append(np.array([face]))
+                continue
             flat = (corners[list(face)] - corners[face[0]]) @ frame_along(normal)[:, :2]
             cut.append(np.array(face)[triangulated(flat)])
         of_face = np.repeat(np.arange(len(cut)), [len(piece) for piece in cut])
