@@ -23,7 +23,7 @@ ENDLESS = {
     "for (i = [0 : 1500]) translate([i, 0, 0]) cube(1);": "draws more than 700 shapes",
     "for (i = [0 : 1500], j = [0 : 1500]) if (false) cube(1);": "draws more than|computes too long",
     "module a(n) { if (n > 0) { a(n - 1); a(n - 1); } else cube(1); } a(40);": "draws more than|computes too long",
-    "module a(n) { if (n > 0) difference() { cube(9); a(n - 1); } else cube(1); } a(200);": "nests more than 150",
+    "module a(n) { if (n > 0) difference() { cube(9); a(n - 1); } else cube(1); } a(170);": "nests more than 150",
     "x = [for (i = [0 : 1999]) for (j = [0 : 1999]) i]; cube(1);": "a list has more than|computes too long",
     "x = [for (i = 0; true; i = i + 1) if (false) i]; cube(1);": "computes too long",
     'function f(s, n) = n == 0 ? s : f(str(s, s), n - 1); cube(len(f("ab", 60)));': "a string has more than",
