@@ -67,7 +67,7 @@ def link() -> Csg:
 def lug() -> Csg:
     """A lug with a round end on a foot with two holes."""
     tongue = Cube((40, 14, 40)).at(0, 0, 28) | Cylinder(20, 14, name="end").turned("x", pi / 2).at(0, 0, 48)
-    part = Cube((100, 40, 10)).at(0, 0, 5) | tongue
+    part: Csg = Cube((100, 40, 10)).at(0, 0, 5) | tongue
     part = part - Cylinder(9, 30, name="eye").turned("x", pi / 2).at(0, 0, 48)
     return part - Cylinder(5, 30).at(-36, 0, 5) - Cylinder(5, 30).at(36, 0, 5)
 
