@@ -61,9 +61,8 @@ def test_every_part_comes_back_as_the_same_tree(name: str) -> None:
     assert list(names(back.tree)) == list(names(tree))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", parts.names())
-def test_every_part_comes_back_as_the_same_solid(name: str) -> None:
+@pytest.mark.parametrize("name", ["bracket", "hex_nut", "o_ring", "pyramid_stand", "wedge"])
+def test_a_part_comes_back_as_the_same_solid(name: str) -> None:
     tree = parts.build(name)
     back = openscad.read_text(openscad.text(tree)).tree
     assert iou(Solid.from_csg(back), Solid.from_csg(tree)) >= 0.9999
