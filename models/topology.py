@@ -1,4 +1,4 @@
-"""Triangles as a graph: neighbors, open edges, merged corners and consistent winding."""
+"""Triangles as a graph: neighbors, open edges and consistent winding."""
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -46,20 +46,6 @@ def handles(triangles: Ints, loops: int) -> int:
     return (2 - loops - euler) // 2
 
 
-def merged(vertices: Floats, triangles: Ints, grid: float) -> tuple[Floats, Ints]:
-    """Vertices that share a cell of `grid` [mm] made one (0: equal ones), without triangles that vanish."""
-    used, local = np.unique(triangles, return_inverse=True)
-    points = vertices[used]
-    keys = points + 0.0 if grid == 0 else np.round(points / grid)
-    _, first, same = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    corners = same.reshape(-1)[local.reshape(-1, 3)]
-    whole = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
-    a, b, c = np.moveaxis(points[first][corners], 1, 0)
-    if not np.linalg.norm(np.cross(b - a, c - a), axis=1).any():
-        whole[:] = False
-    return points[first], corners[whole]
-
-
 def wound(vertices: Floats, triangles: Ints) -> tuple[Ints, bool]:
     """The triangles wound so that neighbors agree and the volume is positive, and whether any was turned."""
     flip = np.zeros(len(triangles), dtype=bool)
@@ -89,12 +75,20 @@ def _disagreeing(triangles: Ints) -> Bools:
     pairs = order[np.repeat(counts, counts) == 2].reshape(-1, 2)
     against = np.where(forth[pairs[:, 0]] == forth[pairs[:, 1]], 2, 1)
     n = len(triangles)
-    links = coo_array((against, (pairs[:, 0] // 3, pairs[:, 1] // 3)), shape=(n, n)).tocsr()
-    links = links.maximum(links.T)
-    count, shell = connected_components(links, False)
-    flip = np.zeros(n, dtype=bool)
-    for first in np.unique(shell, return_index=True)[1][:count]:
-        walk, before = breadth_first_order(links, int(first), False)
-        for t in walk[1:]:
-            flip[t] = flip[before[t]] != (links[before[t], t] == 2)
-    return flip
+    low, high = np.sort(pairs // 3, axis=1).T
+    once = np.unique(low * n + high, return_index=True)[1]  # of triangles that share two edges, one
+    low, high, against = low[once], high[once], against[once]
+    _, shell = connected_components(coo_array((against, (low, high)), shape=(n, n)), False)
+    firsts = np.unique(shell, return_index=True)[1]
+    ends = np.append(low, firsts), np.append(high, np.full(len(firsts), n))
+    rooted = coo_array(
+        (np.append(against, np.ones(len(firsts), dtype=int)), ends), shape=(n + 1, n + 1)
+    ).tocsr()
+    rooted = rooted.maximum(rooted.T)
+    walk, before = breadth_first_order(rooted, n, False)  # one walk over all shells, from a root beside them
+    here, there = walk[1:], before[walk[1:]]
+    change = np.asarray(rooted[there, here]).ravel() == 2
+    flip = np.zeros(n + 1, dtype=bool)
+    for t, back, turned in zip(here.tolist(), there.tolist(), change.tolist(), strict=True):
+        flip[t] = flip[back] != turned
+    return flip[:n]

@@ -14,15 +14,15 @@ DEEP = 1e-4  # share of the longest side by which an edge's ends must lie on bot
 
 
 def crossings(vertices: Floats, triangles: Ints) -> Floats:
-    """(n, 3) points where edges pierce triangles."""
-    ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    ends = np.unique(ends, axis=0)
-    middle = vertices[np.unique(triangles)].mean(axis=0)
+    """(n, 3) points where edges of a closed mesh pierce triangles."""
+    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    ends = ends[ends[:, 0] < ends[:, 1]]  # of a closed surface, whose edges run both ways, each edge once
+    middle = vertices.mean(axis=0)
     local = vertices - middle
     along = local[ends[:, 1]] - local[ends[:, 0]]
     length = np.linalg.norm(along, axis=1)
     rays = caster(local, triangles)
-    size = float(np.ptp(vertices[np.unique(triangles)], axis=0).max())
+    size = float(np.ptp(vertices, axis=0).max())
     start = local[ends[:, 0]] + MARGIN * along
     direction = along / np.maximum(length, 1e-300)[:, None]
     reached, hit = rays.first_hits(

@@ -14,7 +14,7 @@ from primitives.errors import PalpateError
 
 _ALIASES = {".stp": ".step"}
 LARGEST = 500_000_000  # [bytes] of a file that is read
-MOST_TRIANGLES = 2_000_000
+MOST_TRIANGLES = 1_000_000
 _PLY_SIZES = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
     **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),

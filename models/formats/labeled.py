@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from models.body import LabeledSurface
+from models.formats.weld import renumbered
 from primitives.arrays import Floats, Ints, frozen
 from primitives.shapes import Cone, Shape
 
@@ -41,11 +42,11 @@ class LabeledMesh:
 
     def with_triangles(self, vertices: Floats, triangles: Ints, source: Ints) -> LabeledMesh:
         """Other triangles, each labeled as the `source` triangle of this mesh that it came from; -1 for none."""
-        used, local = np.unique(triangles, return_inverse=True)
+        used, local = renumbered(triangles)
         return replace(
             self,
             vertices=frozen(vertices[used]),
-            triangles=frozen(local.reshape(-1, 3), np.int64),
+            triangles=frozen(local, np.int64),
             labels=frozen(np.where(source >= 0, self.labels[source], -1), np.int64),
         )
 

@@ -19,6 +19,7 @@ from models.formats.fair import fair
 from models.formats.labeled import LabeledMesh, joined
 from models.formats.repair import RepairConfig, closed
 from models.formats.units import MM, SizeLimits, Units, checked_flags, size_warnings
+from models.formats.weld import renumbered
 from models.solid import Solid
 from primitives.errors import PalpateError
 
@@ -87,7 +88,7 @@ def _found(read: LabeledMesh, name: str, config: RepairConfig) -> Found:
     try:
         if read.triangles.min() < 0 or read.triangles.max() >= len(read.vertices):
             raise PalpateError(f"{name} has faces with corners that do not exist; export it again")
-        if not np.isfinite(read.vertices[np.unique(read.triangles)]).all():
+        if not np.isfinite(read.vertices[renumbered(read.triangles)[0]]).all():
             raise PalpateError(f"{name} has coordinates that are not finite numbers; export it again")
         parts, said = closed(read, name, config)
         parts = [fair(part) if part.surfaces else part for part in parts]

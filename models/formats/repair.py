@@ -9,7 +9,7 @@ import numpy as np
 from models.formats.holes import filled
 from models.formats.labeled import LabeledMesh
 from models.formats.shells import bodies
-from models.formats.weld import welded
+from models.formats.weld import equal_rows, renumbered, welded
 from models.stitch import stitched
 from models.topology import open_edges, wound
 from primitives.arrays import Floats, Ints
@@ -67,7 +67,7 @@ def closed(found: LabeledMesh, name: str, config: RepairConfig) -> tuple[list[La
 
 
 def _connected(found: LabeledMesh, name: str, config: RepairConfig) -> tuple[Floats, Ints, Ints]:
-    size = float(np.ptp(found.vertices[np.unique(found.triangles)], axis=0).max())
+    size = float(np.ptp(found.vertices[renumbered(found.triangles)[0]], axis=0).max())
     for grid in config.grids:
         points, corners, source = welded(found.vertices, found.triangles, grid * size)
         a, b, c = np.moveaxis(points[corners], 1, 0)
@@ -84,13 +84,11 @@ def _without_doubles(corners: Ints) -> Ints:
     key = np.sort(corners, axis=1)
     after_least = (np.argmin(corners, axis=1) + 1) % 3
     turn = corners[np.arange(len(key)), after_least] == key[:, 1]
-    _, first, same, counts = np.unique(
-        key, axis=0, return_index=True, return_inverse=True, return_counts=True
-    )
+    first, same = equal_rows(key)
     if len(first) == len(corners):
         return np.arange(len(corners))
-    net = np.bincount(same.reshape(-1), weights=np.where(turn, 1.0, -1.0))
-    return np.sort(first[(counts == 1) | (net != 0)])
+    net = np.bincount(same, weights=np.where(turn, 1.0, -1.0))
+    return np.sort(first[net != 0])
 
 
 def _count(number: int, word: str) -> str:

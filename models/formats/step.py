@@ -33,6 +33,7 @@ class StepConfig:
     tolerance: float = 0.005  # [mm] between a facet and its surface
     angle: float = 0.1  # [rad] between neighboring facets
     coarser: float = 0.1  # [mm] where the fine one takes too much
+    most: int = 30_000_000  # [bytes] of triangles, about a million, above which coarser ones are made
     memory: int = 4_000_000_000  # [bytes]
     seconds: int = 60
 
@@ -67,7 +68,7 @@ def _converted(data: bytes, name: str, limits: StepConfig) -> bytes:
     """GLB bytes from the worker, coarser where the fine mesh takes too much."""
     for tolerance in (limits.tolerance, limits.coarser):
         glb, why = _run(data, tolerance, limits)
-        if glb or why == "broken":
+        if 0 < len(glb) <= limits.most or why == "broken":
             break
     if glb:
         return glb

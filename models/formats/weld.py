@@ -12,15 +12,23 @@ def welded(vertices: Floats, triangles: Ints, grid: float) -> tuple[Floats, Ints
 
     Returns (v', 3) vertices, (t', 3) triangles and the (t',) triangle that each was.
     """
-    used, local = np.unique(triangles, return_inverse=True)
+    used, local = renumbered(triangles)
     points = vertices[used]
-    first, same = _equal_rows(points + 0.0 if grid == 0 else np.round(points / grid) + 0.0)
-    corners = same[local.reshape(-1, 3)]
+    first, same = equal_rows(points + 0.0 if grid == 0 else np.round(points / grid) + 0.0)
+    corners = same[local]
     whole = np.flatnonzero((corners != np.roll(corners, 1, axis=1)).all(axis=1))
     return points[first], corners[whole], whole
 
 
-def _equal_rows(keys: Floats) -> tuple[Ints, Ints]:
+def renumbered(triangles: Ints) -> tuple[Ints, Ints]:
+    """The vertices that (t, 3) triangles use, in order, and the triangles counting only those."""
+    used = np.zeros(int(triangles.max(initial=-1)) + 1, dtype=bool)
+    used[triangles] = True
+    place = np.cumsum(used) - 1
+    return np.flatnonzero(used), place[triangles]
+
+
+def equal_rows(keys: Floats | Ints) -> tuple[Ints, Ints]:
     """First row of each group of equal rows, and the (n,) group of each row: by a hash, checked."""
     words = np.ascontiguousarray(keys).view(np.uint64)
     mixed = words * _PRIMES
