@@ -6,8 +6,6 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from models import parts
 from models.csg import Csg
 from models.formats import openscad
@@ -41,6 +39,7 @@ def load_part(
     """
     wanted = str(name_or_path)
     if wanted in parts.names():
+        _require_only_body(wanted, body)
         tree = parts.build(wanted)
         return Part(wanted, Solid.from_csg(tree), tree)
     if not _looks_like_a_file(wanted):
@@ -55,13 +54,15 @@ def _drawn(file: Path, units: Units, scale: float, body: int | None, facets: boo
     """A part whose file says what it is built from."""
     checked_flags(units, scale)
     drawing = openscad.read(file, scale * MM.get(units, 1.0), facets)
-    low, high = drawing.tree.bounds()
-    said = size_warnings(np.stack([low, high]), file.name, units == "auto")
-    try:
-        drawn = body_of(drawing.tree, body, file.name)
-    except PalpateError as error:
-        raise PalpateError(f"{file.name}: {error}".replace(f"{file.name}: {file.name}", file.name)) from None
+    size_warnings(drawing.tree.bounds(), file.name, units == "auto")  # refuses what is too large to mesh
+    drawn = body_of(drawing.tree, body, file.name)
+    said = size_warnings(drawn.solid.vertices, file.name, units == "auto")
     return Part(file.stem, drawn.solid, drawn.tree, (*said, *drawing.warnings))
+
+
+def _require_only_body(name: str, body: int | None) -> None:
+    if body not in (None, 1):
+        raise PalpateError(f"{name} has no body {body}; it holds one body")
 
 
 def _looks_like_a_file(text: str) -> bool:
