@@ -33,7 +33,7 @@ class Drawn:
 
 def body_of(tree: Csg, body: int | None, name: str) -> Drawn:
     """The body with that number, from 1, or the only one."""
-    whole = Solid.from_csg(tree)
+    whole = _solid(tree, name)
     found = bodies(whole.vertices, whole.triangles, _MOST)
     if not found:
         raise PalpateError(f"{name} draws more than {_MOST} bodies; keep the one that is meant")
@@ -44,12 +44,15 @@ def body_of(tree: Csg, body: int | None, name: str) -> Drawn:
     _, number, _ = chosen([Found("", pieces, (), "")], body, name)
     terms = [part for term in _terms(tree) if (part := _share(term, pieces, number, name)) is not None]
     kept = reduce(lambda a, b: a | b, terms)
-    return Drawn(kept, Solid.from_csg(kept))
+    return Drawn(kept, _solid(kept, name))
 
 
 def _share(term: Csg, pieces: tuple[Solid, ...], number: int, name: str) -> Csg | None:
     """What of a term belongs to one body."""
-    solid = Solid.from_csg(term)
+    try:
+        solid = Solid.from_csg(term)
+    except PalpateError:  # nothing is left of it
+        return None
     holders = [i for i, piece in enumerate(pieces) if solid.shared_volume(piece) > _SHARED * solid.volume]
     if number not in holders:
         return None
@@ -64,6 +67,13 @@ def _share(term: Csg, pieces: tuple[Solid, ...], number: int, name: str) -> Csg 
             )
     x, y, z = (box[1] - box[0]).tolist()
     return term & Cube((x, y, z)).at(*box.mean(axis=0).tolist())
+
+
+def _solid(tree: Csg, name: str) -> Solid:
+    try:
+        return Solid.from_csg(tree)
+    except PalpateError as error:
+        raise PalpateError(f"{name}: {error}") from None
 
 
 def _box(piece: Solid) -> Floats:
