@@ -39,11 +39,15 @@ class CurvedOptions:
     regular: float = 1.6  # ratio of widths of regular facets
     gentle: float = np.deg2rad(16.0)  # [rad] the greatest turn between regular facets that are only three
     tangent: float = np.deg2rad(5.0)  # [rad] between a neighbor's normal and the surface's at their rim
+    on_circle: tuple[float, float] = (
+        0.02,
+        0.25,
+    )  # spread of normals off a circle, that of sides and of domes
     simpler: float = 0.97  # a simpler shape with this share of the best one's area is preferred
     whole: float = 0.95  # a shape that covers this share of its neighborhood is not challenged
     rounds: int = 5  # of growing and fitting again
     failures: int = (
-        12  # patches that may lead nowhere before a neighborhood is given up; and one in 40 facets
+        12  # patches that may lead nowhere before a neighborhood is given up; and one in 100 facets; in a row
     )
     slack: float = 1.2  # how far corners may be off where chords were cut, in units of the chords' sag
     together: int = 3  # surfaces that may explain a neighborhood of cut chords
@@ -88,13 +92,15 @@ def in_neighborhood(
 ) -> Iterator[Region]:
     """Regions from seeds in one neighborhood, larger facets first; marks what they take as no longer free."""
     tried = np.zeros(len(free), dtype=bool)
-    left = options.failures + len(hood) // 40
+    patience = options.failures + len(hood) // 100
+    left = patience
     for seed in hood[np.argsort(-mesh.flats.area[hood])].tolist():
         if not free[seed] or tried[seed]:
             continue
         region = _from_seed(mesh, seed, hood, free, noise, slack, options)
         if region is not None:
             free[region.facets] = False
+            left = patience
             yield region
             continue
         tried[patch_round(mesh, seed, free, 5, options)[0]] = True
@@ -122,7 +128,7 @@ def _from_seed(
         if len(patch) < 3:
             return None
         best: tuple[float, Region] | None = None
-        for kind in options.fewest:
+        for kind in _possible(mesh.flats.normal[patch], options):
             region = _region(kind, mesh, patch, turn, free, noise + slack * sag / 3, options)
             if region is None:
                 continue
@@ -134,6 +140,14 @@ def _from_seed(
         if best is not None:
             return best[1]
     return None
+
+
+def _possible(normals: Floats, options: CurvedOptions) -> list[str]:
+    """Kinds whose normals can spread so: on a circle for cylinder and cone, over an area for sphere and torus."""
+    spread = np.linalg.svd(normals - normals.mean(axis=0), compute_uv=False)
+    share = float(spread[2] / max(spread[0], 1e-12))
+    circle, area = share < options.on_circle[1], share > options.on_circle[0]
+    return [kind for kind in options.fewest if (circle if kind in ("cylinder", "cone") else area)]
 
 
 def patch_round(
