@@ -50,7 +50,15 @@ class Findings:
 def examine() -> Findings:
     """Look at everything."""
     return Findings(
-        [_python(), *_dependencies(), *_collisions(), _ray_caster(), _kernels(), *_serial_ports()]
+        [
+            _python(),
+            *_dependencies(),
+            *_collisions(),
+            _ray_caster(),
+            _step_writer(),
+            _kernels(),
+            *_serial_ports(),
+        ]
     )
 
 
@@ -104,6 +112,14 @@ def _ray_caster() -> Finding:
     if importlib.util.find_spec("embreex") is None:
         return Finding("embreex", "note", "missing: rays go through the slower portable caster")
     return Finding("embreex", "ok", version("embreex"))
+
+
+def _step_writer() -> Finding:
+    if importlib.util.find_spec("OCP") is None:
+        return Finding(
+            "STEP out", "note", "not installed: no model.step is written; pip install 'palpate[step]'"
+        )
+    return Finding("STEP out", "ok", "model.step is written")
 
 
 def _kernels() -> Finding:

@@ -6,6 +6,7 @@ angle [rad], most memory [bytes], most processor time [s].  What the reader prin
 
 import os
 import sys
+from contextlib import suppress
 
 
 def main() -> int:
@@ -35,9 +36,10 @@ def _limit(memory: int, seconds: int) -> None:
         import resource
     except ImportError:  # Windows has no such limits; the parent's clock still ends us
         return
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    limits = ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, seconds), (resource.RLIMIT_AS, memory))
+    for kind, most in limits:
+        with suppress(OSError, ValueError):  # a system may refuse a limit; it then does without
+            resource.setrlimit(kind, (most, most))
 
 
 if __name__ == "__main__":
