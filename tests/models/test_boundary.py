@@ -18,7 +18,7 @@ def _brep(tree: Csg) -> Brep:
 
 @pytest.mark.parametrize("name", parts.names())
 def test_the_boundary_of_every_part_is_sound(name: str) -> None:
-    solid = Solid.from_csg(parts.build(name))
+    solid = Solid.from_csg(parts.build(name), tolerance=0.02)
     brep = boundary(solid)
     assert brep.check() == ()
     assert brep.genus == solid.genus
