@@ -36,8 +36,8 @@ EYES = {
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
-    path = tmp_path_factory.mktemp("boundary") / "plug.html"
-    write_page(show("grooved_plug"), path)
+    path = tmp_path_factory.mktemp("boundary") / "bracket.html"
+    write_page(show("bracket"), path)
     return path
 
 
@@ -90,16 +90,21 @@ def test_every_face_is_a_disc_and_every_pair_that_meets_a_line():
     assert svg.count("hollow") == 2
 
 
-def test_discs_do_not_hide_each_other() -> None:
-    svg = graph_svg(show("spur_gear").summary)
+@pytest.fixture(scope="module")
+def gear() -> ShownBoundary:
+    return show("spur_gear")
+
+
+def test_discs_do_not_hide_each_other(gear: ShownBoundary) -> None:
+    svg = graph_svg(gear.summary)
     discs = np.array(re.findall(r'cx="([\d.]+)" cy="([\d.]+)" r="([\d.]+)"', svg), dtype=float)
     assert len(discs) == 72
     apart = np.linalg.norm(discs[:, None, :2] - discs[None, :, :2], axis=2) - discs[:, 2] - discs[:, None, 2]
     assert apart[np.triu_indices(72, 1)].min() > -2
 
 
-def test_a_long_table_of_edges_is_folded_away(tmp_path):
-    write_page(show("spur_gear"), tmp_path / "gear.html")
+def test_a_long_table_of_edges_is_folded_away(gear, tmp_path):
+    write_page(gear, tmp_path / "gear.html")
     write_page(show("block"), tmp_path / "block.html")
     assert "<summary>206 edges</summary>" in (tmp_path / "gear.html").read_text(encoding="utf-8")
     assert "<summary>" not in (tmp_path / "block.html").read_text(encoding="utf-8")
