@@ -14,6 +14,7 @@ from exploration.control.feel import Felt, feel
 from exploration.control.servo import ServoGains, hybrid_twist
 from exploration.control.sighting import Sighting, contact_front, reach_along, sight
 from exploration.devices.guard import Guard, Observation
+from exploration.sensing.domed_patch import domed_patch
 from exploration.sensing.flat_patch import flat_patch
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.hough import find_lines
@@ -63,6 +64,9 @@ class TrustConfig:
     # nothing but surface is seen; an edge cuts it; an unseen edge does
     normal_floor: tuple[float, float, float] = (0.002, 0.04, 0.04)  # [rad] the same for normals
     curved_normal_floor: float = 0.005  # [rad] of a curved patch that no edge cuts
+    narrow: float = 0.1  # [1/mm] a contact this curved may be a flat strip of two or three taxels
+    narrow_floor: float = 0.06  # [mm]
+    narrow_normal_floor: float = 0.1  # [rad]
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
 
@@ -172,9 +176,13 @@ def keep(
         if surface.curved:
             cut = 2 if _misfit(surface) > trust.doubtful else 1 if what.lines else 0
             floor, normal_floor = trust.floor[cut], max(trust.normal_floor[cut], trust.curved_normal_floor)
+            if float(surface.principal[0][0]) > trust.narrow:
+                floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
         felt = feel(seen.image)
         found = flat_patch(seen.image, felt.inner, *where) if felt else Contacts.of([])
+        if felt and not len(found):
+            found = domed_patch(seen.image, felt.inner, *where)
     if len(found):
         sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
         kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))

@@ -17,6 +17,7 @@ from exploration.control.feel import feel
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
 from exploration.control.procedures.curvature import four_direction_curvature
 from exploration.control.procedures.land import land
+from exploration.control.procedures.settle import SettleConfig
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_edge import follow_edge
 from exploration.control.track_surface import Stroke, follow_surface, keep, touched_cells
@@ -32,7 +33,7 @@ from primitives.arrays import Floats
 from primitives.classify import RankOptions
 from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit
-from primitives.patch_graph import MergeOptions, PatchGraph
+from primitives.patch_graph import Face, MergeOptions, PatchGraph
 
 
 @dataclass(frozen=True)
@@ -44,17 +45,23 @@ class ExplorerConfig:
     longest: float = 400.0  # [mm] of one stroke
     least_line: float = 4.0  # [mm] of a line that counts as an edge
     explained: float = 0.8  # [mm] from a known face, an edge seen needs no crossing
-    roll: tuple[float, ...] = (60.0, 95.0, 30.0)  # [deg] attitudes from which an edge is crossed, in turn
+    roll: tuple[float, ...] = (60.0, 95.0)  # [deg] attitudes from which an edge is crossed, in turn
+    aside: float = 2.0  # [mm] beyond an edge that leads only to known faces, where a narrow one is looked for
     overlap: float = 5.0  # [mm] of the pad that reaches back over the edge
     tries: int = 3  # at the same open thing
+    beside: float = 8.0  # [mm] from a place that was tried before, where another way in is taken
+    region: float = 40.0  # [mm] of open surface that is come at as one
     first_tries: int = 60  # touches after which an object that shows no face is given up
     near: float = 0.1  # [mm] a contact this far from a known face belongs to it
     turned: float = 0.06  # [rad] as long as its normal is no farther off
     misfit: float = 8.0  # chi2 per degree of freedom of a face that is none
     least_contacts: int = 5  # that make a new face
-    least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one
+    least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one at once
+    pool: float = 20.0  # [mm] within which the unexplained contacts of several visits are put together
+    facing: float = 0.95  # least cosine of their normals with the first one's
 
 
+_SETTLE = SettleConfig()
 _MERGE = MergeOptions(
     slack=3.0,  # errors common to a stroke are larger than its frames' noise
     rank=RankOptions(
@@ -91,6 +98,7 @@ class Explorer:
         self._here = Support(np.array([0.0, 0.0, box[5]]), np.array([0.0, 0.0, 1.0]))
         self._seen: list[tuple[Sighting, int]] = []
         self._crossed: list[Floats] = []
+        self._loose = Contacts.of(np.empty((0, 3)))
         self._tried: list[Floats] = []
 
     def run(self) -> Iterator[Findings]:
@@ -216,16 +224,31 @@ class Explorer:
         if (owner >= 0).any():
             home = int(np.bincount(owner[owner >= 0]).argmax())
         rest = contacts.select(owner < 0)
-        if len(rest) >= max(self.config.least_contacts, self.config.least_share * len(contacts)):
+        if len(rest) < max(self.config.least_contacts, self.config.least_share * len(contacts)):
+            rest = self._pooled(rest)
+        if len(rest) >= self.config.least_contacts:
             grown, opened = self.found.graph.add_stroke(rest)
             if not self._grow(grown, opened):
-                return home
+                rest = self._beside(rest, rest)
+                grown, opened = self.found.graph.add_stroke(rest)
+                if len(rest) < self.config.least_contacts or not self._grow(grown, opened):
+                    return home
             home = opened
             self.found.graph, gone = self.found.graph.merge_faces()
             home = gone.get(home, home)
             self._seen = [(sighting, gone.get(own, own)) for sighting, own in self._seen]
         self.found.graph = drop_edges(drop_contradicted(self.found.graph))
         return home if any(face.id == home for face in self.found.graph.faces) else None
+
+    def _pooled(self, rest: Contacts) -> Contacts:
+        """Unexplained contacts of this visit and of earlier ones beside its first: a small face, perhaps."""
+        self._loose = Contacts.concatenate([self._loose, rest])
+        return self._beside(self._loose, rest) if len(rest) else rest
+
+    def _beside(self, contacts: Contacts, rest: Contacts) -> Contacts:
+        """Those contacts that lie beside the first of `rest`, where the pad came down, and face as it does."""
+        near = np.linalg.norm(contacts.points - rest.points[0], axis=1) < self.config.pool
+        return contacts.select(near & (contacts.normals @ rest.normals[0] > self.config.facing))
 
     def _grow(self, graph: PatchGraph, face_id: int) -> bool:
         """Accept a graph in which a face grew, unless no one shape explains the face any more."""
@@ -355,14 +378,13 @@ class Explorer:
 
     def _explained(self, sighting: Sighting, own: int) -> bool:
         tried = sum(float(np.linalg.norm(p - sighting.point)) < 4.0 for p in self._crossed)
-        if tried >= len(self.config.roll):
+        if tried > len(self.config.roll):
             return True
         for face in self.found.graph.faces:
             if face.id == own or not isinstance(face.fit, Fit):
                 continue
             point = sighting.point[None]
-            side = 1.0 if face.fit.convex else -1.0
-            normal = side * face.fit.shape.normals(point)[0]
+            normal = outward_normal(face, sighting.point)
             slack = self.config.explained + 2.0 * sighting.sigma
             near = abs(float(face.fit.shape.signed_distance(point)[0])) < slack
             if near and abs(normal @ sighting.tangent) < 0.5 and normal @ sighting.outward > 0.1:
@@ -381,7 +403,9 @@ class Explorer:
         """Roll over an edge onto the face behind it."""
         tried = sum(float(np.linalg.norm(p - sighting.point)) < 4.0 for p in self._crossed)
         self._crossed.append(sighting.point)
-        angle = np.radians(self.config.roll[min(tried, len(self.config.roll) - 1)])
+        if tried >= len(self.config.roll):
+            return self._press_between(sighting, own)
+        angle = np.radians(self.config.roll[tried])
         normal = np.cos(angle) * sighting.normal + np.sin(angle) * sighting.outward
         down = np.cos(angle) * sighting.outward - np.sin(angle) * sighting.normal
         reach = 0.5 * self.guard.sensor.array.size[1] - self.config.overlap
@@ -394,14 +418,33 @@ class Explorer:
             return face, "rolled back onto the same face"
         return face, "crossed an edge"
 
+    def _press_between(self, sighting: Sighting, own: int) -> tuple[int | None, str]:
+        """Press on what may be a face too narrow to roll onto: midway between the two faces beside it, unmoved."""
+        normal = sighting.outward
+        behind = [f for f in self.found.graph.faces if f.id != own and isinstance(f.fit, Fit)]
+        facing = [n for f in behind if (n := outward_normal(f, sighting.point)) @ sighting.outward > 0.1]
+        if facing:
+            nearest = min(facing, key=lambda n: abs(float(n @ sighting.tangent)))
+            normal = nearest + sighting.normal
+            normal = normal - (normal @ sighting.tangent) * sighting.tangent
+            normal = normal / np.linalg.norm(normal)
+        down = np.cross(sighting.tangent, normal)
+        down = down * -np.sign(down @ sighting.normal)
+        target = se3.pose(
+            se3.frame_along(-normal, sighting.tangent), sighting.point + self.config.aside * down
+        )
+        self._travel(target, Support(sighting.point, sighting.normal), standoff=10.0)
+        if not self._touch(target, standoff=10.0, overtravel=16.0, settling=SettleConfig(shifts=0)):
+            return None, "pressed between two faces and met nothing"
+        return self._study(), "pressed between two faces"
+
     def _trace(self, edge: OpenEdge) -> tuple[int | None, str]:
         """Lie on the flatter face with the edge under the pad, and follow it both ways."""
         self._tried.append(edge.point)
         face = self.found.graph.face(edge.faces[0])
         assert isinstance(face.fit, Fit)
         normal = np.cross(edge.outward, edge.tangent)
-        side = 1.0 if face.fit.convex else -1.0
-        normal = normal * np.sign(normal @ (side * face.fit.shape.normals(edge.point[None])[0]))
+        normal = normal * np.sign(normal @ outward_normal(face, edge.point))
         target = se3.pose(se3.frame_along(-normal, edge.tangent), edge.point - 2.0 * edge.outward)
         self._travel(target, Support(edge.point, normal), standoff=6.0)
         if not self._touch(target, standoff=6.0, overtravel=6.0):
@@ -436,22 +479,39 @@ class Explorer:
             if distance > 1.0:
                 stroke = self._stroke(toward / distance, distance + self.config.feature)
                 self._note_edges(stroke, face, toward / distance)
+                if stroke.travel < 1.0:
+                    self._tried.extend(_beyond(points, goal, self._here.point))
                 taken = self._take_in(stroke.contacts) if len(stroke.contacts) else None
                 return face if taken is None else taken, "stroked what was untouched"
         nearest = int(np.argmin(np.linalg.norm(missing.points - self._here.point, axis=1)))
-        return self._visit(missing.points[nearest], missing.normals[nearest])
+        return self._visit(missing, nearest)
 
     def _note_edges(self, stroke: Stroke, face: int, heading: Floats) -> None:
         if stroke.ended == "edge":
             self._seen.extend((edge, face) for edge in self._sightings(heading))
 
-    def _visit(self, point: Floats, normal: Floats) -> tuple[int | None, str]:
-        """Touch down at a predicted point."""
-        self._tried.append(point)
+    def _visit(self, missing: Predicted, nearest: int) -> tuple[int | None, str]:
+        """Touch down at a predicted point; where that did not help before, come to the middle of what is open.
+
+        Faces that go on too far, as a cone to an apex that was cut off, predict points where nothing is.
+        The mean of their normals is the way in from outside.
+        """
+        point, normal = missing.points[nearest], missing.normals[nearest]
+        standoff, overtravel = 8.0, 10.0
+        if self._tries(point, self.config.beside):
+            around = np.linalg.norm(missing.points - point, axis=1) < self.config.region
+            middle = missing.normals[around].mean(axis=0)
+            if np.linalg.norm(middle) > 0.2:
+                normal = middle / np.linalg.norm(middle)
+                away = (missing.points[around] - missing.points[around].mean(axis=0)) @ normal
+                self._tried.append(point)
+                point = missing.points[around].mean(axis=0)
+                standoff, overtravel = float(away.max()) + 8.0, self.config.region
+        self._tried.append(missing.points[nearest])
         hint = self.guard.world_from_sensor[:3, 0]
         target = se3.pose(se3.frame_along(-normal, hint), point)
-        self._travel(target, Support(point, normal), standoff=8.0)
-        if not self._touch(target, standoff=8.0, overtravel=10.0):
+        self._travel(target, Support(point, normal), standoff)
+        if not self._touch(target, standoff, overtravel):
             return None, "nothing was where the faces so far predict the surface"
         return self._study(), "touched a place that was only predicted"
 
@@ -475,12 +535,15 @@ class Explorer:
         keep_ = np.array([not self._given_up(p) for p in missing.points], dtype=bool)
         return Predicted(missing.points[keep_], missing.normals[keep_], missing.face[keep_])
 
-    def _touch(self, target: Floats, standoff: float, overtravel: float) -> bool:
+    def _touch(
+        self, target: Floats, standoff: float, overtravel: float, settling: SettleConfig = _SETTLE
+    ) -> bool:
         """One guarded approach and its settling; counts as a touch, hit or miss."""
         self.guard.cost.touches += 1
         back = target @ se3.pose(translation=[0.0, 0.0, -standoff])
         self.guard.go_to(back, until=lambda seen: touched(seen.image))
-        if land(self.guard, target[:3, 2], standoff + overtravel, ApproachConfig().speed):
+        speed = ApproachConfig().speed
+        if land(self.guard, target[:3, 2], standoff + overtravel, speed, settling=settling):
             return True
         self._leave()
         return False
@@ -513,3 +576,16 @@ class Explorer:
             if all(support.normal @ other.normal < 0.95 for other in kept):
                 kept.append(support)
         return kept
+
+
+def outward_normal(face: Face, point: Floats) -> Floats:
+    """(3,) outward normal of a fitted face at the place on it nearest to a (3,) point."""
+    assert isinstance(face.fit, Fit)
+    return np.asarray(face.fit.shape.normals(point[None])[0] * (1.0 if face.fit.convex else -1.0))
+
+
+def _beyond(points: Floats, goal: Floats, here: Floats) -> Floats:
+    """Those of (n, 3) points that lie the same way from `here` as a goal that could not be stroked to."""
+    toward = points - here
+    ahead = toward @ (goal - here) > 0.8 * np.linalg.norm(toward, axis=1) * np.linalg.norm(goal - here)
+    return np.asarray(points[ahead])

@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter
 
 from exploration.control.feel import Felt
 from exploration.control.procedures.approach import ApproachConfig, advance, retreat
-from exploration.control.procedures.settle import Unsettled, settle
+from exploration.control.procedures.settle import SettleConfig, Unsettled, settle
 from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.sensing.frame import TactileImage
 from primitives import pose as se3
@@ -27,7 +27,12 @@ class LandConfig:
 
 
 def land(
-    guard: Guard, direction: Floats, distance: float, speed: float, config: LandConfig = LandConfig()
+    guard: Guard,
+    direction: Floats,
+    distance: float,
+    speed: float,
+    config: LandConfig = LandConfig(),
+    settling: SettleConfig | None = None,
 ) -> Felt | Unsettled:
     """Advance at most `distance` [mm] along a (3,) direction until touched, then settle.
 
@@ -43,7 +48,7 @@ def land(
                 distance, speed = 3.0 * config.back, ApproachConfig().speed
             if advance(guard, direction, distance, speed) is None:
                 return Unsettled("nothing was met")
-            return settle(guard)
+            return settle(guard, config=settling or SettleConfig())
         except (Collision, OverPress) as fault:
             felt_at = strongest(fault.seen.image) if fault.seen is not None else np.zeros(2)
     return Unsettled(f"the housing was in the way {config.tries} times")

@@ -1,0 +1,82 @@
+"""The domed part of a contact of any outline: a paraboloid through the taxels that no edge blurs.
+
+As `flat_patch`, for a small round face whose rim is not straight.  Two taxels inside the outline the rubber's
+spread s and the taxel's own width p only lower a paraboloid of Hessian -K by (s^2 + p^2 / 12) tr(K) / 2, which is
+added back (our derivation).  What the fit knows is handed out as five points, in its middle and on either side
+along its principal axes, each of five times the variance that the fit has there.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.sensing.frame import TactileImage
+from primitives import pose as se3
+from primitives.arrays import Bools, Floats
+from primitives.evidence import Contacts
+
+
+@dataclass(frozen=True)
+class DomedPatchConfig:
+    """When the inside of a contact is a smooth dome."""
+
+    taxels: int = 14
+    misfit: float = 1.5  # chi2 per degree of freedom of the paraboloid
+    spread: float = 1.5  # [mm] least standard deviation of the taxels' places, along the narrower axis
+    sharpest: float = 0.12  # [1/mm]
+    floor: float = 0.02  # [mm] error that the noise does not show
+    normal_floor: float = 0.01  # [rad]
+
+
+def domed_patch(
+    image: TactileImage,
+    inner: Bools,
+    world_from_sensor: Floats,
+    touch: int,
+    stroke: int,
+    sensor: int,
+    config: DomedPatchConfig = DomedPatchConfig(),
+) -> Contacts:
+    """Five contacts on the dome under the (rows, columns) `inner` taxels; none where there is none."""
+    inner = inner & np.isfinite(image.sigma)
+    rows, columns = np.nonzero(inner)
+    none = Contacts.of(np.empty((0, 3)))
+    if len(rows) < config.taxels:
+        return none
+    xy = np.stack([image.array.x[columns], image.array.y[rows]], axis=1)
+    center = xy.mean(axis=0)
+    values, vectors = np.linalg.eigh(np.cov((xy - center).T))
+    if values[0] < config.spread**2:
+        return none
+    basis = _monomials(xy - center)
+    depth, sigma = image.depth[rows, columns], image.sigma[rows, columns]
+    information = (basis / sigma[:, None] ** 2).T @ basis
+    covariance = np.linalg.inv(information)
+    c: Floats = covariance @ (basis.T @ (depth / sigma**2))
+    misfit = float((((depth - basis @ c) / sigma) ** 2).sum()) / (len(rows) - 6)
+    hessian = np.array([[c[3], c[4]], [c[4], c[5]]])
+    if misfit > config.misfit or float(np.abs(np.linalg.eigvalsh(hessian)).max()) > config.sharpest:
+        return none
+    lowered = 0.5 * (image.spread**2 + float(np.mean(np.square(image.array.pitch))) / 12) * (c[3] + c[5])
+    arms = np.sqrt(values) * vectors
+    at = np.concatenate([np.zeros((1, 2)), arms.T, -arms.T])
+    m = _monomials(at)
+    slope = c[1:3] - at @ hessian
+    outward = np.column_stack([-slope, -np.ones(len(at))])
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    variance = len(at) * np.einsum("ni,ij,nj->n", m, covariance, m)
+    turn = len(at) * float(np.diag(covariance)[1:3].mean())
+    return Contacts.of(
+        se3.transform_points(world_from_sensor, np.column_stack([center + at, -(m @ c + lowered)])),
+        outward @ world_from_sensor[:3, :3].T,
+        np.sqrt(variance + config.floor**2),
+        float(np.hypot(np.sqrt(turn), config.normal_floor)),
+        touch,
+        stroke,
+        sensor,
+    )
+
+
+def _monomials(xy: Floats) -> Floats:
+    x, y = xy[:, 0], xy[:, 1]
+    return np.stack([np.ones_like(x), x, y, -0.5 * x * x, -x * y, -0.5 * y * y], axis=1)
