@@ -40,5 +40,5 @@ def joined(mesh: Mesh, regions: list[Region], noise: float) -> list[Region]:
             if share > _COVERED:
                 owner[owner == j] = i
         owner[grown[takes == -1]] = i
-        out.append(replace(region, facets=np.flatnonzero(owner == i)))
+        out.append(replace(region, facets=np.flatnonzero(owner == i), reach=reach))
     return out

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from models.body import LabeledSurface
 from models.recovery.curved import Region, alike
 from models.recovery.grow import Mesh
-from primitives.arrays import Ints
+from primitives.arrays import Bools, Ints
 from primitives.shapes import Plane
 
 
@@ -40,12 +40,34 @@ def label_leftover(
     for group in _freeform(mesh, label, options):
         label[group] = len(surfaces)
         surfaces.append(LabeledSurface(None, True, -1))
-    for f in np.flatnonzero((label < 0) & ~mesh.thin):
+    ledges = _ledges(mesh, regions, label)
+    for f in np.flatnonzero((label < 0) & ~mesh.thin & ~ledges):
         label[f] = len(surfaces)
         surfaces.append(LabeledSurface(Plane(mesh.flats.center[f], mesh.flats.normal[f]), True, -1))
     _place_thin(mesh, label, surfaces, flat)
     used, label = np.unique(label, return_inverse=True)
     return label.reshape(-1), tuple(surfaces[i] for i in used)
+
+
+def _ledges(mesh: Mesh, regions: list[Region], label: Ints) -> Bools:
+    """(f,) leftover facets narrower than a chord of a neighbor is deep, with all corners that near to it.
+
+    Where two facetted surfaces are tangent, or meet along different chords, their solids leave such steps.
+    """
+    creases, start = mesh.creases, mesh.flats.start
+    first = np.repeat(np.arange(len(label)), np.diff(creases.start))
+    width = 2 * mesh.flats.area / np.maximum(np.bincount(first, creases.length, len(label)), 1e-12)
+    deepest = max((region.reach.corner for region in regions), default=0.0)
+    out = np.zeros(len(label), dtype=bool)
+    for f in np.flatnonzero((label < 0) & (width < deepest)).tolist():
+        corners = mesh.vertices[mesh.flats.corners[start[f] : start[f + 1]]]
+        beside = label[creases.other[creases.around(f)]]
+        out[f] = any(
+            width[f] < regions[s].reach.corner
+            and float(np.abs(regions[s].shape.signed_distance(corners)).max()) < regions[s].reach.corner
+            for s in set(beside[(beside >= 0) & (beside < len(regions))].tolist())
+        )
+    return out
 
 
 def _freeform(mesh: Mesh, label: Ints, options: LeftoverOptions) -> list[Ints]:
@@ -100,7 +122,7 @@ def _with_narrow(mesh: Mesh, members: Ints, label: Ints, options: LeftoverOption
 
 
 def _place_thin(mesh: Mesh, label: Ints, surfaces: list[LabeledSurface], flat: float) -> None:
-    """Slivers join the neighbor on whose surface their corners are, or else the one they share most rim with."""
+    """Slivers and ledges join the neighbor on whose surface their corners are, or else that of the longest rim."""
     creases, start = mesh.creases, mesh.flats.start
     waiting = np.flatnonzero(label < 0).tolist()
     while waiting:
