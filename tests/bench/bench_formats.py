@@ -30,6 +30,7 @@ ROOT = Path(__file__).parents[2]
 DATA = Path(os.environ.get("PALPATE_DATA", ROOT.parent / "shared")) / "parts"
 FINE = StepConfig(tolerance=0.0005, angle=0.03)
 FINE_TREE = 0.0003  # [mm]
+MOST_COMPARED = 100_000  # fine facets of a part; doubly curved ones take minutes each
 COST = """
 import re, sys, time
 from models.part import load_part
@@ -100,11 +101,15 @@ def step_round_trip() -> list[dict]:
             there, here = boundary(gone), boundary(back)
             kinds = (Counter(face.kind for face in b.faces) for b in (there, here))
             same.append(next(kinds) == next(kinds) and len(there.edges) == len(here.edges))
-            ious.append(iou(Solid.from_csg(tree, FINE_TREE), load(file, fineness=FINE).solid))
+            fine = Solid.from_csg(tree, FINE_TREE)
+            if len(fine.triangles) <= MOST_COMPARED:
+                ious.append(iou(fine, load(file, fineness=FINE).solid))
+    print(f"left out: IoU of {len(same) - len(ious)} parts of too many fine facets", file=sys.stderr)
     return [
         _row("round trip", "parts with the same faces and edges", 100 * np.mean(same), "%", "100"),
         _row("round trip", "least IoU", min(ious), "", ">= 0.9999"),
-        _row("round trip", "parts", len(ious), "parts"),
+        _row("round trip", "parts", len(same), "parts"),
+        _row("round trip", "parts whose IoU was taken", len(ious), "parts"),
         _row("round trip", "median time to write", float(np.median(seconds)), "s"),
     ]
 
