@@ -20,10 +20,11 @@ from models.recovery.curved import (
     neighborhoods,
     patch_round,
 )
-from models.recovery.fits import depth
+from models.recovery.fits import corners_of, depth
 from models.recovery.grow import Mesh, Reach, grow
 from models.recovery.prismatic import fit_planes
 from primitives.arrays import Bools, Ints
+from primitives.shapes import Cylinder
 
 
 def find_cut(mesh: Mesh, taken: Bools, noise: float, options: CurvedOptions) -> list[Region]:
@@ -41,6 +42,7 @@ def find_cut(mesh: Mesh, taken: Bools, noise: float, options: CurvedOptions) -> 
                 rest = np.setdiff1d(hood, np.concatenate([hood[:0], *(region.facets for region in sides)]))
                 more = _round(mesh, rest, noise, options) if sides and len(rest) > 2 else []
                 sides += more if _explained(mesh, rest, more, options) else []
+                sides = sides or _only(mesh, hood, noise, options)
         for region in sides:
             free[region.facets] = False
         out += sides
@@ -52,9 +54,21 @@ def _explained(mesh: Mesh, hood: Ints, regions: list[Region], options: CurvedOpt
     return covered > options.whole * float(mesh.flats.area[hood].sum())
 
 
-def _round(mesh: Mesh, hood: Ints, noise: float, options: CurvedOptions) -> list[Region]:
-    """The first few spheres and tori of a neighborhood."""
-    kinds = replace(options, fewest={kind: options.fewest[kind] for kind in ("sphere", "torus")})
+def _only(mesh: Mesh, hood: Ints, noise: float, options: CurvedOptions) -> list[Region]:
+    """The one surface of any kind that explains a neighborhood whose corners were moved, as by decimation."""
+    found = _round(mesh, hood, noise, replace(options, together=1), tuple(options.fewest))
+    return found if _explained(mesh, hood, found, options) else []
+
+
+def _round(
+    mesh: Mesh,
+    hood: Ints,
+    noise: float,
+    options: CurvedOptions,
+    wanted: tuple[str, ...] = ("sphere", "torus"),
+) -> list[Region]:
+    """The first few spheres and tori, or other kinds, of a neighborhood."""
+    kinds = replace(options, fewest={kind: options.fewest[kind] for kind in wanted})
     inside = np.zeros(len(mesh.flats), dtype=bool)
     inside[hood] = True
     found: list[Region] = []
@@ -63,6 +77,28 @@ def _round(mesh: Mesh, hood: Ints, noise: float, options: CurvedOptions) -> list
         if len(found) == options.together:
             break
     return found
+
+
+def with_truncated_ends(mesh: Mesh, region: Region, noise: float, options: CurvedOptions) -> Region:
+    """The region; from the planes of its sides if these are few, turn evenly, and the outer ones were cut short.
+
+    Any two equal turns have a circle through their four corners, but a wrong one where the ends were cut.
+    """
+    facets = region.facets[~mesh.thin[region.facets]]
+    if region.shape.kind != "cylinder" or not 3 <= len(facets) <= options.few:
+        return region
+    inside = set(facets.tolist())
+    rows = [i for f in inside for i in range(*mesh.creases.around(f).indices(len(mesh.creases.other)))]
+    turns = np.abs([mesh.creases.turn[i] for i in rows if int(mesh.creases.other[i]) in inside])
+    if len(turns) < 4 or np.ptp(turns) > 0.02 * turns.mean():
+        return region
+    found = fit_planes(mesh, facets, float(turns.mean()))
+    if found is None or not isinstance(found.shape, Cylinder) or found.convex != region.convex:
+        return region
+    off = found.shape.signed_distance(mesh.vertices[corners_of(mesh, facets)])
+    sag = float(depth(mesh, found.shape, facets).max())
+    sound = found.touched(mesh, facets, noise).all() and off.max() < 3 * noise and -off.min() < 1.2 * sag
+    return replace(region, shape=found.shape) if sound else region
 
 
 def _prismatic(mesh: Mesh, hood: Ints, free: Bools, noise: float, options: CurvedOptions) -> list[Region]:

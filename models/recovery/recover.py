@@ -14,7 +14,7 @@ import numpy as np
 from models.body import LabeledSurface
 from models.recovery.creases import find_creases
 from models.recovery.curved import CurvedOptions, Region, find_curved
-from models.recovery.cut import find_cut
+from models.recovery.cut import find_cut, with_truncated_ends
 from models.recovery.flats import corner_noise, find_flats
 from models.recovery.grow import Mesh
 from models.recovery.joined import joined
@@ -60,5 +60,6 @@ def recover(
         for region in regions:
             taken[region.facets] = True
         regions = joined(mesh, regions + find(mesh, taken, noise, tolerances.curved), noise)
+    regions = [with_truncated_ends(mesh, region, noise, tolerances.curved) for region in regions]
     labels, surfaces = label_leftover(mesh, regions, flat, tolerances.leftover)
     return Recovered(frozen(labels[flats.of_triangle], np.int64), surfaces)
