@@ -1,0 +1,123 @@
+"""Which face each contact belongs to, and when contacts that belong to none make a new one.
+
+A contact belongs to the face that it lies on and faces like.  What no face explains is kept: a small face yields a
+few contacts a visit, and those of several visits together make it known.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.planning.consistency import drop_contradicted, drop_edges
+from primitives.arrays import Floats, Ints
+from primitives.classify import RankOptions
+from primitives.evidence import Contacts
+from primitives.fit import Fit
+from primitives.patch_graph import MergeOptions, PatchGraph
+
+CONVEX = MergeOptions(
+    slack=3.0,  # errors common to a stroke are larger than its frames' noise
+    rank=RankOptions(prior={"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.1}),
+)
+
+
+@dataclass(frozen=True)
+class AttributionConfig:
+    """When a contact belongs to a face, and contacts make one."""
+
+    near: float = 0.1  # [mm] a contact this far from a known face belongs to it
+    turned: float = 0.06  # [rad] as long as its normal is no farther off
+    misfit: float = 8.0  # chi2 per degree of freedom of a face that is none
+    least_contacts: int = 5  # that make a new face
+    least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one at once
+    pool: float = 20.0  # [mm] within which the unexplained contacts of several visits are put together
+    facing: float = 0.95  # least cosine of their normals with the first one's
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What became of one visit's contacts."""
+
+    graph: PatchGraph
+    loose: Contacts  # what no face explains, from this visit and earlier ones
+    home: int | None  # the face that the visit was on
+    gone: dict[int, int]  # faces that turned out to be another
+
+
+def known_face(graph: PatchGraph, contacts: Contacts, config: AttributionConfig) -> int | None:
+    """The face that these contacts lie on, if it is one of those found."""
+    for face in graph.faces:
+        if (
+            isinstance(face.fit, Fit)
+            and len(contacts)
+            and np.median(misfit(face.fit, contacts, config)) < 1.0
+        ):
+            return face.id
+    return None
+
+
+def joined(graph: PatchGraph, contacts: Contacts, face: int, config: AttributionConfig) -> PatchGraph:
+    """The graph with contacts given to a face, unless no one shape explains it any more."""
+    if not len(contacts):
+        return graph
+    return _sound(graph.add_contacts(contacts, face), face, config) or graph
+
+
+def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: AttributionConfig) -> Taken:
+    """Give contacts to the faces that explain them; what is left over is a new face, if there is enough."""
+    owner = _owners(graph, contacts, config)
+    for face_id in np.unique(owner[owner >= 0]):
+        graph = joined(graph, contacts.select(owner == face_id), int(face_id), config)
+    home = int(np.bincount(owner[owner >= 0]).argmax()) if (owner >= 0).any() else None
+    rest, gone = contacts.select(owner < 0), dict[int, int]()
+    if len(rest) < max(config.least_contacts, config.least_share * len(contacts)):
+        loose = Contacts.concatenate([loose, rest])
+        rest = _beside(loose, rest, config)
+    for lot in (rest, _beside(rest, rest, config)):
+        if len(lot) < config.least_contacts:
+            break
+        grown, opened = graph.add_stroke(lot)
+        accepted = _sound(grown, opened, config)
+        if accepted is not None:
+            graph, gone = accepted.merge_faces()
+            home = gone.get(opened, opened)
+            break
+    graph = drop_edges(drop_contradicted(graph))
+    return Taken(graph, loose, home if any(f.id == home for f in graph.faces) else None, gone)
+
+
+def misfit(fit: Fit, contacts: Contacts, config: AttributionConfig) -> Floats:
+    """(n,) distance and turn from a fitted face, in units of what still belongs to it."""
+    off = np.abs(fit.shape.signed_distance(contacts.points)) / np.hypot(4.0 * contacts.sigma, config.near)
+    side = 1.0 if fit.convex else -1.0
+    facing = side * (fit.shape.normals(contacts.points) * contacts.normals).sum(axis=1)
+    turn = np.arccos(np.clip(facing, -1.0, 1.0)) / np.hypot(3.0 * contacts.normal_sigma, config.turned)
+    return np.asarray(np.maximum(off, turn))
+
+
+def _owners(graph: PatchGraph, contacts: Contacts, config: AttributionConfig) -> Ints:
+    owner = np.full(len(contacts), -1)
+    best = np.ones(len(contacts))
+    for face in graph.faces:
+        if isinstance(face.fit, Fit) and len(contacts):
+            off = misfit(face.fit, contacts, config)
+            closer = off < best
+            owner[closer], best[closer] = face.id, off[closer]
+    return owner
+
+
+def _beside(contacts: Contacts, rest: Contacts, config: AttributionConfig) -> Contacts:
+    """Those contacts that lie beside the first of `rest`, where the pad came down, and face as it does."""
+    if not len(rest):
+        return rest
+    near = np.linalg.norm(contacts.points - rest.points[0], axis=1) < config.pool
+    return contacts.select(near & (contacts.normals @ rest.normals[0] > config.facing))
+
+
+def _sound(graph: PatchGraph, face_id: int, config: AttributionConfig) -> PatchGraph | None:
+    """The graph, unless no one shape explains a face of it."""
+    fit = graph.face(face_id).fit
+    broken = isinstance(fit, Fit) and fit.chi2 > config.misfit * max(fit.dof, 1)
+    return None if broken else graph

@@ -1,0 +1,167 @@
+"""The pad on a convex object: touch down, stroke, look for edges, and travel in between.
+
+It remembers where it lies and what it has covered, and counts touches and strokes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.control.dwell import dwell
+from exploration.control.feel import feel
+from exploration.control.procedures.approach import ApproachConfig, retreat, touched
+from exploration.control.procedures.curvature import four_direction_curvature
+from exploration.control.procedures.land import land
+from exploration.control.procedures.settle import SettleConfig
+from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
+from exploration.control.track_surface import Stroke, follow_surface, keep, touched_cells
+from exploration.devices.guard import Guard
+from exploration.planning.touched import Touched
+from exploration.planning.transit import Support, box_supports, way
+from exploration.sensing.hough import find_lines
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
+
+Announce = Callable[[str, dict[str, object]], None]
+
+
+@dataclass(frozen=True)
+class PadConfig:
+    """Distances of touching and traveling."""
+
+    longest: float = 400.0  # [mm] of one stroke
+    least_line: float = 4.0  # [mm] of a line that counts as an edge
+    averaged: int = 8  # frames of a place that is studied
+    back: float = 12.0  # [mm] from a touch that met nothing
+    lift: float = 8.0  # [mm] before any travel
+    alike: float = 0.95  # cosine above which two supporting planes are one
+
+
+class Pad:
+    """Carried by a guard through a (6,) workspace box [mm]."""
+
+    def __init__(
+        self, guard: Guard, box: Floats, announce: Announce, config: PadConfig = PadConfig()
+    ) -> None:
+        self.guard, self.box, self.announce, self.config = guard, box, announce, config
+        self.covered = Touched()
+        self.here = Support(np.array([0.0, 0.0, box[5]]), np.array([0.0, 0.0, 1.0]))
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Of the array along its x and y [mm]."""
+        return self.guard.sensor.array.size
+
+    def come_down(self, direction: Floats, distance: float, speed: float | None = None) -> bool:
+        """Advance from where the pad is, along a (3,) direction, and settle; one touch, hit or miss."""
+        self.guard.cost.touches += 1
+        return bool(land(self.guard, direction, distance, speed or ApproachConfig().speed))
+
+    def touch(
+        self, target: Floats, standoff: float, overtravel: float, settling: SettleConfig | None = None
+    ) -> bool:
+        """One guarded approach to a (4, 4) target from `standoff` mm before it, and its settling."""
+        self.guard.cost.touches += 1
+        back = target @ se3.pose(translation=[0.0, 0.0, -standoff])
+        self.guard.go_to(back, until=lambda seen: touched(seen.image))
+        speed = ApproachConfig().speed
+        if land(self.guard, target[:3, 2], standoff + overtravel, speed, settling=settling):
+            return True
+        retreat(self.guard, self.config.back)  # free, because the pad came that way
+        return False
+
+    def travel(self, target: Floats, far: Support, standoff: float) -> None:
+        """Through free space to `standoff` mm before a (4, 4) target on the supporting plane `far`."""
+        retreat(self.guard, self.config.lift)
+        goal = target @ se3.pose(translation=[0.0, 0.0, -standoff])
+        here = self.guard.world_from_sensor
+        same = self.here.normal @ far.normal > 0.995
+        close = abs((self.here.point - far.point) @ far.normal) < 2.0
+        if same and close:
+            poses = [se3.pose(here[:3, :3], here[:3, 3] + 14.0 * far.normal)]
+            poses.append(se3.pose(goal[:3, :3], goal[:3, 3] + 22.0 * far.normal))
+            poses.append(goal)
+        else:
+            poses = way(here, self.here, goal, far, [*self._supports(), *box_supports(self.box)])
+        for pose in poses:
+            self.guard.go_to(pose)
+
+    def feel(self) -> Contacts:
+        """Contacts of the place under the pad, from averaged frames."""
+        seen = dwell(self.guard, self.config.averaged)
+        kept: list[Contacts] = []
+        self.guard.cost.strokes += 1
+        keep(seen, self.guard.cost.touches, self.guard.cost.strokes, kept)
+        felt = feel(seen.image)
+        self.lie(touched_cells(seen, felt) if felt else np.empty((0, 3)))
+        return Contacts.concatenate(kept)
+
+    def stroke(self, heading: Floats, length: float | None = None) -> Stroke:
+        """Follow the surface along a (2,) heading in the pad's plane, to an edge or for `length` mm."""
+        cost = self.guard.cost
+        cost.strokes += 1
+        longest = self.config.longest if length is None else length
+        stroke = follow_surface(self.guard, heading, longest, cost.touches, cost.strokes)
+        self.lie(stroke.cells)
+        return stroke
+
+    def lie(self, cells: Floats) -> None:
+        """Note where the pad lies now, and the (n, 3) cells [mm] that it has covered."""
+        pose = self.guard.world_from_sensor
+        felt = feel(self.guard.hold().image)
+        offset = np.array([*(felt.centroid if felt else (0.0, 0.0)), 0.0])
+        self.here = Support(pose[:3, :3] @ offset + pose[:3, 3], -pose[:3, 2])
+        self.covered.add(cells, self.here)
+
+    def touches(self) -> bool:
+        """Whether anything is under the pad now."""
+        return bool(feel(self.guard.hold().image))
+
+    def axes(self) -> Floats:
+        """(2, 2) columns to stroke along: the edge that is seen, or the least curvature; and across it."""
+        seen = dwell(self.guard, self.config.averaged)
+        felt = feel(seen.image)
+        long = np.array([1.0, 0.0])
+        if felt:
+            curved = four_direction_curvature(seen.image, felt)
+            self.announce(
+                "curvature",
+                {
+                    "order": curved.order,
+                    "probability": curved.probability,
+                    "k1_per_mm": float(curved.four.k1[0]),
+                    "k2_per_mm": float(curved.four.k2[0]),
+                    "consistency": float(curved.four.consistency[0]),
+                },
+            )
+            lines = [line for line in find_lines(seen.image, 3) if line.length > self.config.least_line]
+            if curved.order != "plane":
+                long = curved.ridge
+            elif lines:
+                long = max(lines, key=lambda line: line.length).direction
+        return np.array([[long[0], -long[1]], [long[1], long[0]]])
+
+    def sightings(self, heading: Floats | None = None) -> list[Sighting]:
+        """Edges under the pad; where contact ends ahead and no line says where, the end itself."""
+        seen = dwell(self.guard, self.config.averaged)
+        felt = feel(seen.image)
+        if not felt:
+            return []
+        lines = [line for line in find_lines(seen.image, 3) if line.length > self.config.least_line]
+        lines = [line for line in lines if not ends_by_curving(line, felt)]
+        found = [sight(line, seen) for line in lines]
+        if heading is not None and not any(-line.inward @ heading > 0.4 for line in lines):
+            found.append(brink(seen, felt, heading))
+        return found
+
+    def _supports(self) -> list[Support]:
+        """One support for each face, which is enough to go round."""
+        kept: list[Support] = []
+        for support in self.covered.supports:
+            if all(support.normal @ other.normal < self.config.alike for other in kept):
+                kept.append(support)
+        return kept
