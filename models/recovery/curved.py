@@ -49,6 +49,7 @@ class CurvedOptions:
     failures: int = (
         12  # patches that may lead nowhere before a neighborhood is given up; and one in 100 facets; in a row
     )
+    patient: int = 40  # the most that a large neighborhood adds to them
     slack: float = 1.2  # how far corners may be off where chords were cut, in units of the chords' sag
     together: int = 3  # surfaces that may explain a neighborhood of cut chords
     fit: FacetFitOptions = field(default_factory=FacetFitOptions)
@@ -92,20 +93,22 @@ def in_neighborhood(
 ) -> Iterator[Region]:
     """Regions from seeds in one neighborhood, larger facets first; marks what they take as no longer free."""
     tried = np.zeros(len(free), dtype=bool)
-    patience = options.failures + len(hood) // 100
-    left = patience
+    patience = options.failures + min(len(hood) // 100, options.patient)
+    left = float(patience)
     for seed in hood[np.argsort(-mesh.flats.area[hood])].tolist():
         if not free[seed] or tried[seed]:
             continue
         region = _from_seed(mesh, seed, hood, free, noise, slack, options)
         if region is not None:
             free[region.facets] = False
-            left = patience
+            left = patience if len(region.facets) > 2 * options.patches[0] else left - 0.25
             yield region
+            if left <= 0:
+                return
             continue
         tried[patch_round(mesh, seed, free, 5, options)[0]] = True
         left -= 1
-        if left == 0:
+        if left <= 0:
             return
 
 

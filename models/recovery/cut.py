@@ -107,7 +107,7 @@ def _prismatic(mesh: Mesh, hood: Ints, free: Bools, noise: float, options: Curve
     inside = np.zeros(len(free), dtype=bool)
     inside[hood] = free[hood]
     tried = np.zeros(len(free), dtype=bool)
-    left = options.failures + len(hood) // 10
+    left = options.failures + min(len(hood) // 10, options.patient)
     for seed in hood[np.argsort(-mesh.flats.area[hood])].tolist():
         if tried[seed] or not inside[seed]:
             continue
