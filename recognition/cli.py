@@ -65,6 +65,10 @@ def explore(
     body: Annotated[
         int | None, typer.Option(help="Which body of a CAD file that holds several, counted from 1.")
     ] = None,
+    facets: Annotated[
+        bool,
+        typer.Option("--facets", help="Keep the flat sides of OpenSCAD's circles ($fn)."),
+    ] = False,
     workspace: Annotated[
         str, typer.Option(metavar="X0,Y0,Z0,X1,Y1,Z1", help="Where the object may be [mm].")
     ] = "-300,-300,-300,300,300,300",
@@ -105,6 +109,7 @@ def explore(
             units=units,
             scale=scale,
             body=body,
+            facets=facets,
             workspace=parse_numbers(workspace, 6, "--workspace", "X0,Y0,Z0,X1,Y1,Z1 in mm"),
             feature=feature_mm,
             pose=parse_pose(pose),
@@ -182,6 +187,10 @@ def library_show(
     body: Annotated[
         int | None, typer.Option(help="Which of a file's bodies, from 1.", show_default=False)
     ] = None,
+    facets: Annotated[
+        bool,
+        typer.Option("--facets", help="Keep the flat sides of OpenSCAD's circles ($fn)."),
+    ] = False,
     out: Annotated[
         Path | None, typer.Option(metavar="PAGE.html", help="Also draw it as a page.", show_default=False)
     ] = None,
@@ -195,7 +204,7 @@ def library_show(
     with one_line_errors():
         from recognition.library_show import show, write_page
 
-        shown = show(file, units, scale, body)
+        shown = show(file, units, scale, body, facets)
         if out is not None:
             write_page(shown, out)
     if as_json:

@@ -34,6 +34,7 @@ class ExploreOptions:
     units: str = "auto"
     scale: float = 1.0
     body: int | None = None  # of a file that holds several, from 1
+    facets: bool = False  # whether OpenSCAD's circles keep their flat sides
     workspace: tuple[float, ...] = (
         -300.0,
         -300.0,

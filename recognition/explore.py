@@ -22,6 +22,7 @@ from models.solid import Solid
 from primitives.arrays import Ints
 from primitives.errors import PalpateError
 from recognition.assembly import NotClosed
+from recognition.assembly.described import written_tree
 from recognition.config import ExploreOptions, settings, to_toml
 from recognition.logbook import Logbook
 from recognition.patience import Patience
@@ -125,7 +126,7 @@ def _write(folder: RunFolder, made: Reconstruction) -> None:
     if isinstance(made.assembly, NotClosed):
         return
     with folder.writing("model.csg") as path:
-        openscad.write(made.assembly.tree, path)
+        openscad.write(written_tree(made.assembly), path)
     for name in ("model.stl", "model.glb"):
         with folder.writing(name) as path:
             mesh.save(made.assembly.solid, path)

@@ -33,10 +33,14 @@ class ShownBoundary:
 
 
 def show(
-    name_or_path: str, units: str = "auto", scale: float = 1.0, body: int | None = None
+    name_or_path: str,
+    units: str = "auto",
+    scale: float = 1.0,
+    body: int | None = None,
+    facets: bool = False,
 ) -> ShownBoundary:
     """A built-in part, or a model in a file of any supported format, with its boundary in its own frame."""
-    part = load_part(name_or_path, cast(Units, units), scale, body)
+    part = load_part(name_or_path, cast(Units, units), scale, body, facets)
     brep, _ = labeled_boundary(part.solid)
     return ShownBoundary(part, brep, _summary(part, brep))
 

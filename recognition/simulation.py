@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from exploration.devices.guard import Guard, GuardLimits, Observation
 from exploration.devices.simulated import simulate
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import SensorSpec, load_sensor
+from models.formats.units import Units
 from models.part import Part, load_part
 from models.solid import Solid
 from primitives import pose as se3
@@ -63,7 +64,7 @@ def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> Wo
     spec = load_sensor(options.sensors[0])
     if options.noise is not None:
         spec = replace(spec, electronics=replace(spec.electronics, noise=options.noise))
-    part = load_part(options.part, options.units, options.scale, options.body)  # type: ignore[arg-type]
+    part = load_part(options.part, cast(Units, options.units), options.scale, options.body, options.facets)
     box = np.reshape(options.workspace, (2, 3))
     world_from_part = options.fixed_pose
     if world_from_part is None:

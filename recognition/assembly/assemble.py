@@ -19,8 +19,8 @@ from models.solid import Solid
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.fit import Fit
-from primitives.shared_error import with_shared_error
 from primitives.shapes import Plane, Shape
+from primitives.shared_error import with_shared_error
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.pieces import Piece, pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize

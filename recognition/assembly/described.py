@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,9 +11,10 @@ import numpy as np
 from models.boundary import labeled_boundary
 from models.brep import Brep, Edge
 from models.csg import Cone as ConeSolid
-from models.csg import Cube
+from models.csg import Csg, Cube
 from models.csg import Cylinder as CylinderSolid
 from models.csg import Sphere as SphereSolid
+from models.rounding import rounded
 from primitives.arrays import Ints
 from primitives.evidence import EdgeTrace
 from primitives.pose import quaternion_wxyz
@@ -22,6 +23,7 @@ from recognition.assembly.assemble import Assembly
 from recognition.assembly.pieces import Piece
 from recognition.assembly.uncertainty import face_sigma, piece_sigma
 
+_FINEST = 1e-4  # [mm] no size is known better than this
 _ALONG = 1.0  # [mm] between a trace and the edge that it followed
 
 
@@ -104,6 +106,22 @@ def describe_piece(piece: Piece, operation: str, assembly: Assembly) -> dict[str
         entry["top_radius_mm"] = piece.solid.top_radius
         entry["bottom_radius_mm"] = piece.solid.bottom_radius
     return entry
+
+
+def written_tree(assembly: Assembly) -> Csg:
+    """The tree in the digits that its best known size supports, for a person to read and edit."""
+    known = [
+        sigma
+        for piece in assembly.pieces
+        for sigma in _numbers(piece_sigma(piece, assembly.regularized).values())
+        if sigma > 0.0
+    ]
+    return rounded(assembly.tree, max(min(known, default=_FINEST), _FINEST))
+
+
+def _numbers(values: Iterable[float | Sequence[float | None]]) -> Iterator[float]:
+    for value in values:
+        yield from ([value] if isinstance(value, float) else [v for v in value if v is not None])
 
 
 def _size(piece: Piece) -> list[float]:
