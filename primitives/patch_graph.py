@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.stats import chi2 as chi2_distribution
+from scipy.special import chdtri
 
 from primitives.classify import RankedFit, RankOptions, rank, score
 from primitives.errors import PalpateError
@@ -154,7 +154,7 @@ def ranked_face(face_id: int, contacts: Contacts, options: MergeOptions) -> Face
 
 def explains(found: Fit, options: MergeOptions) -> bool:
     """Whether chi2 is as small as noise, with the slack, allows."""
-    bound = chi2_distribution.isf(options.significance, max(found.dof, 1))
+    bound = chdtri(max(found.dof, 1), options.significance)
     return bool(found.chi2 <= options.slack**2 * bound)
 
 

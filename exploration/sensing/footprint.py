@@ -147,13 +147,13 @@ def _fit(
 ) -> tuple[Floats, Floats, float, int, bool, Floats]:
     m = unknown.max() + 1
     total = len(start)
-    fields = np.zeros((1 + total, y.shape[1], x.shape[1]))
+    fields = np.zeros((2 + len(sides), y.shape[1], x.shape[1]))
     model = np.zeros((1 + total, depth.shape[0], depth.shape[1]))
     normal, rhs, residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
     trial_normal, trial_rhs, trial_residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
     p = start.copy()
     fields_of(x, y, p, sides, union, fields)
-    to_taxels(fields, to_columns, to_rows, unknown, model)
+    to_taxels(fields, p, to_columns, to_rows, unknown, model)
     chi2, count = _normal_equations(depth, sigma, p, model, unknown, normal, rhs, residual)
     damping = 1e-3
     converged = False
@@ -173,7 +173,7 @@ def _fit(
             if unknown[k] >= 0:
                 trial[k] += step[unknown[k]]
         fields_of(x, y, trial, sides, union, fields)
-        to_taxels(fields, to_columns, to_rows, unknown, model)
+        to_taxels(fields, trial, to_columns, to_rows, unknown, model)
         new, count = _normal_equations(
             depth, sigma, trial, model, unknown, trial_normal, trial_rhs, trial_residual
         )

@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.stats import chi2 as chi2_law
+from scipy.special import chdtri
 
 from primitives.arrays import Floats, frozen
 from primitives.fit import Fit
@@ -126,7 +126,7 @@ class _State:
             self.accepted.append((a, b, constraint))
             return
         cost = self.cost(value, slope)
-        if cost > chi2_law.isf(self.options.significance, len(value)):
+        if cost > chdtri(len(value), self.options.significance):
             return
         self.relations.append(Relation(kind, a, b, cost))
         self.accepted.append((a, b, constraint))
