@@ -111,8 +111,8 @@ def breps() -> dict[str, Brep]:
 
 
 @pytest.mark.slow
-def test_every_part_equals_itself_and_no_other() -> None:
-    every = {name: brep_of(parts.build(name)) for name in parts.names()}
+def test_many_parts_equal_themselves_and_no_other() -> None:
+    every = {name: brep_of(parts.build(name)) for name in parts.names()[::3]}
     test_parts_equal_themselves_in_any_pose_and_order(every)
     test_no_part_equals_another(every)
     test_signatures_of_equal_boundaries_are_found_by_probing(every)
