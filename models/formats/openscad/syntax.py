@@ -46,9 +46,9 @@ def parse(text: str, name: str) -> Source:
     try:
         with deep_stack(), contextlib.redirect_stdout(said):
             statements = parse_ast(text, origin=name)
-    except RecursionError:
-        raise PalpateError(f"{name}: an expression is nested too deeply; split it up") from None
-    except Exception as error:  # the parser may raise anything on a broken file
+    except Exception as error:  # the parser may raise anything on a broken file, and wraps what it meets
+        if isinstance(error, RecursionError) or "recursion depth" in str(error):
+            raise PalpateError(f"{name}: an expression is nested too deeply; split it up") from None
         reason = " ".join(str(error).split())[:80] or type(error).__name__
         raise PalpateError(f"cannot read {name} as OpenSCAD ({reason}); export it again") from None
     if statements is None:
