@@ -10,8 +10,9 @@ spread bends the profile, so that rim is left out wherever enough remains (our d
 from dataclasses import dataclass
 from typing import Literal
 
+import numba
 import numpy as np
-from scipy.ndimage import binary_erosion, uniform_filter
+from scipy.ndimage import uniform_filter
 
 from exploration.sensing.frame import TactileImage
 from primitives.arrays import Bools, Floats
@@ -55,32 +56,22 @@ class NotTouching:
 
 def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTouching:
     """Fit the local paraboloid to one frame."""
+    array = image.array
     live = np.isfinite(image.sigma)
     if not live.any():
         return NotTouching("every taxel is dead")
-    sigma = float(np.median(image.sigma[live]))
     depth = np.where(live, image.depth, 0.0)
-    smooth = uniform_filter(depth, 3, mode="nearest")
-    peak = float(smooth.max())
-    if peak < config.sigmas * sigma / 2.0:
+    touching, mask, inner, centroid, c = _fitted(
+        depth,
+        uniform_filter(depth, 3, mode="nearest"),
+        image.sigma,
+        array.x,
+        array.y,
+        (config.sigmas, config.share, config.rim, config.enough),
+        (config.prior_curvature, config.prior_sigma),
+    )
+    if not touching:
         return NotTouching()
-    mask = live & (smooth > max(config.share * peak, 1.5 * sigma))
-    inner = live & binary_erosion(mask, iterations=config.rim, border_value=1)
-    used = inner if int(inner.sum()) >= config.enough and _spans(inner, 3) else mask
-    x, y = image.array.x, image.array.y
-    rows, columns = np.nonzero(used)
-    px, py, d = x[columns], y[rows], depth[rows, columns]
-    weight = np.maximum(smooth[rows, columns], 0.0)
-    centroid = np.array([px @ weight, py @ weight]) / weight.sum()
-    u, v = px - centroid[0], py - centroid[1]
-    basis = np.stack([np.ones_like(u), u, v, -0.5 * u * u, -u * v, -0.5 * v * v], axis=1) / sigma
-    information = basis.T @ basis
-    right = basis.T @ (d / sigma)
-    hold = 1.0 / config.prior_sigma**2
-    information[[1, 2], [1, 2]] += 1.0
-    information[[3, 4, 5], [3, 4, 5]] += hold
-    right[[3, 5]] += hold * config.prior_curvature
-    c = np.linalg.solve(information, right)
     k = np.array([[c[3], c[4]], [c[4], c[5]]])
     middle, spread = (c[3] + c[5]) / 2.0, float(np.hypot((c[3] - c[5]) / 2.0, c[4]))
     return Felt(
@@ -89,12 +80,68 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         centroid=centroid,
         curvature=np.array([middle + spread, middle - spread]),
         hessian=k,
-        area=float(mask.sum()) * image.array.pitch[0] * image.array.pitch[1],
+        area=float(mask.sum()) * array.pitch[0] * array.pitch[1],
         mask=mask,
         inner=inner,
     )
 
 
+@numba.njit(cache=True, error_model="numpy")
+def _fitted(
+    depth: Floats,
+    smooth: Floats,
+    noise: Floats,
+    x: Floats,
+    y: Floats,
+    taxels: tuple[float, float, int, int],
+    prior: tuple[float, float],
+) -> tuple[bool, Bools, Bools, Floats, Floats]:
+    """Whether anything is touched, the masks, their centroid, and d, g and K about it."""
+    sigmas, share, rim, enough = taxels
+    curvature, curvature_sigma = prior
+    live = np.isfinite(noise)
+    sigma = np.median(noise.ravel()[live.ravel()])
+    peak = smooth.max()
+    mask = live & (smooth > max(share * peak, 1.5 * sigma))
+    inner = mask.copy()
+    for _ in range(rim):
+        inner = _eroded(inner)
+    centroid, c = np.zeros(2), np.zeros(6)
+    if peak < sigmas * sigma / 2.0:
+        return False, mask, inner, centroid, c
+    rows, columns = (inner if inner.sum() >= enough and _spans(inner, 3) else mask).nonzero()
+    total = 0.0
+    for i, j in zip(rows, columns):  # noqa: B905 (numba's zip knows no strict)
+        weight = max(smooth[i, j], 0.0)
+        total += weight
+        centroid[0] += weight * x[j]
+        centroid[1] += weight * y[i]
+    centroid /= total
+    basis = np.empty((len(rows), 6))
+    felt = np.empty(len(rows))
+    for k in range(len(rows)):
+        u, v = x[columns[k]] - centroid[0], y[rows[k]] - centroid[1]
+        basis[k] = (1.0, u, v, -0.5 * u * u, -u * v, -0.5 * v * v)
+        felt[k] = depth[rows[k], columns[k]]
+    hold = curvature_sigma**-2.0
+    information = basis.T @ basis / sigma**2 + np.diag(np.array([0.0, 1.0, 1.0, hold, hold, hold]))
+    right = basis.T @ felt / sigma**2 + np.array([0.0, 0.0, 0.0, hold * curvature, 0.0, hold * curvature])
+    return True, mask, inner, centroid, np.linalg.solve(information, right)
+
+
+@numba.njit(cache=True)
+def _eroded(mask: Bools) -> Bools:
+    """Without the taxels beside one that is not touched; what lies off the pad counts as touched."""
+    out = mask.copy()
+    out[1:] &= mask[:-1]
+    out[:-1] &= mask[1:]
+    out[:, 1:] &= mask[:, :-1]
+    out[:, :-1] &= mask[:, 1:]
+    return out
+
+
+@numba.njit(cache=True)
 def _spans(mask: Bools, least: int) -> bool:
     """Whether the mask covers at least so many rows and columns."""
-    return int(mask.any(axis=0).sum()) >= least and int(mask.any(axis=1).sum()) >= least
+    rows, columns = mask.nonzero()
+    return len(np.unique(rows)) >= least and len(np.unique(columns)) >= least

@@ -58,7 +58,8 @@ def brink(seen: Observation, felt: Felt, heading: Floats) -> Sighting:
 
 def reach_along(felt: Felt, seen: Observation, heading: Floats) -> float:
     """How far [mm] contact reaches from the pad's center along a (2,) heading, its outermost tenth left out."""
-    return float(np.percentile(_along(felt, seen, heading), 90))
+    along = np.sort(_along(felt, seen, heading))
+    return float(np.interp(0.9 * (len(along) - 1), np.arange(len(along)), along))
 
 
 def contact_front(felt: Felt, seen: Observation, heading: Floats) -> float:
