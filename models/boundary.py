@@ -52,12 +52,6 @@ def labeled_boundary(solid: Solid, config: BoundaryConfig | None = None) -> tupl
     return body.remembered(("boundary", tolerances), lambda: _boundary(body, tolerances))
 
 
-def unassigned_area_fraction(solid: Solid, config: BoundaryConfig | None = None) -> float:
-    """Area of freeform faces over that of all: what no plane, cylinder, cone, sphere or torus explains."""
-    faces = boundary(solid, config).faces
-    return sum(face.area for face in faces if face.shape is None) / sum(face.area for face in faces)
-
-
 def exact_surfaces(body: Body) -> Recovered:
     """The labels that the body came with, or what was recovered from its triangles, once."""
     if not body.surfaces:

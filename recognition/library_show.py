@@ -10,9 +10,10 @@ from typing import Any, cast
 
 import numpy as np
 
-from models.boundary import labeled_boundary, unassigned_area_fraction
+from models.boundary import labeled_boundary
 from models.brep import Brep
 from models.display import display_mesh
+from models.explained import freeform_area_fraction, unassigned_area_fraction
 from models.formats.units import Units
 from models.part import Part, load_part
 from models.symmetry import symmetry
@@ -70,6 +71,7 @@ def _summary(part: Part, brep: Brep) -> dict[str, Any]:
         "symmetry": symmetry(brep).name,
         "watertight": bool((solid.neighbors >= 0).all()),
         "unassigned_area_fraction": float(unassigned_area_fraction(solid)),
+        "freeform_area_fraction": float(freeform_area_fraction(solid)),
         "warnings": [*part.warnings, *brep.check()],
     }
 

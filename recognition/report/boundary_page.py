@@ -71,6 +71,7 @@ def _lede(summary: Json, brep: Brep) -> str:
 
 def _figures(summary: Json, brep: Brep) -> str:
     unassigned = 100 * summary["unassigned_area_fraction"]
+    freeform = 100 * summary["freeform_area_fraction"]
     return tables.figure_cells(
         [
             ("Size", " × ".join(f"{x:.1f}".removesuffix(".0") for x in summary["extent_mm"]), "mm"),
@@ -81,6 +82,7 @@ def _figures(summary: Json, brep: Brep) -> str:
             ("Vertices", len(brep.vertices), ""),
             ("Symmetry", _group(summary["symmetry"]), ""),
             ("Watertight", "yes" if summary["watertight"] else "no", ""),
+            ("Freeform", f"{freeform:.2g}", "%"),
             ("Unassigned", f"{unassigned:.2g}", "%"),
         ]
     )

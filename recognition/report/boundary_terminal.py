@@ -56,13 +56,14 @@ def _print(summary: Json, console: Console) -> None:
 
 def _head(summary: Json) -> Text:
     size = " × ".join(f"{x:.2f}".rstrip("0").rstrip(".") for x in summary["extent_mm"])
-    unassigned = summary["unassigned_area_fraction"]
+    unassigned, freeform = summary["unassigned_area_fraction"], summary["freeform_area_fraction"]
     told = [
         f"{size} mm",
         f"{summary['volume_mm3']:.0f} mm³",
         f"{summary['area_mm2']:.0f} mm²",
         f"symmetry {summary['symmetry'] or 'unknown'}",
         "watertight" if summary["watertight"] else "not watertight",
+        *([f"{100 * freeform:.2g} % of the area freeform"] if freeform > 0 else []),
         *([f"{100 * unassigned:.2g} % of the area unassigned"] if unassigned > 0 else []),
     ]
     text = Text(str(summary["name"]), style="bold")

@@ -5,9 +5,10 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from models.boundary import boundary, unassigned_area_fraction
+from models.boundary import boundary
 from models.brep import Brep
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere
+from models.explained import freeform_area_fraction, unassigned_area_fraction
 from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.pose import pose, random_rotation, transform_points
@@ -143,7 +144,8 @@ def test_a_smooth_surface_of_no_shape_is_one_freeform_face() -> None:
     assert Counter(face.kind for face in brep.faces) == {"plane": 5, "freeform": 1}
     assert brep.check() == ()
     free = next(face for face in brep.faces if face.shape is None)
-    assert unassigned_area_fraction(solid) == pytest.approx(free.area / solid.area)
+    assert freeform_area_fraction(solid) == pytest.approx(free.area / solid.area)
+    assert unassigned_area_fraction(solid) == 0
 
 
 def test_a_body_is_recovered_once() -> None:

@@ -13,7 +13,7 @@ from recognition.library_show import show, write_page
 
 FIELDS = {
     "name", "faces", "edges", "volume_mm3", "area_mm2", "extent_mm", "symmetry", "watertight",
-    "unassigned_area_fraction", "warnings",
+    "unassigned_area_fraction", "freeform_area_fraction", "warnings",
 }  # fmt: skip
 
 
