@@ -18,17 +18,22 @@ _BEYOND = 0.3  # [mm] a contact this far in front of a face contradicts it
 _SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
 _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
+_FEW = 12  # contacts, below which a face may be a poor reading of a larger one
+_LARGER = 3  # times as many contacts make a face the larger
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
 
 
 def drop_edges(graph: PatchGraph) -> PatchGraph:
-    """The graph less its faces that are the edge of two others, the poorest in contacts first."""
+    """The graph less its faces that are the edge of two others, or lie on a larger one; the poorest first."""
     for face in sorted(graph.faces, key=lambda f: len(f.contacts)):
         others = [f for f in graph.faces if f.id != face.id and isinstance(f.fit, Fit)]
         if len(others) < 2 or not len(face.contacts):
             continue
         away = np.array([np.abs(_shape(f).signed_distance(face.contacts.points)) for f in others])
-        if float((np.sort(away, axis=0)[1] < _ON_EDGE).mean()) > _EDGE_SHARE:
+        on_edge = np.sort(away, axis=0)[1] < _ON_EDGE
+        larger = np.array([len(f.contacts) > _LARGER * len(face.contacts) for f in others])
+        on_larger = (away[larger] < _ON_EDGE).any(axis=0) & (len(face.contacts) < _FEW)
+        if float(on_edge.mean()) > _EDGE_SHARE or float(on_larger.mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
 

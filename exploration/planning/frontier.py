@@ -13,11 +13,12 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from exploration.planning.touched import Touched
-from primitives.arrays import Floats, Ints
-from primitives.evidence import EdgeTrace
+from primitives.arrays import Bools, Floats, Ints
+from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit
 from primitives.half_spaces import HalfSpaces
 from primitives.patch_graph import Face
+from primitives.residuals import Problem, linearize
 from primitives.shapes import Plane, Shape
 
 
@@ -29,6 +30,8 @@ class FrontierConfig:
     rim: float = 2.0  # [mm] a boundary point this near another face's surface is moved onto their edge
     traced: float = 3.0  # [mm] an edge point this near a trace is traced
     end: float = 3.0  # [mm] of an edge next to a third face that is not asked for
+    few: int = 25  # contacts, below which a face's certainty is looked at
+    certain: float = 0.15  # [mm] standard deviation of the surface that is certain enough
     least_edge: float = 4.0  # [mm] of open edge worth a touch
 
 
@@ -67,10 +70,19 @@ class Frontier:
         self.predicted = Predicted(found.points, found.normals, ids[found.face] if len(ids) else found.face)
 
     def untouched(self, touched: Touched, within: float) -> Predicted:
-        """The predicted points with nothing touched nearby."""
-        keep = ~touched.covers(self.predicted.points, within)
+        """The predicted points with nothing touched nearby, or where their face is not yet known well."""
         p = self.predicted
+        keep = ~touched.covers(p.points, within) | self._doubtful()
         return Predicted(p.points[keep], p.normals[keep], p.face[keep])
+
+    def _doubtful(self) -> Bools:
+        """(n,) whether the surface at a predicted point is less certain than it should be."""
+        out = np.zeros(len(self.predicted.points), dtype=bool)
+        for face in self.faces:
+            mine = self.predicted.face == face.id
+            if isinstance(face.fit, Fit) and len(face.contacts) < self.config.few and mine.any():
+                out[mine] = distance_sigma(face.fit, self.predicted.points[mine]) > self.config.certain
+        return out
 
     def open_edges(self, traces: Sequence[EdgeTrace]) -> list[OpenEdge]:
         """Every untraced run of an edge, the longest first."""
@@ -138,6 +150,14 @@ class Frontier:
                 )
             )
         return runs
+
+
+def distance_sigma(fit: Fit, points: Floats) -> Floats:
+    """(n,) standard deviation [mm] of a fitted surface across itself at (n, 3) points."""
+    _, slope = linearize(fit.shape, Problem.of(Contacts.of(points, sigma=1.0)), 1.0)
+    scale = max(1.0, fit.chi2 / max(fit.dof, 1))
+    variance: Floats = scale * np.einsum("ni,ij,nj->n", slope, fit.covariance, slope)
+    return np.sqrt(np.maximum(variance, 0.0))
 
 
 def _outward(fit: Fit) -> Shape:
