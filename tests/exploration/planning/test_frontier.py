@@ -1,7 +1,7 @@
 import numpy as np
 
-from exploration.planning.consistency import drop_contradicted
-from exploration.planning.frontier import Frontier
+from exploration.planning.consistency import drop_contradicted, drop_edges
+from exploration.planning.frontier import Frontier, distance_sigma
 from exploration.planning.touched import Touched
 from exploration.planning.transit import Support
 from primitives.evidence import Contacts, EdgeTrace
@@ -69,3 +69,43 @@ def test_a_face_that_cuts_off_what_others_touched_is_dropped():
 
 def test_consistent_faces_all_stay():
     assert drop_contradicted(CUBE) is CUBE
+
+
+def test_a_face_that_is_poorly_known_is_open_though_it_was_touched():
+    few = Contacts.of(
+        [[-2, -2, 15], [2, -2, 15], [-2, 2, 15.0], [2, 2, 15], [0, 0, 15]], sigma=0.05, normal_sigma=0.1
+    )
+    poor = graph_of(*(side(a, s) for a in range(3) for s in (-1.0, 1.0) if (a, s) != (2, 1.0)), few)
+    frontier = Frontier(poor.faces, BOX)
+    touched = Touched()
+    touched.add(frontier.predicted.points, Support(np.zeros(3), np.array([0.0, 0.0, 1.0])))
+    left = frontier.untouched(touched, 5.0)
+    assert len(left.points) > 0
+    assert set(left.face.tolist()) == {poor.faces[-1].id}
+    assert len(Frontier(CUBE.faces, BOX).untouched(touched, 5.0).points) == 0
+
+
+def test_the_deviation_of_a_surface_grows_away_from_its_contacts():
+    face = graph_of(side(2, 1.0, half=15.0, n=20)).faces[0]
+    near, far = distance_sigma(face.fit, np.array([[0.0, 0.0, 15.0], [60.0, 0.0, 15.0]]))
+    assert near < 0.005
+    assert far > 4 * near
+
+
+def test_a_face_whose_contacts_all_lie_on_an_edge_is_dropped():
+    rng = np.random.default_rng(5)
+    along = rng.uniform(-14, 14, 20)
+    rim = np.column_stack([along, np.full(20, 14.95), np.full(20, 14.95)])
+    slanted = Contacts.of(rim, np.tile([0.0, np.sqrt(0.5), np.sqrt(0.5)], (20, 1)), 0.01, 0.01)
+    graph, opened = CUBE.add_stroke(slanted)
+    assert opened not in {face.id for face in CUBE.faces}
+    assert {face.id for face in drop_edges(graph).faces} == {face.id for face in CUBE.faces}
+
+
+def test_a_true_bevel_is_no_edge():
+    rng = np.random.default_rng(6)
+    along, down = rng.uniform(-14, 14, 30), rng.uniform(-2, 2, 30)
+    bevel = np.column_stack([along, 13 + down, 13 - down])
+    slanted = Contacts.of(bevel, np.tile([0.0, np.sqrt(0.5), np.sqrt(0.5)], (30, 1)), 0.01, 0.01)
+    graph, _ = CUBE.add_stroke(slanted)
+    assert len(drop_edges(graph).faces) == 7

@@ -1,0 +1,63 @@
+"""Which face contacts belong to, and when they make a new one."""
+
+import numpy as np
+import pytest
+
+from exploration.planning.attribution import CONVEX, AttributionConfig, known_face, take_in
+from primitives.evidence import Contacts
+from primitives.patch_graph import PatchGraph
+
+CONFIG = AttributionConfig()
+NONE = Contacts.of(np.empty((0, 3)))
+
+
+def side(axis, sign, n=30, seed=0, half=15.0, middle=(0.0, 0.0, 0.0), reach=14.0):
+    rng = np.random.default_rng(seed)
+    points = np.array(middle) + rng.uniform(-reach, reach, (n, 3))
+    points[:, axis] = sign * half + 0.005 * rng.standard_normal(n)
+    return Contacts.of(points, sign * np.eye(3)[[axis] * n], sigma=0.01, normal_sigma=0.005, touch=seed)
+
+
+@pytest.fixture
+def corner():
+    """Two sides of a block."""
+    graph = PatchGraph(options=CONVEX)
+    for contacts in (side(2, 1.0), side(0, 1.0, seed=1)):
+        graph = take_in(graph, NONE, contacts, CONFIG).graph
+    assert [face.fit.kind for face in graph.faces] == ["plane", "plane"]
+    return graph
+
+
+def test_contacts_go_to_the_faces_that_they_lie_on(corner):
+    mixed = Contacts.concatenate([side(2, 1.0, n=12, seed=2), side(0, 1.0, n=7, seed=3)])
+    taken = take_in(corner, NONE, mixed, CONFIG)
+    assert [len(face.contacts) for face in taken.graph.faces] == [42, 37]
+    assert taken.home == corner.faces[0].id
+    assert len(taken.loose) == 0
+
+
+def test_contacts_that_no_face_explains_make_a_new_one(corner):
+    taken = take_in(corner, NONE, side(1, 1.0, seed=4), CONFIG)
+    assert len(taken.graph.faces) == 3
+    assert taken.home == taken.graph.faces[-1].id
+
+
+def test_the_few_contacts_of_a_small_face_add_up_over_visits(corner):
+    """A tip of 6 mm, felt once a visit, among twenty contacts of the side that the pad slid onto."""
+    graph, loose = corner, NONE
+    for visit in range(10, 17):
+        tip = side(1, 1.0, n=1, seed=visit, reach=3.0)
+        taken = take_in(
+            graph, loose, Contacts.concatenate([tip, side(2, 1.0, n=20, seed=visit + 50)]), CONFIG
+        )
+        graph, loose = taken.graph, taken.loose
+    assert len(graph.faces) == 3
+    assert np.abs(graph.faces[-1].fit.shape.direction[1]) > 0.99
+
+
+def test_a_face_is_known_again_by_its_place_and_its_facing(corner):
+    assert known_face(corner, side(0, 1.0, n=5, seed=7), CONFIG) == corner.faces[1].id
+    turned = side(0, 1.0, n=5, seed=7)
+    turned = Contacts.of(turned.points, np.eye(3)[[1] * 5], sigma=0.01, normal_sigma=0.005)
+    assert known_face(corner, turned, CONFIG) is None
+    assert known_face(corner, NONE, CONFIG) is None
