@@ -178,7 +178,7 @@ class Explorer:
             self.found.warnings.append(str(error))
         face = self._take_in(Contacts.concatenate(strokes))
         if face is None:
-            self.found.warnings.append("a face was too small to be measured")
+            self.found.warnings.append("a touch told too little to name the face under it")
             return None
         self._seen.extend((edge, face) for edge in edges)
         return face
