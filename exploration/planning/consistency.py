@@ -10,6 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face, PatchGraph
 from primitives.shapes import Shape
@@ -18,8 +20,9 @@ _BEYOND = 0.3  # [mm] a contact this far in front of a face contradicts it
 _SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
 _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
-_FEW = 12  # contacts, below which a face may be a poor reading of a larger one
-_LARGER = 3  # times as many contacts make a face the larger
+_FEW = 30  # contacts, below which a face may be a poor reading of a larger one
+_LARGER = 1.5  # times as many contacts make a face the larger
+_FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
 
 
@@ -32,7 +35,9 @@ def drop_edges(graph: PatchGraph) -> PatchGraph:
         away = np.array([np.abs(_shape(f).signed_distance(face.contacts.points)) for f in others])
         on_edge = np.sort(away, axis=0)[1] < _ON_EDGE
         larger = np.array([len(f.contacts) > _LARGER * len(face.contacts) for f in others])
-        on_larger = (away[larger] < _ON_EDGE).any(axis=0) & (len(face.contacts) < _FEW)
+        facing = np.array([(_outward(f, face.contacts) * face.contacts.normals).sum(axis=1) for f in others])
+        read = (away[larger] < _ON_EDGE) & (facing[larger] > _FACING)
+        on_larger = read.any(axis=0) & (len(face.contacts) < _FEW)
         if float(on_edge.mean()) > _EDGE_SHARE or float(on_larger.mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
@@ -51,6 +56,12 @@ def _without(graph: PatchGraph, face_id: int) -> PatchGraph:
     faces = tuple(face for face in graph.faces if face.id != face_id)
     edges = tuple(edge for edge in graph.edges if face_id not in edge.faces)
     return replace(graph, faces=faces, edges=edges)
+
+
+def _outward(face: Face, contacts: Contacts) -> Floats:
+    """(n, 3) outward normals of a face where contacts are nearest to it."""
+    assert isinstance(face.fit, Fit)
+    return np.asarray(face.fit.shape.normals(contacts.points) * (1.0 if face.fit.convex else -1.0))
 
 
 def _shape(face: Face) -> Shape:

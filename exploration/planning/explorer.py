@@ -136,10 +136,13 @@ class Explorer:
 
     def _find(self) -> bool:
         for start, end in sweeps(self.box, self.pad.size):
+            if self.guard.cost.touches >= self.config.max_touches:
+                return False
             try:
                 self.guard.go_to(start)
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
-                if self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed):
+                settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
+                if settled or self.pad.touches():
                     return True
             except (OverPress, Collision) as error:
                 self.found.warnings.append(str(error))

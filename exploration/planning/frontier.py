@@ -31,6 +31,7 @@ class FrontierConfig:
     traced: float = 3.0  # [mm] an edge point this near a trace is traced
     end: float = 3.0  # [mm] of an edge next to a third face that is not asked for
     few: int = 25  # contacts, below which a face's certainty is looked at
+    few_curved: int = 12  # contacts, below which the kind of a curved face is not settled
     certain: float = 0.15  # [mm] standard deviation of the surface that is certain enough
     least_edge: float = 4.0  # [mm] of open edge worth a touch
 
@@ -80,7 +81,11 @@ class Frontier:
         out = np.zeros(len(self.predicted.points), dtype=bool)
         for face in self.faces:
             mine = self.predicted.face == face.id
-            if isinstance(face.fit, Fit) and len(face.contacts) < self.config.few and mine.any():
+            if not isinstance(face.fit, Fit) or len(face.contacts) >= self.config.few or not mine.any():
+                continue
+            if not isinstance(face.fit.shape, Plane) and len(face.contacts) < self.config.few_curved:
+                out[mine] = True
+            else:
                 out[mine] = distance_sigma(face.fit, self.predicted.points[mine]) > self.config.certain
         return out
 

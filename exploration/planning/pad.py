@@ -16,6 +16,7 @@ from exploration.control.procedures.approach import ApproachConfig, retreat, tou
 from exploration.control.procedures.curvature import four_direction_curvature
 from exploration.control.procedures.land import land
 from exploration.control.procedures.settle import SettleConfig
+from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_surface import Stroke, follow_surface, keep, touched_cells
 from exploration.devices.guard import Guard
@@ -59,6 +60,7 @@ class Pad:
     def come_down(self, direction: Floats, distance: float, speed: float | None = None) -> bool:
         """Advance from where the pad is, along a (3,) direction, and settle; one touch, hit or miss."""
         self.guard.cost.touches += 1
+        tare(self.guard)
         return bool(land(self.guard, direction, distance, speed or ApproachConfig().speed))
 
     def touch(
@@ -67,7 +69,8 @@ class Pad:
         """One guarded approach to a (4, 4) target from `standoff` mm before it, and its settling."""
         self.guard.cost.touches += 1
         back = target @ se3.pose(translation=[0.0, 0.0, -standoff])
-        self.guard.go_to(back, until=lambda seen: touched(seen.image))
+        if self.guard.go_to(back, until=lambda seen: touched(seen.image)) is None:
+            tare(self.guard)
         speed = ApproachConfig().speed
         if land(self.guard, target[:3, 2], standoff + overtravel, speed, settling=settling):
             return True

@@ -1,6 +1,7 @@
 """From raw counts to indentation, by what the user of a real array knows of it.
 
 depth = (counts - zero) / gain / stiffness, with sigma = noise / gain / stiffness, infinite at dead taxels.
+Where the gains are known only to a relative sigma, a taxel pressed d deep has sigma^2 + (gain sigma d)^2.
 """
 
 from dataclasses import dataclass
@@ -27,10 +28,11 @@ class Calibration:
     stiffness: float  # [N/mm^3]
     noise: float  # [counts] 1 sigma of a reading
     margin: float = inf  # [mm] of skin past the outer taxels
+    gain_sigma: float = 0.0  # relative 1 sigma to which the gains are known
 
     @staticmethod
     def nominal(spec: SensorSpec) -> "Calibration":
-        """From the data sheet alone: gain spread and dead taxels of the unit are not known."""
+        """From the data sheet alone: gains are known to their spread, dead taxels not at all."""
         shape = spec.array.shape
         noise = spec.electronics.noise * spec.electronics.plateau
         return Calibration(
@@ -41,6 +43,7 @@ class Calibration:
             spec.elastomer.stiffness,
             float(np.sqrt(noise**2 + _QUANTIZATION)),
             spec.elastomer.margin,
+            spec.electronics.gain_spread,
         )
 
 
@@ -53,7 +56,8 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
         )
     per_count = 1.0 / (calibration.gain * calibration.stiffness)
     depth = np.where(calibration.dead, 0.0, (frame.counts - calibration.zero) * per_count)
-    sigma = np.where(calibration.dead, np.inf, calibration.noise * per_count)
+    noise = np.hypot(calibration.noise * per_count, calibration.gain_sigma * np.maximum(depth, 0.0))
+    sigma = np.where(calibration.dead, np.inf, noise)
     return TactileImage(
         array,
         frozen(depth),
