@@ -92,11 +92,22 @@ def _explored(guard: Guard, options: ExploreOptions, logbook: Logbook, progress:
             if patience.lost(guard.cost.touches, known, findings.open):
                 raise PalpateError("the last touches taught nothing new; the object may not be convex")
     except Exception as error:
-        _log.debug("exploration ended by a fault", exc_info=True)
+        if _interrupted(error):
+            raise KeyboardInterrupt from None
+        _log.warning("exploration ended by a fault", exc_info=not isinstance(error, PalpateError))
         fault = str(error) if isinstance(error, PalpateError) else f"{type(error).__name__}: {error}"
         explorer.found.ended = f"fault: {fault.splitlines()[0]}"
     logbook.announce("ended", {"why": explorer.found.ended})
     return explorer.found
+
+
+def _interrupted(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is behind an error: a compiled kernel hands it on as a SystemError."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _stand(phase: str, guard: Guard, findings: Findings) -> Progress:

@@ -24,7 +24,7 @@ from primitives.evidence import Contacts
 RECORDING = "episode.mcap"
 SUMMARY = "summary.json"
 RESULTS = (
-    "contacts.csv", "brep.json", "model.csg", "model.stl", "model.glb", "report.html", "config.toml",
+    "contacts.csv", "brep.json", "model.csg", "model.stl", "model.glb", "model.step", "report.html", "config.toml",
 )  # fmt: skip
 _FILES = {SUMMARY, RECORDING, *RESULTS}
 _MARKS = (SUMMARY, RECORDING, "config.toml")  # any of these makes a folder a run
