@@ -84,7 +84,8 @@ class Explorer:
     def run(self) -> Iterator[Findings]:
         """Explore; yields after every move."""
         if not self._find():
-            self.found.ended = "nothing was found in the workspace"
+            spent = self.guard.cost.touches >= self.config.max_touches
+            self.found.ended = "budget" if spent else "nothing was found in the workspace"
             return
         face: int | None = None
         try:
