@@ -9,6 +9,7 @@ from importlib.metadata import version
 from typing import Any
 
 from exploration.devices.guard import Cost
+from primitives.pose import quaternion_wxyz
 from recognition.assembly import NotClosed
 from recognition.config import ExploreOptions
 from recognition.reconstruct import Reconstruction
@@ -59,7 +60,7 @@ def summarize(
         "primitives": made.primitives,
         "volume_mm3": None if assembly is None else assembly.solid.volume,
         "csg": None if assembly is None else {"leaves": sum(1 for _ in assembly.tree.leaves())},
-        "truth": None if truth is None else truth_json(truth, bool(world.solid.surfaces)),
+        "truth": _unmet(world) if truth is None else truth_json(truth, bool(world.solid.surfaces)),
         "warnings": counted([*world.part.warnings, *warnings, *made.warnings]),
         "files": files,
     }
@@ -69,6 +70,13 @@ def truth_json(truth: Truth, has_faces: bool) -> dict[str, Any]:
     """The comparison; a mesh has no faces of known shape to compare with."""
     told = truth.as_dict()
     return told if has_faces else told | {"face_shape_accuracy": None, "missed_faces": None}
+
+
+def _unmet(world: World) -> dict[str, Any]:
+    """Where the object was; there is no body to compare with it."""
+    pose = world.solid.pose
+    placed = {"translation_mm": pose[:3, 3].tolist(), "quaternion_wxyz": quaternion_wxyz(pose).tolist()}
+    return {"iou": None, "hausdorff_mm": None, "surface_rms_mm": None, "world_from_part": placed}
 
 
 def counted(warnings: Iterable[str]) -> list[str]:

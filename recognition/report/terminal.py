@@ -61,7 +61,7 @@ def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
         told = [
             f"{word} {_number(truth[key])}{unit}" for key, word, unit in _TRUTH if truth.get(key) is not None
         ]
-        lines += ["against the truth: " + ", ".join(told)]
+        lines += ["against the truth: " + ", ".join(told)] if told else []
     if s.get("warnings"):
         lines += ["", *(f"warning: {warning}" for warning in s["warnings"])]
     if report := (s.get("files") or {}).get("report"):

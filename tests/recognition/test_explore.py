@@ -131,7 +131,8 @@ def test_a_fault_ends_a_run_that_is_still_told(monkeypatch, tmp_path):
     summary = replaced_run(monkeypatch, tmp_path, moves)
     assert summary["ended"] == "fault: LinAlgError: singular matrix"
     assert not summary["closed"]
-    assert summary["csg"] is summary["truth"] is summary["volume_mm3"] is None
+    assert summary["csg"] is summary["truth"]["iou"] is summary["volume_mm3"] is None
+    assert set(summary["truth"]["world_from_part"]) == {"translation_mm", "quaternion_wxyz"}
     assert any("no closed body" in warning for warning in summary["warnings"])
     assert {entry.name for entry in (tmp_path / "run").iterdir()} == {f for f in FILES if "model" not in f}
 
