@@ -8,9 +8,9 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from models.boundaries.topology import triangle_neighbors
 from models.raycast import RayCaster, caster
-from models.topology import triangle_neighbors
-from models.triangle_tree import TriangleTree
+from models.rays.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints, frozen
 from primitives.shapes import Shape
 

@@ -15,12 +15,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from models.body import Body, LabeledSurface
+from models.boundaries.curves import Chain, chains, edge_between, handles, loops, refined
+from models.boundaries.extents import anchored
+from models.boundaries.tangent import absorbed, forward, on_tangents
 from models.brep import Brep, Edge, Face
-from models.curves import Chain, chains, edge_between, handles, loops, refined
-from models.extents import anchored
 from models.recovery import Recovered, recover
 from models.solid import Solid
-from models.tangent import absorbed, forward, on_tangents
 from primitives.arrays import Floats, Ints, frozen
 from primitives.shapes import Plane, Shape, Sphere
 

@@ -35,7 +35,7 @@ class Face:
     shape: Shape | None  # in the part frame; None for freeform
     convex: bool  # whether the material is inside a curved shape; planes are convex
     area: float  # [mm^2]
-    extent: tuple[float, float]  # [mm] what it means for each shape stands in `models.extents`
+    extent: tuple[float, float]  # [mm] what it means for each shape stands in `models.boundaries.extents`
     loops: tuple[tuple[int, ...], ...]  # ids of the edges round it, in order, material on the left
     handles: int = 0  # of the face itself: 1 for a whole torus
 

@@ -15,11 +15,11 @@ from functools import reduce
 
 import numpy as np
 
-from models.distances import box_distance, positive_length, segment_distance
-from models.expression import Csg, Difference, Intersection, Leaf, Operation, Placed, Primitive, Union
-from models.polyhedron import Polyhedron
-from models.prism import Prism
-from models.torus import Torus
+from models.leaves.distances import box_distance, positive_length, segment_distance
+from models.leaves.expression import Csg, Difference, Intersection, Leaf, Operation, Placed, Primitive, Union
+from models.leaves.polyhedron import Polyhedron
+from models.leaves.prism import Prism
+from models.leaves.torus import Torus
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 

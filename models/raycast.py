@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from models.triangle_tree import TriangleTree
+from models.rays.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints
 
 try:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from models.body import Body, LabeledSurface
 from models.csg import Csg, Difference, Intersection, Leaf, Operation, Placed
-from models.facets import facets
+from models.meshing.facets import facets
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.pose import inverse, rotate, transform_points

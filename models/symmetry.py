@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.brep import Brep
-from models.likeness import SameConfig, colored
-from models.motions import motions
-from models.outline import Outline, outline
+from models.comparison.likeness import SameConfig, colored
+from models.comparison.motions import motions
+from models.comparison.outline import Outline, outline
 from primitives.arrays import Floats, frozen
 from primitives.pose import frame_along, inverse, pose, quaternion_wxyz, rotation_exp, rotation_log
 

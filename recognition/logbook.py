@@ -16,7 +16,7 @@ import numpy as np
 from exploration.devices.guard import Guard, Observation
 from exploration.recordings.mcap import Recorder
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.hough import find_lines
+from exploration.sensing.lines.hough import find_lines
 from primitives.arrays import Floats
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from models.brep import Edge
-from models.triangle_tree import TriangleTree
+from models.rays.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace

@@ -6,7 +6,7 @@ import numpy as np
 
 from exploration.control.feel import Felt
 from exploration.devices.guard import Observation
-from exploration.sensing.line import Line
+from exploration.sensing.lines.line import Line
 from primitives.arrays import Floats
 
 

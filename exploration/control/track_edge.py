@@ -14,10 +14,10 @@ import numpy as np
 from exploration.control.feel import feel
 from exploration.control.servo import ServoGains, hybrid_twist
 from exploration.devices.guard import Guard
-from exploration.sensing.edges import edge_points
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.hough import find_lines
-from exploration.sensing.line import Line
+from exploration.sensing.lines.edges import edge_points
+from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.line import Line
 from primitives.arrays import Floats, frozen
 from primitives.evidence import EdgeTrace
 

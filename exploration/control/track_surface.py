@@ -14,12 +14,12 @@ from exploration.control.feel import Felt, feel
 from exploration.control.servo import ServoGains, hybrid_twist
 from exploration.control.sighting import Sighting, contact_front, reach_along, sight
 from exploration.devices.guard import Guard, Observation
-from exploration.sensing.domed_patch import domed_patch
-from exploration.sensing.flat_patch import flat_patch
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.hough import find_lines
-from exploration.sensing.line import Line
-from exploration.sensing.local_surface import LocalSurface
+from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.line import Line
+from exploration.sensing.surfaces.domed_patch import domed_patch
+from exploration.sensing.surfaces.flat_patch import flat_patch
+from exploration.sensing.surfaces.local_surface import LocalSurface
 from exploration.sensing.touch import contacts_of, perceive
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen

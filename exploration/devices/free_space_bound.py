@@ -9,8 +9,8 @@ from math import dist
 import numpy as np
 
 from exploration.devices.protocols import StageLimits
-from exploration.sensing.housing import housing_box
-from exploration.sensing.skin import skin_of
+from exploration.sensing.physics.housing import housing_box
+from exploration.sensing.physics.skin import skin_of
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats
 from primitives.surface import Surface

@@ -9,12 +9,12 @@ import numpy as np
 from exploration.devices.free_space_bound import FreeSpaceBound
 from exploration.devices.protocols import StageEvent
 from exploration.devices.simulated_stage import SimulatedStage
-from exploration.sensing.elastomer import Rubber
-from exploration.sensing.electronics import Memory, draw_unit, read_out
 from exploration.sensing.frame import TaxelArray, TaxelFrame
-from exploration.sensing.gap import gap
-from exploration.sensing.housing import HousingWatch
-from exploration.sensing.skin import skin_of
+from exploration.sensing.physics.elastomer import Rubber
+from exploration.sensing.physics.electronics import Memory, draw_unit, read_out
+from exploration.sensing.physics.gap import gap
+from exploration.sensing.physics.housing import HousingWatch
+from exploration.sensing.physics.skin import skin_of
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats, frozen
 from primitives.surface import Surface

@@ -22,7 +22,7 @@ from exploration.control.track_surface import Stroke, follow_surface, keep, touc
 from exploration.devices.guard import Guard
 from exploration.planning.touched import Touched
 from exploration.planning.transit import Support, box_supports, way
-from exploration.sensing.hough import find_lines
+from exploration.sensing.lines.hough import find_lines
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import Contacts

@@ -20,10 +20,10 @@ import numpy as np
 from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.hough import find_lines
-from exploration.sensing.line import Line
-from exploration.sensing.local_surface import LocalSurface, NoSurface, fit_surface
-from exploration.sensing.ridge_ends import DOUBTED, cut_at_ends
+from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.line import Line
+from exploration.sensing.surfaces.local_surface import LocalSurface, NoSurface, fit_surface
+from exploration.sensing.surfaces.ridge_ends import DOUBTED, cut_at_ends
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.polygons import crosses_itself, polygon_distance, signed_area, triangulated
+from models.leaves.polygons import crosses_itself, polygon_distance, signed_area, triangulated
 from primitives.arrays import Floats, Ints
 from primitives.pose import frame_along
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from models.boundaries.stitch import stitched
+from models.boundaries.topology import open_edges, wound
 from models.formats.holes import filled
 from models.formats.labeled import LabeledMesh
 from models.formats.shells import bodies
 from models.formats.weld import equal_rows, renumbered, welded
-from models.stitch import stitched
-from models.topology import open_edges, wound
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
 

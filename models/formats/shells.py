@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from models.topology import triangle_neighbors
+from models.boundaries.topology import triangle_neighbors
 from primitives.arrays import Floats, Ints
 
 _PROBES = 8  # points of a shell that must all lie inside another

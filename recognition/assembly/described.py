@@ -14,7 +14,7 @@ from models.csg import Cone as ConeSolid
 from models.csg import Csg, Cube
 from models.csg import Cylinder as CylinderSolid
 from models.csg import Sphere as SphereSolid
-from models.rounding import rounded
+from models.normal.rounding import rounded
 from primitives.arrays import Ints
 from primitives.evidence import EdgeTrace
 from primitives.pose import quaternion_wxyz

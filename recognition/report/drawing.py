@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from models.boundaries.curves import refined
 from models.boundary import labeled_boundary
 from models.brep import Brep
-from models.curves import refined
 from models.solid import Solid
 from primitives.arrays import Bools, Floats, Ints
 from recognition.report.traced import simplified, traced

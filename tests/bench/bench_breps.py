@@ -19,9 +19,9 @@ import numpy as np
 from models import parts
 from models.boundary import boundary
 from models.brep import Brep
-from models.canonical import same_boundary
+from models.comparison.canonical import same_boundary
+from models.comparison.isomorphism import same_topology
 from models.csg import Csg, Cube, Cylinder
-from models.isomorphism import same_topology
 from models.part import load_part
 from models.solid import Solid
 from models.symmetry import symmetry

@@ -17,7 +17,7 @@ from typing import Any
 from models import parts
 from models.csg import Cylinder
 from models.formats import openscad
-from models.normal_form import same_tree
+from models.normal.normal_form import same_tree
 from models.part import load_part
 from models.solid import Solid, iou
 from primitives.errors import PalpateError

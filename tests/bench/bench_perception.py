@@ -15,14 +15,14 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import erf
 
-from exploration.sensing.elastomer import pressure
-from exploration.sensing.footprint import PARABOLOID, ROUND, fit_footprint
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.gap import indentation
-from exploration.sensing.hough import find_lines
-from exploration.sensing.line import normalized
-from exploration.sensing.slope import contact_slope
+from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.line import normalized
+from exploration.sensing.physics.elastomer import pressure
+from exploration.sensing.physics.gap import indentation
 from exploration.sensing.spec import SensorSpec, load_sensor
+from exploration.sensing.surfaces.footprint import PARABOLOID, ROUND, fit_footprint
+from exploration.sensing.surfaces.slope import contact_slope
 from exploration.sensing.touch import contacts_of, perceive
 from models.csg import Csg, Cube, Cylinder, Sphere
 from models.solid import Solid

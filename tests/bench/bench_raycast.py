@@ -8,8 +8,8 @@ import numpy as np
 import trimesh
 
 from models.raycast import PortableCaster, has_embree
+from models.rays.triangle_tree import TriangleTree
 from models.solid import Solid
-from models.triangle_tree import TriangleTree
 from primitives.pose import pose, random_rotation, rotate, transform_points
 
 ROUNDS = 400

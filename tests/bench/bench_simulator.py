@@ -17,11 +17,11 @@ from embreex.rtcore_scene import EmbreeScene
 from scipy.stats import norm
 
 from exploration.devices.simulated import simulate
-from exploration.sensing.elastomer import Rubber, wrench
-from exploration.sensing.electronics import Memory, draw_unit, read_out
-from exploration.sensing.gap import gap, indentation
-from exploration.sensing.mesh_gap import FEW, MeshGap
-from exploration.sensing.skin import skin_of
+from exploration.sensing.physics.elastomer import Rubber, wrench
+from exploration.sensing.physics.electronics import Memory, draw_unit, read_out
+from exploration.sensing.physics.gap import gap, indentation
+from exploration.sensing.physics.mesh_gap import FEW, MeshGap
+from exploration.sensing.physics.skin import skin_of
 from exploration.sensing.spec import load_sensor
 from models.csg import Cube, Cylinder, Sphere
 from models.solid import Solid
@@ -115,8 +115,9 @@ def tick_rows(solid):
 
 def compile_row():
     code = (
-        "import time, numpy as np; from exploration.sensing.gap import indentation;"
-        "from exploration.sensing.elastomer import pressure; from exploration.sensing.spec import load_sensor;"
+        "import time, numpy as np; from exploration.sensing.physics.gap import indentation;"
+        "from exploration.sensing.physics.elastomer import pressure;"
+        "from exploration.sensing.spec import load_sensor;"
         "from models.solid import Solid; from models.csg import Cube; from primitives.pose import pose;"
         "s, k = Solid.from_csg(Cube((40., 40., 40.))), load_sensor('lts210'); t = time.perf_counter();"
         "pressure(indentation(s, pose(np.diag([1., -1, -1]), [20., 0, 19.5]), k), k);"

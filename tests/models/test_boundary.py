@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from models import parts
+from models.boundaries.extents import rectangle
 from models.boundary import boundary
 from models.brep import Brep
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere
-from models.extents import rectangle
 from models.solid import Solid
 
 

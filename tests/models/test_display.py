@@ -3,8 +3,8 @@ import numpy as np
 from models import parts
 from models.boundary import labeled_boundary
 from models.display import display_mesh
+from models.rays.triangle_tree import TriangleTree
 from models.solid import Solid
-from models.triangle_tree import TriangleTree
 
 
 def test_a_light_mesh_is_drawn_as_it_is() -> None:

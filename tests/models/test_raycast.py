@@ -4,8 +4,8 @@ import pytest
 from models import raycast
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere
 from models.raycast import EmbreeCaster, PortableCaster
+from models.rays.triangle_tree import TriangleTree
 from models.solid import Solid
-from models.triangle_tree import TriangleTree
 from primitives import shapes
 from primitives.pose import pose, random_rotation, transform_points
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere
-from models.facets import facets
+from models.meshing.facets import facets
 from models.solid import TOLERANCE, Solid, iou
 from primitives.errors import PalpateError
 from primitives.pose import pose, random_rotation, rotate, transform_points

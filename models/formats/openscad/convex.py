@@ -32,7 +32,7 @@ from models.formats.openscad.hulls import convex_corners, convex_faces
 from models.formats.openscad.revolve import turned_outline
 from models.formats.openscad.shapes import Shape
 from models.formats.openscad.sided import outside
-from models.polygons import cleaned
+from models.leaves.polygons import cleaned
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.pose import inverse, pose, transform_points

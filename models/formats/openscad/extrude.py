@@ -18,7 +18,7 @@ from models.formats.openscad.revolve import right_half, turned_outline, turned_r
 from models.formats.openscad.shapes import Shape
 from models.formats.openscad.sided import turned
 from models.formats.openscad.values import Value, is_number
-from models.polygons import cleaned
+from models.leaves.polygons import cleaned
 from primitives.arrays import Floats
 from primitives.pose import pose
 

@@ -11,7 +11,7 @@ from models.formats.openscad import sizes
 from models.formats.openscad.affine import SIX_DIGITS, TRANSFORMS, matrix_of
 from models.formats.openscad.shapes import Shape
 from models.formats.openscad.sided import polygon
-from models.polygons import polygon_distance, signed_area
+from models.leaves.polygons import polygon_distance, signed_area
 from primitives.arrays import Floats
 
 _GROUPS = frozenset({"group", "union", "color", "render"})

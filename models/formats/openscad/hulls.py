@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from models.polygons import cleaned
+from models.leaves.polygons import cleaned
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.pose import frame_along

@@ -13,7 +13,7 @@ import numpy as np
 from models.csg import Cone, Csg, Cylinder, Difference, Sphere, Torus, Union
 from models.formats.openscad.flat import Disc, Outline
 from models.formats.openscad.shapes import Shape
-from models.polygons import cleaned
+from models.leaves.polygons import cleaned
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 

@@ -11,7 +11,7 @@ import pytest
 from models import parts
 from models.csg import Cone, Csg, Cube, Cylinder, Operation, Placed, Polyhedron, Prism, Sphere, Torus
 from models.formats import openscad
-from models.normal_form import same_tree
+from models.normal.normal_form import same_tree
 from models.part import load_part
 from models.solid import Solid, iou
 from primitives.errors import PalpateError

@@ -8,7 +8,7 @@ import pytest
 
 from models.csg import Cone, Csg, Cube, Cylinder, Polyhedron, Prism, Sphere, Torus
 from models.formats import openscad
-from models.normal_form import same_tree
+from models.normal.normal_form import same_tree
 from models.part import load_part
 from models.solid import Solid
 from primitives.errors import PalpateError

@@ -1,0 +1,1 @@
+"""Straight edges and arcs in one frame."""

@@ -1,0 +1,1 @@
+"""The smooth surface under the pad, from one frame."""

@@ -1,0 +1,205 @@
+"""The forward model of a contact: a paraboloid, cut by straight edges, pressed into a blurring skin.
+
+    depth = taxel mean of blur * [ max(0, q) C ],   q(x, y) = d0 + gx x + gy y - (kxx x^2 + 2 kxy x y + kyy y^2)/2,
+
+with C the indicator of the material: the product of the half-planes of its edges (a corner, a thin wall), or the
+complement of the product of their complements (`union`: an inside corner, a slot).  `pressed_field` evaluates it.
+
+Gauss-Newton with Levenberg's damping on all unknowns at once, for no closed form of a clipped paraboloid exists,
+with a weak prior on curvature for contacts smaller than the blur.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numba
+import numpy as np
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.surfaces.normal_equations import invert
+from exploration.sensing.surfaces.pressed_field import fields_of, geometry, to_taxels
+from primitives.arrays import Floats, Ints, frozen
+
+HUBER = 3.0  # [sigma]
+CURVATURE = 0.3  # [1/mm] standard deviation of the prior: sharper than most that a pad can read
+STEPS = 30
+FINE = 0.03  # [deepest taxel] noise below which the model's own error at edges would show: half as wide cells
+GAINED = 0.02  # [chi2] a step that gains less is the last
+PLANE, ROUND, PARABOLOID = "plane", "round", "paraboloid"
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """The best parameters of the forward model for one frame."""
+
+    parameters: Floats  # (6 + 2 n,) d0 [mm], gx, gy, kxx, kxy, kyy [1/mm], then (angle, offset) per line
+    covariance: Floats  # same order; zero rows for what was held
+    chi2: float  # Huber's
+    dof: int
+    converged: bool
+    residual: Floats  # (rows, columns) [sigma]; 0 where dead
+
+
+def fit_footprint(
+    image: TactileImage,
+    start: Floats,
+    sides: Floats,
+    union: bool = False,
+    shape: str = PARABOLOID,
+    free_lines: bool = True,
+    steps: int = STEPS,
+) -> Footprint:
+    """Fit from `start` (6 + 2 n,); `sides` (n,) is +1 where the material is on a line's positive side.
+
+    `shape` is PLANE (curvature held), ROUND (kxx = kyy, kxy = 0) or PARABOLOID.
+    """
+    fine = len(sides) > 0 and float(image.sigma.min()) < FINE * float(image.depth.max())
+    array = image.array
+    grid = geometry(array.rows, array.columns, array.pitch, image.spread, image.margin, fine)
+    unknown = _unknowns(shape, len(start), free_lines)
+    p, covariance, chi2, count, converged, residual = _fit(
+        image.depth,
+        image.sigma,
+        *grid,
+        np.array(start, dtype=float),
+        np.asarray(sides, dtype=float),
+        unknown,
+        union,
+        steps,
+    )
+    return Footprint(p, covariance, chi2, count - int(unknown.max()) - 1, converged, residual)
+
+
+@lru_cache(maxsize=64)
+def _unknowns(shape: str, count: int, free_lines: bool) -> Ints:
+    """Which unknown each parameter is; -1 where it is held, the same twice where two are one."""
+    first = {PLANE: [0, 1, 2, -1, -1, -1], ROUND: [0, 1, 2, 3, -1, 3], PARABOLOID: [0, 1, 2, 3, 4, 5]}[shape]
+    lines = np.arange(count - 6) + max(first) + 1 if free_lines else np.full(count - 6, -1)
+    return frozen(np.concatenate([np.array(first), lines]), np.int64)
+
+
+@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+def _normal_equations(
+    depth: Floats,
+    sigma: Floats,
+    p: Floats,
+    model: Floats,
+    unknown: Ints,
+    normal: Floats,
+    rhs: Floats,
+    residual: Floats,
+) -> tuple[float, int]:
+    rows, columns = depth.shape
+    m = len(rhs)
+    normal[:] = 0.0
+    rhs[:] = 0.0
+    chi2 = 0.0
+    count = 0
+    jacobian = np.empty(m)
+    for i in range(rows):
+        for j in range(columns):
+            residual[i, j] = 0.0
+            if sigma[i, j] == np.inf:
+                continue
+            r = (depth[i, j] - model[0, i, j]) / sigma[i, j]
+            residual[i, j] = r
+            count += 1
+            size = abs(r)
+            weight = 1.0
+            if size > HUBER:
+                chi2 += HUBER * (2.0 * size - HUBER)
+                weight = HUBER / size
+            else:
+                chi2 += r * r
+            jacobian[:] = 0.0
+            for k in range(len(unknown)):
+                if unknown[k] >= 0:
+                    jacobian[unknown[k]] += model[1 + k, i, j] / sigma[i, j]
+            for a in range(m):
+                rhs[a] += jacobian[a] * r * weight
+                for b in range(a + 1):
+                    normal[a, b] += jacobian[a] * jacobian[b] * weight
+    for k in range(3, 6):
+        a = unknown[k]
+        if a >= 0:
+            chi2 += (p[k] / CURVATURE) ** 2
+            rhs[a] -= p[k] / CURVATURE**2
+            normal[a, a] += 1.0 / CURVATURE**2
+    for a in range(m):
+        for b in range(a):
+            normal[b, a] = normal[a, b]
+    return chi2, count
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _fit(
+    depth: Floats,
+    sigma: Floats,
+    x: Floats,
+    y: Floats,
+    to_columns: Floats,
+    to_rows: Floats,
+    start: Floats,
+    sides: Floats,
+    unknown: Ints,
+    union: bool,
+    steps: int,
+) -> tuple[Floats, Floats, float, int, bool, Floats]:
+    m = unknown.max() + 1
+    total = len(start)
+    fields = np.zeros((2 + len(sides), y.shape[1], x.shape[1]))
+    model = np.zeros((1 + total, depth.shape[0], depth.shape[1]))
+    normal, rhs, residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
+    trial_normal, trial_rhs, trial_residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
+    p = start.copy()
+    fields_of(x, y, p, sides, union, fields)
+    to_taxels(fields, p, to_columns, to_rows, unknown, model)
+    chi2, count = _normal_equations(depth, sigma, p, model, unknown, normal, rhs, residual)
+    damping = 1e-3
+    converged = False
+    for _ in range(steps):
+        damped = normal.copy()
+        for a in range(m):
+            damped[a, a] *= 1.0 + damping
+        ok, inverse = invert(damped)
+        if not ok:
+            damping = max(1e-3, damping * 10.0)
+            if damping > 1e6:
+                break
+            continue
+        step = inverse @ rhs
+        trial = p.copy()
+        for k in range(total):
+            if unknown[k] >= 0:
+                trial[k] += step[unknown[k]]
+        fields_of(x, y, trial, sides, union, fields)
+        to_taxels(fields, trial, to_columns, to_rows, unknown, model)
+        new, count = _normal_equations(
+            depth, sigma, trial, model, unknown, trial_normal, trial_rhs, trial_residual
+        )
+        if new < chi2:
+            gained = chi2 - new
+            p = trial
+            chi2 = new
+            normal[:] = trial_normal
+            rhs[:] = trial_rhs
+            residual[:] = trial_residual
+            damping = damping * 0.1 if damping > 1e-6 else 0.0
+            if gained < GAINED:
+                converged = True
+                break
+        else:
+            if np.dot(step, rhs) < GAINED:
+                converged = True
+                break
+            damping = max(1e-3, damping * 10.0)
+            if damping > 1e8:
+                break
+    covariance = np.zeros((total, total))
+    ok, inverse = invert(normal)
+    if ok:
+        for k in range(total):
+            for j in range(total):
+                if unknown[k] >= 0 and unknown[j] >= 0:
+                    covariance[k, j] = inverse[unknown[k], unknown[j]]
+    return p, covariance, chi2, count, converged and ok, residual

@@ -1,0 +1,55 @@
+"""A curved contact that ends in edges across its ridge: the flank of a cylinder or cone between its rims.
+
+A paraboloid's own outline is an ellipse.  Where a ridge runs into an edge its outline is cut square, the fitted
+paraboloid bends down along the ridge to follow, and its top comes out too high, by 0.03 to 0.05 mm where the pad
+lies across a rim.  So where the paraboloid does not explain a frame, it is fitted again without curvature along
+the ridge, cut by a line across it at one end of what is felt, at the other, and at both (our derivation).
+"""
+
+from math import atan2
+
+import numpy as np
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.surfaces.footprint import fit_footprint
+from exploration.sensing.surfaces.local_surface import LocalSurface, surface_of
+from primitives.arrays import Floats
+
+DOUBTED = 1.5  # chi2 per degree of freedom from which a curved surface is looked at again
+RIDGE = 0.6  # the lesser curvature is at most this share of the greater
+WORTH = 25.0  # [chi2] that each end must gain
+INSET = 0.5  # [mm] from the outermost touched taxel at which an end is looked for
+
+
+def cut_at_ends(image: TactileImage, surface: LocalSurface) -> LocalSurface:
+    """The surface cut at the ends of its ridge, where that explains the frame; else the surface itself."""
+    if surface.chi2 < DOUBTED * surface.dof or not surface.curved:
+        return surface
+    values, vectors = surface.principal
+    ridge = vectors[1, :2] / np.linalg.norm(vectors[1, :2])
+    if values[0] <= 0.0 or values[1] > RIDGE * values[0]:
+        return surface
+    x, y = np.meshgrid(image.array.x, image.array.y)
+    along = np.stack([x[surface.mask], y[surface.mask]], axis=1) @ ridge
+    start = _straightened(surface, ridge)
+    angle = atan2(-ridge[0], ridge[1])  # of a line whose normal is the ridge
+    low, high = (float(along.min()) + INSET, 1.0), (float(along.max()) - INSET, -1.0)
+    best, least = surface, surface.chi2
+    for ends in ((low,), (high,), (low, high)):
+        cuts = np.array([value for offset, _ in ends for value in (angle, offset)])
+        fit = fit_footprint(image, np.concatenate([start, cuts]), np.array([side for _, side in ends]))
+        price = WORTH * len(ends) * max(1.0, fit.chi2 / max(1, fit.dof))
+        if fit.converged and fit.chi2 + price < least:
+            best, least = surface_of(image, surface.mask, fit, True), fit.chi2 + price
+    return best
+
+
+def _straightened(surface: LocalSurface, ridge: Floats) -> Floats:
+    """Coefficients (6,) that agree at the contact point and have no slope or curvature along the ridge."""
+    c, at = surface.coefficients, surface.point[:2]
+    hessian = np.array([[c[3], c[4]], [c[4], c[5]]])
+    across = np.eye(2) - np.outer(ridge, ridge)
+    bent = across @ hessian @ across
+    gradient = across @ (c[1:3] - hessian @ at) + bent @ at
+    level = -surface.point[2] - gradient @ at + 0.5 * at @ bent @ at
+    return np.array([level, *gradient, bent[0, 0], bent[0, 1], bent[1, 1]])

@@ -1,0 +1,1 @@
+"""What a boundary is built from: curves, extents, tangent pieces, connected triangles."""

@@ -1,0 +1,1 @@
+"""Whether two boundaries are one, and by which motion."""

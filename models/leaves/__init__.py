@@ -1,0 +1,1 @@
+"""The primitives of a CSG tree, with their exact distances."""

@@ -1,0 +1,1 @@
+"""A CSG tree as triangles, to a stated tolerance."""

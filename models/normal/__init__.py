@@ -1,0 +1,1 @@
+"""One tree for one solid: normal form, equality, rounded numbers."""

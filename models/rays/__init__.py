@@ -1,0 +1,1 @@
+"""Our own ray caster, where embree has no wheel."""
