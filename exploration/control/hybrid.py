@@ -4,7 +4,7 @@ With the diagonal selection S (1 where force is controlled; Raibert and Craig) t
 
     twist = S law(error) + wish,
 
-the tracker's wish being the motion of the other axes and the feed-forward of these.  Along z the error is the press
+the wish being the motion of the other axes and the feed-forward of these.  Along z the error is the press
 that is missing, e = (F0 - F) / (k A) [mm], so that one gain serves large contacts and small ones; about x and y it
 is the slope of the touched surface, which is the moment about the contact's centroid over k I (Winkler).  The
 skin integrates velocity into indentation, hence proportional-integral action,
