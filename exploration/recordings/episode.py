@@ -1,0 +1,64 @@
+"""Our own episodes read back as recordings: `mcap` files, with every frame's pose."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from exploration.recordings.intake import opened
+from exploration.recordings.mcap import RecordedFrame, read
+from exploration.recordings.recording import Pad, PadFrame, Recording
+from exploration.sensing.frame import TaxelArray
+from exploration.sensing.spec import SensorSpec, load_sensor, sensor_names
+from primitives.arrays import frozen
+from primitives.errors import PalpateError
+
+_LOOKED_AT = 256  # items in which every array of the stage has been heard
+
+
+def read_episode(path: Path, spec: SensorSpec | None = None) -> Recording:
+    """An episode; `spec` describes its array where that is not a built-in one."""
+    with opened(path):
+        pass
+    pads: dict[str, Pad] = {}
+    for count, item in enumerate(_frames(path)):
+        if count == _LOOKED_AT:
+            break
+        if item.sensor not in pads:
+            pads[item.sensor] = _pad(path, item, spec)
+    if not pads:
+        raise PalpateError(f"{path} holds no frame of a taxel array; give the episode.mcap of a run")
+    names = tuple(pads)
+
+    def replay() -> Iterator[PadFrame]:
+        for item in _frames(path):
+            if item.sensor not in pads or item.frame.counts.shape != pads[item.sensor].array.shape:
+                raise PalpateError(f"{path}: array {item.sensor} changes within the recording; split it")
+            yield PadFrame(names.index(item.sensor), item.frame, item.world_from_sensor)
+
+    plain = [name for name, pad in pads.items() if pad.assumed_pitch]
+    told = (
+        f"{', '.join(plain)} is no built-in array: lengths in taxels, no force and no curvature; give --sensor",
+    )
+    return Recording(path, ",".join(names), tuple(pads.values()), replay, True, True, told if plain else ())
+
+
+def _frames(path: Path) -> Iterator[RecordedFrame]:
+    return (item for item in read(path) if isinstance(item, RecordedFrame))
+
+
+def _pad(path: Path, item: RecordedFrame, spec: SensorSpec | None) -> Pad:
+    rows, columns = shape = item.frame.counts.shape
+    known = spec or (load_sensor(item.sensor) if item.sensor in sensor_names() else None)
+    if known is not None and known.array.shape != shape:
+        if spec is not None:
+            raise PalpateError(
+                f"{path}: {item.sensor} is {shape[0]} x {shape[1]}, and {spec.name} is not: leave --sensor out"
+            )
+        known = None
+    absent = frozen(np.zeros(shape), np.bool_)
+    if known is None:
+        return Pad(TaxelArray(item.sensor, rows, columns, (1.0, 1.0)), absent, assumed_pitch=True)
+    array = replace(known.array, name=item.sensor)
+    return Pad(array, absent, known, None, known.electronics.full_scale)
