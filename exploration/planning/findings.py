@@ -1,0 +1,85 @@
+"""What exploration was told and what it has so far: its settings, its findings, and the places it went for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from exploration.planning.attribution import CONVEX, AttributionConfig
+from exploration.planning.frontier import Predicted
+from primitives.arrays import Floats
+from primitives.evidence import EdgeTrace
+from primitives.fit import Fit
+from primitives.patch_graph import Face, PatchGraph
+
+Done = tuple[int | None, str]  # the face that a move ended on, and what it did
+
+
+@dataclass(frozen=True)
+class ExplorerConfig:
+    """Distances and limits of exploration."""
+
+    feature: float = 10.0  # [mm] the smallest feature that must not be missed
+    max_touches: int = 500
+    explained: float = 0.8  # [mm] from a known face, an edge seen needs no crossing
+    passes: float = 2.0  # [mm] from a face that a crossing led to, its edge is explained by it
+    roll: tuple[float, ...] = (60.0, 95.0)  # [deg] attitudes from which an edge is crossed, in turn
+    aside: float = 2.0  # [mm] beyond an edge that leads only to known faces, where a narrow one is looked for
+    overlap: float = 5.0  # [mm] of the pad that reaches back over the edge
+    tries: int = 3  # at the same open thing
+    beside: float = 8.0  # [mm] from a place that was tried before, where another way in is taken
+    region: float = 40.0  # [mm] of open surface that is come at as one
+    first_tries: int = 60  # touches after which an object that shows no face is given up
+    attribution: AttributionConfig = field(default_factory=AttributionConfig)
+
+
+@dataclass
+class Findings:
+    """What exploration has so far; read it whenever the generator yields."""
+
+    graph: PatchGraph = field(default_factory=lambda: PatchGraph(options=CONVEX))
+    traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
+    ended: str = ""
+    open: int = 0  # things still open, when last counted
+    note: str = ""
+    warnings: list[str] = field(default_factory=list)
+
+    def fit_of(self, face: int | None) -> Fit | None:
+        """The fitted surface of a face, where it has one."""
+        found = next((f.fit for f in self.graph.faces if f.id == face), None)
+        return found if isinstance(found, Fit) else None
+
+
+class Attempts:
+    """The places that moves have gone for, so that none is tried for ever."""
+
+    def __init__(self, tries: int, within: float = 1.5) -> None:
+        self._most, self._within = tries, within
+        self._places: list[Floats] = []
+
+    def note(self, *places: Floats) -> None:
+        """Remember (3,) places that a move goes for."""
+        self._places.extend(places)
+
+    def count(self, place: Floats, within: float | None = None) -> int:
+        """How often a move has gone for this place."""
+        if not self._places:
+            return 0
+        away = np.linalg.norm(np.array(self._places) - place, axis=1)
+        return int((away < (self._within if within is None else within)).sum())
+
+    def given_up(self, place: Floats) -> bool:
+        """Whether it was tried often enough."""
+        return self.count(place) >= self._most
+
+    def unfinished(self, missing: Predicted) -> Predicted:
+        """The predicted points that are still worth a try."""
+        keep = np.array([not self.given_up(p) for p in missing.points], dtype=bool)
+        return Predicted(missing.points[keep], missing.normals[keep], missing.face[keep])
+
+
+def outward_normal(face: Face, point: Floats) -> Floats:
+    """(3,) outward normal of a fitted face at the place on it nearest to a (3,) point."""
+    assert isinstance(face.fit, Fit)
+    return np.asarray(face.fit.shape.normals(point[None])[0] * (1.0 if face.fit.convex else -1.0))

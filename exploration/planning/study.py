@@ -1,0 +1,65 @@
+"""The face under the pad, studied: a place felt, two strokes to the edges, and what the contacts say taken in."""
+
+from __future__ import annotations
+
+from exploration.control.sighting import Sighting
+from exploration.devices.guard import Collision, OverPress
+from exploration.planning.attribution import AttributionConfig, joined, known_face, take_in
+from exploration.planning.findings import Findings
+from exploration.planning.pad import Pad
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
+
+_WORTH_CENTERING = 4.0  # [mm] of a stroke, after which the pad goes back to the middle
+
+
+class Study:
+    """What the pad's contacts and sightings become."""
+
+    def __init__(self, pad: Pad, found: Findings, config: AttributionConfig) -> None:
+        self.pad, self.found, self.config = pad, found, config
+        self.loose = Contacts.of([])  # what no face explains yet
+        self.seen: list[tuple[Sighting, int]] = []  # edges, each with the face that it was seen from
+
+    def face_here(self) -> int | None:
+        """Stroke the face under the pad along two axes, to its edges; the face's id."""
+        first = self.pad.feel()
+        known = known_face(self.found.graph, first, self.config)
+        if known is not None:
+            self.found.graph = joined(self.found.graph, first, known, self.config)
+            return known
+        strokes: list[Contacts] = [first]
+        edges: list[Sighting] = self.pad.sightings()
+        axes = self.pad.axes()
+        try:
+            for heading in (axes[:, 0], axes[:, 1]):
+                self._stroke_across(heading, strokes, edges)
+        except (OverPress, Collision) as error:
+            self.found.warnings.append(str(error))
+        face = self.take_in(Contacts.concatenate(strokes))
+        if face is None:
+            self.found.warnings.append("a touch told too little to name the face under it")
+            return None
+        self.seen.extend((edge, face) for edge in edges)
+        return face
+
+    def take_in(self, contacts: Contacts) -> int | None:
+        """Give contacts to the faces that explain them; the face that most of them lie on."""
+        taken = take_in(self.found.graph, self.loose, contacts, self.config)
+        self.found.graph, self.loose = taken.graph, taken.loose
+        self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
+        return taken.home
+
+    def _stroke_across(self, heading: Floats, strokes: list[Contacts], edges: list[Sighting]) -> None:
+        """To the edge on one side, to the edge on the other, and back to the middle."""
+        travel = 0.0
+        for sign in (1.0, -1.0):
+            stroke = self.pad.stroke(sign * heading)
+            strokes.append(stroke.contacts)
+            if stroke.ended == "edge":
+                edges.extend(self.pad.sightings(sign * heading))
+            travel = stroke.travel
+            if stroke.ended in ("closed", "lost"):
+                return
+        if travel > _WORTH_CENTERING:
+            self.pad.stroke(heading, travel / 2.0)
