@@ -1,8 +1,8 @@
 """CAD files in and out: what STEP gives, what comes back, and what the largest and worst files cost.
 
 Files come from $PALPATE_DATA/parts or ../shared/parts.  A STEP file's own triangles, their labels dropped, go
-through recovery, and the faces' area by shape is held against the file's.  Round trips are compared in finer
-facets than usual, because two facetings of one solid agree no better than they are fine.
+through recovery, and the faces' area by shape is held against the file's.  Two facetings of one solid agree no
+better than they are fine, so a round trip that falls short is compared again in finer facets.
 """
 
 import io
@@ -20,17 +20,22 @@ import numpy as np
 
 from models import parts
 from models.boundary import boundary
+from models.brep import Brep
+from models.csg import Csg
 from models.formats import step_out
 from models.formats.load import load
 from models.formats.step import StepConfig
 from models.part import load_part
-from models.solid import Solid, iou
+from models.solid import TOLERANCE, Solid, iou
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(os.environ.get("PALPATE_DATA", ROOT.parent / "shared")) / "parts"
-FINE = StepConfig(tolerance=0.0005, angle=0.03)
-FINE_TREE = 0.0003  # [mm]
-MOST_COMPARED = 100_000  # fine facets of a part; doubly curved ones take minutes each
+FINENESS = (  # of the file's facets, and of the tree's [mm]
+    (StepConfig(), TOLERANCE),
+    (StepConfig(tolerance=0.002, angle=0.05), 0.0007),
+    (StepConfig(tolerance=0.001, angle=0.05), 0.0005),
+)
+ASKED = 0.9999  # IoU
 COST = """
 import re, sys, time
 from models.part import load_part
@@ -89,29 +94,39 @@ def step_round_trip() -> list[dict]:
     if not step_out.available():
         print("left out: STEP out, for the extra 'step' is not installed", file=sys.stderr)
         return []
-    ious, same, seconds = [], [], []
+    ious, same, writing = [], [], []
     with tempfile.TemporaryDirectory() as folder:
         for name in parts.names():
             file = Path(folder) / f"{name}.step"
             tree = parts.build(name)
             began = time.perf_counter()
             step_out.write(tree, file)
-            seconds.append(time.perf_counter() - began)
-            gone, back = Solid.from_csg(tree), load(file).solid
-            there, here = boundary(gone), boundary(back)
-            kinds = (Counter(face.kind for face in b.faces) for b in (there, here))
-            same.append(next(kinds) == next(kinds) and len(there.edges) == len(here.edges))
-            fine = Solid.from_csg(tree, FINE_TREE)
-            if len(fine.triangles) <= MOST_COMPARED:
-                ious.append(iou(fine, load(file, fineness=FINE).solid))
-    print(f"left out: IoU of {len(same) - len(ious)} parts of too many fine facets", file=sys.stderr)
+            writing.append(time.perf_counter() - began)
+            gone, back = (_kinds(boundary(solid)) for solid in (Solid.from_csg(tree), load(file).solid))
+            same.append(gone == back)
+            ious.append(_agreement(tree, file))
+            if not same[-1] or ious[-1] < ASKED:
+                print(f"STEP and back: {name}: same faces {same[-1]}, IoU {ious[-1]:.6f}", file=sys.stderr)
     return [
         _row("round trip", "parts with the same faces and edges", 100 * np.mean(same), "%", "100"),
-        _row("round trip", "least IoU", min(ious), "", ">= 0.9999"),
+        _row("round trip", "least IoU", min(ious), "", f">= {ASKED}"),
         _row("round trip", "parts", len(same), "parts"),
-        _row("round trip", "parts whose IoU was taken", len(ious), "parts"),
-        _row("round trip", "median time to write", float(np.median(seconds)), "s"),
+        _row("round trip", "median time to write", float(np.median(writing)), "s"),
     ]
+
+
+def _kinds(brep: Brep) -> tuple[Counter, Counter]:
+    return Counter(face.kind for face in brep.faces), Counter(edge.kind for edge in brep.edges)
+
+
+def _agreement(tree: Csg, file: Path) -> float:
+    """IoU of a tree and the file that it was written to, in the coarsest facets that let it pass."""
+    best = 0.0
+    for fineness, tolerance in FINENESS:
+        best = max(best, iou(Solid.from_csg(tree, tolerance), load(file, fineness=fineness).solid))
+        if best >= ASKED:
+            break
+    return best
 
 
 def costs() -> list[dict]:

@@ -42,6 +42,24 @@ def test_no_facet_departs_from_its_surface_by_more_than_the_tolerance(
         assert np.abs(primitive.signed_distance(points)).max() <= tolerance * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("radius", [0.5, 4.2, 35.0, 60.0, 137.0])
+def test_corners_of_a_circle_are_within_the_tolerance_of_it_and_no_finer_than_they_need(
+    radius: float,
+) -> None:
+    for tolerance in (0.002, 0.05):
+        made = facets(Cylinder(radius, 10), tolerance)
+        bulge = np.linalg.norm(made.vertices[:, :2], axis=1).max() - radius
+        assert 0 < bulge <= tolerance
+        assert len(made.vertices) == 64 or bulge > 0.5 * tolerance
+
+
+def test_through_its_corners_a_coarse_cone_opens_wider_by_a_tenth_of_a_degree_at_most() -> None:
+    made = facets(Cone(1, 0.2, 0.8), 0.05)
+    radii, heights = np.linalg.norm(made.vertices[:, :2], axis=1), made.vertices[:, 2]
+    opened = np.arctan(np.ptp(radii) / np.ptp(heights))
+    assert opened == pytest.approx(pi / 4, abs=np.deg2rad(0.1))
+
+
 @pytest.mark.parametrize("primitive", [p for p, _ in ALL])
 def test_every_triangle_faces_as_its_surface_does(primitive: Primitive) -> None:
     made = facets(primitive, 0.02)
