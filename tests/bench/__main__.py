@@ -1,11 +1,16 @@
 """Run every benchmark, or those whose names are given: `make bench`, or `python tests/bench NAME ...`.
 
+`python tests/bench NAME --rows A,B --frames N` measures some rows of a benchmark whose `run` takes them, on few
+frames, and only prints them.
+
 Each `bench_NAME.py` has `run() -> list[dict]` with the keys bench, method, metric, value, unit, and `asked` where
 a number is asked for.  The rows go to `bench.json` and, as a table, to stdout.  A benchmark that has nothing to
 run on (outside data, a competitor) says so on stderr and returns the rows that it has.
 """
 
+import argparse
 import importlib
+import inspect
 import json
 import sys
 import time
@@ -19,8 +24,15 @@ HERE = Path(__file__).parent
 KEYS = ("bench", "method", "metric", "value", "unit")
 
 
-def main(names: list[str]) -> int:
+def main(arguments: list[str]) -> int:
     sys.path.insert(0, str(HERE))
+    parser = argparse.ArgumentParser(prog="python tests/bench")
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--rows", type=lambda text: tuple(text.split(",")))
+    parser.add_argument("--frames", type=int)
+    given = vars(parser.parse_args(arguments))
+    names = given.pop("names")
+    some = {key: value for key, value in given.items() if value is not None}
     known = sorted(path.stem.removeprefix("bench_") for path in HERE.glob("bench_*.py"))
     if unknown := sorted(set(names) - set(known)):
         print(f"no benchmark {unknown[0]!r}; there are: {', '.join(known)}", file=sys.stderr)
@@ -29,7 +41,8 @@ def main(names: list[str]) -> int:
     for name in names or known:
         began = time.perf_counter()
         try:
-            found = importlib.import_module(f"bench_{name}").run()
+            run = importlib.import_module(f"bench_{name}").run
+            found = run(**{k: v for k, v in some.items() if k in inspect.signature(run).parameters})
         except Exception:
             traceback.print_exc()
             failed.append(name)
@@ -38,9 +51,10 @@ def main(names: list[str]) -> int:
         print(
             f"{name}: {len(found)} rows in {time.perf_counter() - began:.1f} s", file=sys.stderr, flush=True
         )
-    temporary = Path("bench.json.partial")
-    temporary.write_text(json.dumps(rows, indent=1) + "\n")
-    temporary.replace("bench.json")
+    if not some:
+        temporary = Path("bench.json.partial")
+        temporary.write_text(json.dumps(rows, indent=1) + "\n")
+        temporary.replace("bench.json")
     print_table(rows)
     if failed:
         print(f"failed: {', '.join(failed)}", file=sys.stderr)

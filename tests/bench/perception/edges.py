@@ -1,0 +1,122 @@
+"""Rows of one straight edge: every method on the same frames, one after another on each."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from perception.bound import bound
+from perception.noise import Noise, observe
+from perception.presses import Maker
+from perception.scene import Scene
+from perception.score import Tally, row
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.line import Line
+
+Finder = Callable[[TactileImage], tuple[Line, ...]]
+OURS = "palpate"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of ours; None for nothing."""
+
+    ratio: float | None = None
+    bias: float | None = None  # [taxel]
+    failures: float | None = None  # [%]
+    within: float | None = None  # [%] of lines within 5 times the bound
+
+
+def drawn(maker: Maker, noise: Noise, frames: int, seed: int) -> list[tuple[Scene, TactileImage]]:
+    """So many frames of a kind, the same for whoever asks."""
+    rng = np.random.default_rng(seed)
+    out = []
+    for _ in range(frames):
+        scene = maker(rng)
+        out.append((scene, observe(scene, noise, rng)))
+    return out
+
+
+def tallies(
+    methods: dict[str, Finder], pressed: list[tuple[Scene, TactileImage]], noise: Noise
+) -> dict[str, Tally]:
+    """The errors and times of every method."""
+    pitch = pressed[0][0].spec.array.pitch[0]
+    out = {name: Tally(name, pitch) for name in methods}
+    for find in methods.values():
+        find(pressed[0][1])
+    for scene, image in pressed:
+        truth = scene.found
+        least = np.array([np.diag(c) for c in bound(scene, noise)])
+        for name, find in methods.items():
+            began = time.perf_counter()
+            lines = find(image)
+            out[name].add(lines, truth, least, time.perf_counter() - began)
+    return out
+
+
+def edge_rows(
+    name: str, methods: dict[str, Finder], maker: Maker, noise: Noise, frames: int, asked: Asked
+) -> list[dict[str, Any]]:
+    """Accuracy over the bound, bias, failures and time of each method on one kind of frame."""
+    pressed = drawn(maker, noise, frames, sum(map(ord, name)))
+    found = tallies(methods, pressed, noise)
+    pitch = pressed[0][0].spec.array.pitch[0]
+    some = next(iter(found.values()))
+    rows = []
+    if some.least:
+        rms = np.sqrt(np.mean(some.least, axis=0))
+        rows.append(row("bound", f"{name}: angle RMS", np.degrees(rms[0]), "deg"))
+        rows.append(row("bound", f"{name}: offset RMS", rms[1] / pitch, "taxel"))
+    for method, tally in found.items():
+        ours = asked if method == OURS else Asked()
+        angle, offset = tally.pooled()
+        rows.append(row(method, f"{name}: angle RMS over the bound", angle, "1", ours.ratio))
+        rows.append(row(method, f"{name}: offset RMS over the bound", offset, "1", ours.ratio))
+        if tally.errors:
+            bias = np.mean(tally.errors, axis=0)
+            rows.append(row(method, f"{name}: bias into the material", bias[1] / pitch, "taxel", ours.bias))
+        failed = 100 * tally.missed / tally.total
+        rows.append(row(method, f"{name}: failures", failed, "%", ours.failures))
+        rows.append(row(method, f"{name}: median time", tally.median_time(), "us"))
+    return rows
+
+
+def many_rows(
+    name: str, methods: dict[str, Finder], maker: Maker, noise: Noise, frames: int, asked: Asked
+) -> list[dict[str, Any]]:
+    """The same for frames of several lines, each error over its own frame's joint bound."""
+    pressed = drawn(maker, noise, frames, sum(map(ord, name)))
+    rows = []
+    for method, tally in tallies(methods, pressed, noise).items():
+        ours = asked if method == OURS else Asked()
+        angle, offset = tally.by_frame()
+        rows += [
+            row(method, f"{name}: angle RMS over the joint bound", angle, "1", ours.ratio),
+            row(method, f"{name}: offset RMS over the joint bound", offset, "1", ours.ratio),
+            row(method, f"{name}: lines within 5 x the bound", tally.within(5.0), "%", ours.within),
+            row(method, f"{name}: lines not found", 100 * tally.missed / tally.total, "%"),
+            row(method, f"{name}: surplus lines", 100 * tally.surplus / tally.frames, "per 100 frames"),
+            row(method, f"{name}: median time", tally.median_time(), "us"),
+        ]
+    return rows
+
+
+def false_rows(
+    methods: dict[str, Finder], makers: dict[str, Maker], noise: Noise, frames: int
+) -> list[dict[str, Any]]:
+    """Frames with a line where there is none, in 10,000."""
+    counts = {name: dict.fromkeys(makers, 0) for name in methods}
+    for kind, maker in makers.items():
+        rng = np.random.default_rng(sum(map(ord, kind)))
+        for _ in range(frames):
+            image = observe(maker(rng), noise, rng)
+            for name, find in methods.items():
+                counts[name][kind] += bool(find(image))
+    return [
+        row(name, f"false lines: {kind}", 1e4 * count / frames, "in 10,000", 3.0 if name == OURS else None)
+        for name, by_kind in counts.items()
+        for kind, count in by_kind.items()
+    ]

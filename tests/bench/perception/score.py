@@ -1,0 +1,105 @@
+"""How far lines lie from the truth, and rows of the table from many such errors.
+
+Errors are paired with the true lines so that their normalized squares are least.  Ratios over the bound are root
+mean squares of error over those of the bound, all frames pooled; `frame by frame` divides each error by its own
+frame's bound first, so that no ill-determined frame speaks for all.  Failures are left out of both, and counted.
+"""
+
+from dataclasses import dataclass, field
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from exploration.sensing.lines.line import Line
+from primitives.arrays import Floats
+
+FAR_ANGLE, FAR_OFFSET = np.radians(15.0), 1.5  # [rad], [taxel] a failure
+
+
+def row(method: str, metric: str, value: float, unit: str, asked: float | None = None) -> dict[str, Any]:
+    found = {"bench": "perception", "method": method, "metric": metric, "value": float(value), "unit": unit}
+    return found | ({} if asked is None else {"asked": asked})
+
+
+def line_error(line: tuple[float, float], truth: Floats) -> Floats:
+    """(2,) angle [rad] and offset [mm] of a line less those of the truth, whichever way each points."""
+    turns = np.floor((line[0] - truth[0]) / np.pi + 0.5)
+    sign = -1.0 if turns % 2 else 1.0
+    return np.array([line[0] - truth[0] - turns * np.pi, sign * line[1] - truth[1]])
+
+
+def is_far(error: Floats, pitch: float) -> bool:
+    return bool(abs(error[0]) > FAR_ANGLE or abs(error[1]) > FAR_OFFSET * pitch)
+
+
+def paired(lines: tuple[Line, ...], truth: Floats, least: Floats, pitch: float) -> list[Floats | None]:
+    """The error of the line that stands for each true one; None where there is none near."""
+    errors = [[line_error((line.angle, line.offset), t) for line in lines] for t in truth]
+    best, paired_best = np.inf, [None] * len(truth)
+    choices = list(range(len(lines))) + [None] * len(truth)
+    for choice in set(permutations(choices, len(truth))):
+        found = [None if c is None else errors[i][c] for i, c in enumerate(choice)]
+        found = [None if e is None or is_far(e, pitch) else e for e in found]
+        cost = sum(1e9 if e is None else float(np.sum(e**2 / v)) for e, v in zip(found, least, strict=True))
+        if cost < best:
+            best, paired_best = cost, found
+    return paired_best
+
+
+@dataclass
+class Tally:
+    """The errors of one method over many frames."""
+
+    method: str
+    pitch: float
+    errors: list[Floats] = field(default_factory=list)  # (2,)
+    least: list[Floats] = field(default_factory=list)  # (2,) variances of the bound, beside each
+    stated: list[Floats] = field(default_factory=list)  # (2,) variances that the method states
+    times: list[float] = field(default_factory=list)  # [s]
+    missed: int = 0
+    surplus: int = 0
+    frames: int = 0
+
+    def add(self, lines: tuple[Line, ...], truth: Floats, least: Floats, took: float) -> None:
+        self.frames += 1
+        self.times.append(took)
+        if len(truth) == 1:
+            error = line_error((lines[0].angle, lines[0].offset), truth[0]) if lines else None
+            found = [None if error is None or is_far(error, self.pitch) else error]
+        else:
+            found = paired(lines[:6], truth, least, self.pitch)
+        for error, variance in zip(found, least, strict=True):
+            if error is None:
+                self.missed += 1
+            else:
+                self.errors.append(error)
+                self.least.append(variance)
+        self.surplus += max(0, len(lines) - len(truth))
+
+    @property
+    def total(self) -> int:
+        return self.missed + len(self.errors)
+
+    def pooled(self) -> Floats:
+        """(2,) RMS over that of the bound."""
+        if not self.errors:
+            return np.full(2, np.inf)
+        return np.sqrt(np.mean(np.square(self.errors), axis=0) / np.mean(self.least, axis=0))
+
+    def by_frame(self) -> Floats:
+        """(2,) RMS of error over its own bound."""
+        if not self.errors:
+            return np.full(2, np.inf)
+        return np.sqrt(np.mean(np.square(self.errors) / np.array(self.least), axis=0))
+
+    def within(self, times: float) -> float:
+        """Share of true lines found within so many times the bound, in angle and offset both [%]."""
+        if not self.errors:
+            return 0.0
+        near = np.all(np.square(self.errors) < times**2 * np.array(self.least), axis=1)
+        return 100.0 * float(near.sum()) / self.total
+
+    def median_time(self) -> float:
+        """[us]."""
+        return 1e6 * float(np.median(self.times))
