@@ -1,0 +1,181 @@
+"""Gauss-Newton on the closed form of an outline: lines, discs and the face's plane at once.
+
+Levenberg's damping; residuals beyond `HUBER` sigma weigh less, for taxels that died without telling.  The
+covariance is the inverse of the weighted normal matrix.  The slope of the face has a weak prior: a pad tilted by more
+would stand on its housing, and a face smaller than the blur does not show its slope.
+"""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numba
+import numpy as np
+from numpy.typing import ArrayLike
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.arc import LONGEST
+from exploration.sensing.lines.region import Region
+from exploration.sensing.lines.region_model import evaluate
+from exploration.sensing.response import Response
+from exploration.sensing.surfaces.normal_equations import invert
+from primitives.arrays import Floats
+
+HUBER = 3.0  # [sigma]
+SLOPE = 0.3  # [rad] standard deviation of the prior
+STEPS = 25
+GAINED = 0.02  # [chi2] a step that gains less is the last
+LEAST_RADIUS = 0.2  # [mm]
+
+
+@dataclass(frozen=True)
+class RegionFit:
+    """The best numbers of one outline for one frame."""
+
+    region: Region
+    parameters: Floats  # (region.unknowns,)
+    covariance: Floats
+    chi2: float  # Huber's
+    dof: int
+    converged: bool
+
+    @property
+    def inflation(self) -> float:
+        """By how much the misfit widens the covariance."""
+        return max(1.0, self.chi2 / max(1, self.dof))
+
+    def explains(self, deviations: float) -> bool:
+        """Whether chi2 is within so many standard deviations of what noise makes."""
+        return self.converged and self.chi2 < self.dof + deviations * sqrt(2 * max(1, self.dof))
+
+
+def fit_region(
+    image: TactileImage, response: Response, region: Region, shape: ArrayLike, steps: int = STEPS
+) -> RegionFit:
+    """Fit from `shape` (unknowns - 3,), the lines' and discs' numbers; the plane needs no start."""
+    parameters, covariance, chi2, count, converged = _fit(
+        image.depth,
+        image.sigma,
+        image.array.x,
+        image.array.y,
+        response.variance,
+        np.asarray(shape, dtype=np.float64),
+        *region.arrays,
+        steps,
+    )
+    return RegionFit(region, parameters, covariance, chi2, count - len(parameters), converged)
+
+
+@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+def _normal_equations(
+    depth: Floats, sigma: Floats, p: Floats, model: Floats, normal: Floats, rhs: Floats
+) -> tuple[float, int]:
+    m = len(p)
+    normal[:] = 0.0
+    rhs[:] = 0.0
+    chi2 = 0.0
+    count = 0
+    jacobian = np.empty(m)
+    for i in range(depth.shape[0]):
+        for j in range(depth.shape[1]):
+            if sigma[i, j] == np.inf:
+                continue
+            scale = 1.0 / sigma[i, j]
+            r = (depth[i, j] - model[0, i, j]) * scale
+            count += 1
+            size = abs(r)
+            weight = 1.0
+            if size > HUBER:
+                chi2 += HUBER * (2.0 * size - HUBER)
+                weight = HUBER / size
+            else:
+                chi2 += r * r
+            for a in range(m):
+                jacobian[a] = model[1 + a, i, j] * scale
+            for a in range(m):
+                weighted = jacobian[a] * weight
+                rhs[a] += weighted * r
+                for b in range(a + 1):
+                    normal[a, b] += weighted * jacobian[b]
+    for a in range(1, 3):
+        chi2 += (p[a] / SLOPE) ** 2
+        rhs[a] -= p[a] / SLOPE**2
+        normal[a, a] += 1.0 / SLOPE**2
+    for a in range(m):
+        for b in range(a):
+            normal[b, a] = normal[a, b]
+    return chi2, count
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _fit(
+    depth: Floats,
+    sigma: Floats,
+    x: Floats,
+    y: Floats,
+    variance: Floats,
+    shape: Floats,
+    sides: Floats,
+    terms: Floats,
+    signs: Floats,
+    steps: int,
+) -> tuple[Floats, Floats, float, int, bool]:
+    m = 3 + len(shape)
+    discs = 3 + 2 * len(sides)
+    p = np.zeros(m)
+    p[3:] = shape
+    model = np.zeros((1 + m, len(y), len(x)))
+    normal, rhs = np.zeros((m, m)), np.zeros(m)
+    new_normal, new_rhs = np.zeros((m, m)), np.zeros(m)
+    covariance = np.zeros((m, m))
+    evaluate(x, y, variance, p, sides, terms, signs, model)
+    chi2, count = _normal_equations(depth, sigma, p, model, normal, rhs)
+    ok, inverse = invert(normal[:3, :3].copy())
+    if not ok:
+        return p, covariance, chi2, count, False
+    p[:3] += inverse @ rhs[:3]
+    evaluate(x, y, variance, p, sides, terms, signs, model)
+    chi2, count = _normal_equations(depth, sigma, p, model, normal, rhs)
+    damping = 1e-3
+    converged = False
+    for _ in range(steps):
+        damped = normal.copy()
+        for a in range(m):
+            damped[a, a] *= 1.0 + damping
+        ok, inverse = invert(damped)
+        if not ok:
+            damping = max(1e-3, damping * 10.0)
+            if damping > 1e6:
+                break
+            continue
+        step = inverse @ rhs
+        trial = p + step
+        possible = True
+        for k in range(discs + 2, m, 3):
+            trial[k] = max(trial[k], 0.5 * p[k], LEAST_RADIUS)
+            possible = possible and trial[k] < LONGEST
+        if not possible:
+            damping = max(1e-2, damping * 10.0)
+            if damping > 1e6:
+                break
+            continue
+        evaluate(x, y, variance, trial, sides, terms, signs, model)
+        new, count = _normal_equations(depth, sigma, trial, model, new_normal, new_rhs)
+        if new < chi2:
+            gained = chi2 - new
+            p = trial
+            chi2 = new
+            normal[:] = new_normal
+            rhs[:] = new_rhs
+            damping = damping * 0.1 if damping > 1e-6 else 0.0
+            if gained < GAINED:
+                converged = True
+                break
+        else:
+            if np.dot(step, rhs) < GAINED:
+                converged = True
+                break
+            damping = max(1e-3, damping * 10.0)
+            if damping > 1e8:
+                break
+    ok, covariance = invert(normal)
+    return p, covariance, chi2, count, converged and ok
