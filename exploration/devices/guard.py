@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.devices.pending import Pending
 from exploration.devices.protocols import MotionStage, TactileSensor
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.frame import TactileImage, TaxelFrame
@@ -97,6 +98,7 @@ class Guard:
         self.observers = tuple(observers)
         self.active = 0
         self.cost = Cost()
+        self.pending = Pending(0.0)
         self._last: Observation | None = None
         self._trail: deque[Floats] = deque(maxlen=_TRAIL)
 
@@ -117,6 +119,8 @@ class Guard:
 
     def move(self, twist: Floats) -> Observation:
         """Follow a (6,) sensor-frame twist (v [mm/s], w [rad/s]) for one tick."""
+        if self._last is not None:
+            self.pending.say(self._last.time, twist)
         self.stage.move(_flange_twist(twist, self.sensor.flange_from_sensor))
         return self.observe()
 

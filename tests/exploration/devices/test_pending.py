@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.control.pending import Pending
+from exploration.devices.pending import Pending
 from primitives.pose import exp
 
 
