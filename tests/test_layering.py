@@ -25,8 +25,15 @@ ONE_FILE_ONLY = {
     "cascadio": "models/formats/step_worker.py",
     "mcap": "exploration/recordings/mcap.py",
     "typer": "recognition/cli.py",
+    "cv2": "exploration/sensing/baselines/opencv_lines.py",
+    "skimage": "exploration/sensing/baselines/skimage_lines.py",
 }
-DISTRIBUTION_OF = {"serial": "pyserial", "OCP": "cadquery_ocp_novtk"}
+DISTRIBUTION_OF = {
+    "serial": "pyserial",
+    "OCP": "cadquery_ocp_novtk",
+    "cv2": "opencv_python_headless",
+    "skimage": "scikit_image",
+}
 FILES = sorted(path for package in MAY_IMPORT for path in (ROOT / package).rglob("*.py"))
 MODULES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path for path in FILES

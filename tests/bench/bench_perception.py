@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from perception import presses
 from perception.arrays import OTHERS
-from perception.edges import Asked, Finder, edge_rows, false_rows, many_rows
+from perception.edges import OURS, Asked, Finder, edge_rows, false_rows, many_rows
 from perception.noise import Noise
 
+from exploration.sensing.baselines.table import baselines
 from exploration.sensing.lines.hough import find_lines
 
 FRAMES = 2000
@@ -66,4 +67,4 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
 
 def methods() -> dict[str, Finder]:
     """Ours, and what it is compared with."""
-    return {"palpate": find_lines}
+    return {OURS: find_lines, **baselines()}

@@ -1,9 +1,9 @@
 """A press as numbers: what lies under which pad, and the frame without noise that the simulator makes of it.
 
 The object's top plane is z = 0 of the part frame, material below.  In the pad's frame its depth is
-depth + tilt_x x + tilt_y y [mm].  Seen from the pad, the part's x axis runs along -(cos turn, sin turn) and its y axis
-along n = (-sin turn, cos turn), and its origin is at (x, y) + offset n [mm]: for material at y > 0, `turn` and
-`offset` are those of the edge.  Every number may be moved by a little, which is all that the bound asks for.
+depth + tilt_x x + tilt_y y [mm].  Seen from the pad, the part's x axis runs along -(cos turn, sin turn) and its
+y axis along n = (-sin turn, cos turn), and its origin is at (x, y) + offset n [mm]: for material at y > 0, `turn`
+and `offset` are those of the edge.  Every number may be moved by a little, which is all that the bound asks for.
 """
 
 from collections.abc import Callable, Mapping
