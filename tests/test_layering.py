@@ -29,6 +29,7 @@ ONE_FILE_ONLY = {
     "skimage": "exploration/sensing/baselines/skimage_lines.py",
 }
 DISTRIBUTION_OF = {
+    "PIL": "pillow",
     "serial": "pyserial",
     "OCP": "cadquery_ocp_novtk",
     "cv2": "opencv_python_headless",

@@ -32,10 +32,13 @@ def read_episode(path: Path, spec: SensorSpec | None = None) -> Recording:
     names = tuple(pads)
 
     def replay() -> Iterator[PadFrame]:
+        count = [0] * len(names)
         for item in _frames(path):
             if item.sensor not in pads or item.frame.counts.shape != pads[item.sensor].array.shape:
                 raise PalpateError(f"{path}: array {item.sensor} changes within the recording; split it")
-            yield PadFrame(names.index(item.sensor), item.frame, item.world_from_sensor)
+            pad = names.index(item.sensor)
+            yield PadFrame(pad, replace(item.frame, index=count[pad]), item.world_from_sensor)
+            count[pad] += 1
 
     plain = [name for name, pad in pads.items() if pad.assumed_pitch]
     told = (

@@ -32,7 +32,7 @@ class PadFrame:
     """One frame of one pad."""
 
     pad: int
-    frame: TaxelFrame  # its time is nan where the recording has none
+    frame: TaxelFrame  # indices count each pad's frames from 0; the time is nan where the recording has none
     world_from_sensor: Floats | None = None  # (4, 4)
 
 

@@ -62,7 +62,7 @@ def test_json_is_one_object_and_nothing_else(command, tmp_path):
 def test_help_lists_the_commands_that_are_built_and_no_other(tmp_path):
     text = palpate("--help", cwd=tmp_path).stdout
     commands = [line.split()[0] for line in text[text.index("Commands:") :].splitlines()[1:] if line.strip()]
-    assert commands == ["explore", "parts", "sensors", "doctor", "library"]
+    assert commands == ["explore", "parts", "sensors", "frames", "doctor", "library"]
 
 
 def test_help_loads_no_mathematics(tmp_path):

@@ -1,0 +1,1 @@
+"""Recordings understood frame by frame: `palpate frames`."""
