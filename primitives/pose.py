@@ -5,6 +5,7 @@ first; `exp` and `log` are the closed forms of SE(3) (Murray, Li and Sastry 1994
 where the angle is small.
 """
 
+import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -78,8 +79,32 @@ def rotation_log(rotation: Floats) -> Floats:
 def exp(twist: ArrayLike) -> Floats:
     """The pose reached by following a (..., 6) twist (v [mm], w [rad]) for unit time."""
     x = np.asarray(twist, dtype=float)
+    if x.ndim == 1:
+        one: Floats = _exp_one(x)
+        return one
     v, w = x[..., :3], x[..., 3:]
     return pose(rotation_exp(w), (_left_jacobian(w) @ v[..., None])[..., 0])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _exp_one(x: Floats) -> Floats:
+    """`exp` of one (6,) twist, for loops that take one at every tick."""
+    angle = np.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
+    square = angle * angle
+    if angle < 1e-4:
+        a, b, c = 1.0 - square / 6.0, 0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0
+    else:
+        half = np.sin(0.5 * angle)
+        a, b = np.sin(angle) / angle, 2.0 * half * half / square
+        c = (1.0 - a) / square
+    k = np.array([[0.0, -x[5], x[4]], [x[5], 0.0, -x[3]], [-x[4], x[3], 0.0]])
+    out = np.eye(4)
+    for i in range(3):
+        for j in range(3):
+            kk = k[i, 0] * k[0, j] + k[i, 1] * k[1, j] + k[i, 2] * k[2, j]
+            out[i, j] += a * k[i, j] + b * kk
+            out[i, 3] += (b * k[i, j] + c * kk + (1.0 if i == j else 0.0)) * x[j]
+    return out
 
 
 def log(a_from_b: Floats) -> Floats:

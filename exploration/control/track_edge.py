@@ -1,24 +1,31 @@
-"""Edge tracking: servo on one line of the tactile image.
+"""Edge tracking: servo on one line of the tactile image, at constant force and flat on the face.
 
-With e the pad center's distance inside the material and a the line's angle from the pad's long axis,
-``v = speed * t + gain_e (e0 - e) n`` and ``w_z = gain_a a`` keep the edge under the pad's middle and along its
-long side; force and tilt are the hybrid law's.  Tracking ends at a corner, where the line ends ahead of the
-center; where it comes back to its start; or where it is lost.
+With e the pad center's distance inside the material, a the angle between the pad's long axis and the edge, and
+kappa the edge's bend, all as they will be once the commands still on their way are done,
+
+    v = speed t + gain_e (e0 - e) inward,      w_z = gain_a a + speed kappa,
+
+keep the edge under the pad's middle and along its long side; press and level are the hybrid law's.  Tracking ends
+at a corner (the face ends ahead, or material begins outside), where the edge closes on itself, after a length, or
+where it is lost and not found again a little way back.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
-from exploration.control.feel import feel
-from exploration.control.servo import ServoGains, hybrid_twist
-from exploration.devices.guard import Guard
-from exploration.sensing.frame import TactileImage
-from exploration.sensing.lines.edges import edge_points
+from exploration.control.dwell import dwell
+from exploration.control.edge_trace import EdgeTick, smoothed
+from exploration.control.hybrid import HybridGains, HybridState, hybrid
+from exploration.control.servo import ServoGains
+from exploration.devices.guard import Guard, Observation
+from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.lines.line import Line
-from primitives.arrays import Floats, frozen
+from exploration.sensing.lines.line_fit import softened
+from exploration.sensing.response import rubber
+from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 
 Ended = Literal["corner", "closed", "lost", "length"]
@@ -32,17 +39,20 @@ class EdgeConfig:
     inside: float = 1.0  # [mm] of the pad's center within the material
     gain_offset: float = 6.0  # [1/s]
     gain_angle: float = 6.0  # [1/s]
-    spacing: float = 1.5  # [mm] between trace points
-    window: float = 6.0  # [mm] along the edge, of the crossings that make a trace point
-    ahead: float = 3.5  # [mm] ahead and inside, where material must go on
-    share: float = 0.4  # of the plateau, below which it does not
-    beside: float = 3.0  # [mm] across the line, within which a crossing is the edge's
-    crossings: int = 4  # least number of crossings for a direction of their own
+    turn: float = 1.6  # [rad/s] at most
+    reach: float = 10.0  # [mm] of the edge, either way, that one frame is fitted to
+    bend_drift: float = 0.004  # [1/mm] by which the bend may change within a mm
+    corner: float = 2.5  # [mm] ahead of the center, at which an end of the face is the corner
+    confirm: int = 3  # ticks in a row that must show the corner
+    patience: int = 6  # ticks without the line
+    back: float = 4.0  # [mm] that a lost edge is gone back for
+    retries: int = 2
     closing: float = 2.0  # [mm]
+    overlap: float = 3.0  # [mm] past its start that a closed edge is followed
     least_loop: float = 25.0  # [mm]
-    confirm: int = 6  # ticks in a row that must show the corner
-    patience: int = 10  # frames without the line
-    every: int = 12  # ticks between looks for the line; between them it is held in place
+    deepest: float = 1.4  # of the nominal press, where the face is too narrow for the force
+    misfit: float = 3.0  # times what is usual, from which a fit is not the edge
+    level_sigma: float = 0.03  # slope known worse than this levels nothing
 
 
 @dataclass(frozen=True)
@@ -52,9 +62,27 @@ class Tracked:
     trace: EdgeTrace | None
     ended: Ended
     travel: float  # [mm]
+    ticks: tuple[EdgeTick, ...] = ()
+    forces: tuple[float, ...] = ()  # [N] at every tick
+    force: float = 0.0  # [N] the set point
+    last: Followed | None = None  # the edge as last seen
 
     def __bool__(self) -> bool:
         return self.trace is not None
+
+
+@dataclass
+class _Run:
+    """What outlives a tick."""
+
+    ticks: list[EdgeTick] = field(default_factory=list)
+    poses: list[Floats] = field(default_factory=list)
+    forces: list[float] = field(default_factory=list)
+    law: HybridState = field(default_factory=HybridState)
+    travel: float = 0.0
+    set_force: float = 0.0
+    cornering: int = 0
+    misfit: float = 20.0  # chi2 per degree of freedom, as is usual
 
 
 def follow_edge(
@@ -67,121 +95,148 @@ def follow_edge(
     config: EdgeConfig = EdgeConfig(),
 ) -> Tracked:
     """Track the edge under the pad, the way of the (3,) world direction `along`, up to `length` [mm]."""
-    points: list[Floats] = []
-    tangents: list[Floats] = []
-    normals: list[Floats] = []
-    heading = guard.world_from_sensor[:3, :2].T @ along
-    rest = 0.0 if heading[0] >= 0 else np.pi
-    travel, since, missing, age, ended_ahead = 0.0, np.inf, 0, 0, 0
-    line: Line | None = None
+    response = rubber(guard.calibrations[guard.active].spread, guard.sensor.array.pitch)
+    law = HybridGains.for_delay(guard.period, guard.pending.latency)
+    run, missed, retries = _Run(), 0, 0
+    seen = dwell(guard, 3)
+    expected = _first(seen, along, config)
+    rest = None if expected is None else 0.0 if np.cos(expected.angle) >= 0 else np.pi
+    last: Followed | None = None
     ended: Ended = "length"
-    seen = guard.hold()
-    at = seen.world_from_sensor
-    while travel < length:
-        felt = feel(seen.image)
-        if age == 0 and felt:
-            line = _expected(find_lines(seen.image, 2), heading)
-        age = (age + 1) % config.every
-        if line is None or not felt:
-            missing += 1
-            if missing > config.patience:
-                ended = "lost"
-                break
-            age = 0
+    while run.travel < length:
+        edge = follow_line(softened(seen.image), response, expected) if expected else None
+        if not edge or edge.misfit > config.misfit * max(1.0, run.misfit):
+            missed += 1
+            if missed > config.patience:
+                if retries == config.retries or not run.ticks:
+                    ended = "lost"
+                    break
+                retries, missed = retries + 1, 0
+                expected = _gone_back(guard, run, config)
             seen = guard.hold()
             continue
-        missing = 0
-        heading, foot = _beside_center(line, heading, seen.image, config)
-        if since >= config.spacing:
-            since = 0.0
-            turn = seen.world_from_sensor[:3, :3]
-            points.append(turn @ np.array([*foot, -line.plateau]) + seen.world_from_sensor[:3, 3])
-            tangents.append(turn[:, :2] @ heading)
-            normals.append(-turn[:, 2])
-        ended_ahead = ended_ahead + 1 if _ends_ahead(line, heading, foot, seen.image, config) else 0
-        if ended_ahead > config.confirm:
-            ended = "corner"
+        missed, last = 0, edge
+        _note(run, seen, edge, gains)
+        if (why := _over(run, edge, config)) is not None:
+            ended = why
             break
-        if travel > config.least_loop and points and _returned(points, tangents, config):
-            ended = "closed"
-            break
-        inside = -float(foot @ line.inward)
-        aside = np.clip(config.gain_offset * (config.inside - inside), -config.speed, config.speed)
-        angle = (np.arctan2(heading[1], heading[0]) - rest + np.pi) % (2.0 * np.pi) - np.pi
-        seen = guard.move(
-            hybrid_twist(
-                felt.depth,
-                felt.slope,
-                felt.centroid,
-                config.speed * heading + aside * line.inward,
-                turn=float(np.clip(config.gain_angle * angle, -1.5, 1.5)),
-                gains=gains,
-            )
-        )
-        moved = seen.world_from_sensor
-        heading = moved[:3, :2].T @ (at[:3, :2] @ heading)
-        step = float(np.linalg.norm(moved[:3, 3] - at[:3, 3]))
-        at, travel, since = moved, travel + step, since + step
-    return Tracked(_trace(points, tangents, normals, ended == "closed", touch, stroke), ended, travel)
+        twist = _command(run, edge, seen, guard, law, gains, config, rest or 0.0)
+        before = seen.world_from_sensor
+        seen = guard.move(twist)
+        run.travel += max(0.0, float((seen.world_from_sensor[:3, 3] - before[:3, 3]) @ run.ticks[-1].tangent))
+        expected = _moved(edge, before, seen.world_from_sensor, config, guard.period)
+    trace = smoothed(run.ticks, ended == "closed", touch, stroke)
+    return Tracked(trace, ended, run.travel, tuple(run.ticks), tuple(run.forces), run.set_force, last)
 
 
-def _expected(lines: tuple[Line, ...], heading: Floats) -> Line | None:
-    """The line that runs on most nearly along `heading` and under the pad's middle."""
-    fitting = [line for line in lines if abs(float(line.direction @ heading)) > 0.8]
-    return min(fitting, key=lambda line: abs(line.offset), default=None)
+def _first(seen: Observation, along: Floats, config: EdgeConfig) -> Expected | None:
+    """The line that runs most nearly along a (3,) world direction and under the pad's middle."""
+    heading = seen.world_from_sensor[:3, :2].T @ along
+    heading = heading / max(float(np.linalg.norm(heading)), 1e-9)
+    fitting = [line for line in find_lines(seen.image, 3) if abs(float(line.direction @ heading)) > 0.7]
+    line = min(fitting, key=lambda found: abs(found.offset), default=None)
+    return None if line is None else expected_of(line, heading, config)
 
 
-def _beside_center(
-    line: Line, heading: Floats, image: TactileImage, config: EdgeConfig
-) -> tuple[Floats, Floats]:
-    """The edge's direction and its (2,) point beside the pad's center, from the crossings there.
-
-    A straight line fitted across the pad cuts a curved edge short; crossings within a few mm do not.
-    """
-    direction = line.direction if line.direction @ heading > 0 else -line.direction
-    foot = line.offset * line.normal
-    found = edge_points(image)
-    if len(found):
-        near = (np.abs((found.points - foot) @ direction) < config.window) & (
-            np.abs(line.distance(found.points)) < config.beside
-        )
-        if int(near.sum()) >= config.crossings:
-            points = found.points[near]
-            foot = np.average(points, axis=0, weights=found.sigma[near] ** -2.0)
-            along = np.linalg.eigh(np.cov(points.T))[1][:, 1]
-            along = along if along @ heading > 0 else -along
-            direction = along if along @ direction > 0.7 else direction
-            foot = foot - (foot @ direction) * direction
-    return direction, foot
-
-
-def _ends_ahead(line: Line, heading: Floats, foot: Floats, image: TactileImage, config: EdgeConfig) -> bool:
-    """Whether the material beside the edge ends a little ahead, as it does at a corner."""
-    at = foot + config.ahead * heading + config.ahead * line.inward
-    column = int(
-        np.clip(np.round((at[0] - image.array.x[0]) / image.array.pitch[0]), 1, image.array.columns - 2)
+def expected_of(line: Line, heading: Floats, config: EdgeConfig) -> Expected:
+    """A line, directed the way of a (2,) heading, as what the next frame should show."""
+    ahead = bool(line.direction @ heading > 0)
+    return Expected(
+        line.angle if ahead else line.angle + np.pi,
+        line.offset if ahead else -line.offset,
+        line.material_side if ahead else -line.material_side,
+        bend_sigma=0.05,
+        reach=config.reach,
     )
-    row = int(np.clip(np.round((at[1] - image.array.y[0]) / image.array.pitch[1]), 1, image.array.rows - 2))
-    felt = float(image.depth[row - 1 : row + 2, column - 1 : column + 2].mean())
-    return felt < config.share * line.plateau
 
 
-def _returned(points: list[Floats], tangents: list[Floats], config: EdgeConfig) -> bool:
-    near = float(np.linalg.norm(points[-1] - points[0])) < config.closing
-    return near and float(tangents[-1] @ tangents[0]) > 0.8
-
-
-def _trace(
-    points: list[Floats], tangents: list[Floats], normals: list[Floats], closed: bool, touch: int, stroke: int
-) -> EdgeTrace | None:
-    if len(points) < 2:
-        return None
-    return EdgeTrace(
-        frozen(points),
-        frozen(tangents),
-        frozen(normals),
-        frozen(np.full(len(points), 0.1)),
-        closed,
-        touch,
-        stroke,
+def _note(run: _Run, seen: Observation, edge: Followed, gains: ServoGains) -> None:
+    """Take down what this tick saw; the force at the nominal press becomes the set point."""
+    turn = seen.world_from_sensor[:3, :3]
+    tilt = turn @ np.array([-edge.slope[0], -edge.slope[1], -1.0])
+    run.ticks.append(
+        EdgeTick(
+            point=turn @ np.array([*edge.foot, -edge.plateau]) + seen.world_from_sensor[:3, 3],
+            tangent=turn[:, :2] @ edge.direction,
+            inward=turn[:, :2] @ edge.inward,
+            normal=tilt / np.linalg.norm(tilt),
+            bend=edge.bend,
+            sigma=float(np.sqrt(edge.covariance[1, 1])),
+        )
     )
+    run.poses.append(seen.world_from_sensor)
+    run.forces.append(seen.force)
+    run.misfit += (edge.misfit - run.misfit) / min(len(run.ticks), 50)
+    if len(run.ticks) <= 10:
+        wanted = gains.press * seen.image.stiffness * edge.area
+        run.set_force += (wanted - run.set_force) / len(run.ticks)
+
+
+def _over(run: _Run, edge: Followed, config: EdgeConfig) -> Ended | None:
+    """Whether the edge is at a corner, or has come round."""
+    run.cornering = run.cornering + 1 if min(edge.ahead, edge.opens) < config.corner else 0
+    if run.cornering >= config.confirm:
+        return "corner"
+    if run.travel > config.least_loop:
+        first, last = run.ticks[0], run.ticks[-1]
+        gap = last.point - first.point
+        past = float(gap @ first.tangent)
+        aside = float(np.linalg.norm(gap - past * first.tangent))
+        there = config.overlap < past < 3.0 * config.overlap and aside < config.closing
+        if there and first.tangent @ last.tangent > 0.8:
+            return "closed"
+    return None
+
+
+def _command(
+    run: _Run,
+    edge: Followed,
+    seen: Observation,
+    guard: Guard,
+    law: HybridGains,
+    gains: ServoGains,
+    config: EdgeConfig,
+    rest: float,
+) -> Floats:
+    """The (6,) twist of this tick, aimed from where the pad will be when it is obeyed."""
+    soon = guard.pending.motion(seen.time)
+    turn = soon[:2, :2].T
+    direction, inward = turn @ edge.direction, turn @ edge.inward
+    foot = turn @ (edge.foot - soon[:2, 3])
+    slope = turn @ edge.slope + np.array([-soon[0, 2], -soon[1, 2]])
+    if edge.covariance[3, 3] > config.level_sigma**2 or edge.covariance[4, 4] > config.level_sigma**2:
+        slope = np.zeros(2)
+    press = (run.set_force - seen.force) / (seen.image.stiffness * max(edge.area, 20.0)) - soon[2, 3]
+    press = min(press, config.deepest * gains.press - edge.plateau)
+    angle = (np.arctan2(direction[1], direction[0]) - rest + np.pi) % (2.0 * np.pi) - np.pi
+    speed = min(config.speed, 0.75 * config.turn / max(abs(edge.bend), 1e-3))
+    aside = np.clip(config.gain_offset * (config.inside + float(foot @ inward)), -speed, speed)
+    spin = config.gain_angle * angle + speed * edge.bend * edge.side
+    wish = np.zeros(6)
+    wish[:2] = speed * direction + aside * inward
+    wish[5] = np.clip(spin, -config.turn, config.turn)
+    twist, run.law = hybrid(run.law, press, slope, edge.centroid, wish, guard.period, law)
+    return twist
+
+
+def _moved(edge: Followed, before: Floats, after: Floats, config: EdgeConfig, period: float) -> Expected:
+    """The edge as the pad should see it after its move."""
+    turn = after[:3, :3].T @ before[:3, :3]
+    direction = turn[:2, :2] @ edge.direction
+    foot = (turn @ np.array([*edge.foot, 0.0]) + after[:3, :3].T @ (before[:3, 3] - after[:3, 3]))[:2]
+    angle = float(np.arctan2(direction[1], direction[0]))
+    ahead = config.speed * period
+    sigma = float(np.hypot(np.sqrt(max(edge.covariance[5, 5], 0.0)), config.bend_drift * ahead * 3.0))
+    offset = float(foot @ np.array([-direction[1], direction[0]]))
+    return Expected(angle, offset, edge.side, edge.bend, sigma, config.reach)
+
+
+def _gone_back(guard: Guard, run: _Run, config: EdgeConfig) -> Expected | None:
+    """Back to where the edge was last seen well, and look for it there."""
+    steps = max(1, round(config.back / (config.speed * guard.period)))
+    pose = run.poses[max(0, len(run.poses) - 1 - steps)]
+    tangent = run.ticks[max(0, len(run.ticks) - 1 - steps)].tangent
+    guard.go_to(pose)
+    run.law = HybridState()
+    found = _first(dwell(guard, 4), tangent, config)
+    return None if found is None else replace(found, bend=run.ticks[-1].bend)

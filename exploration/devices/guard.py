@@ -203,7 +203,9 @@ def _flange_twist(twist: Floats, flange_from_sensor: Floats) -> Floats:
     """The same motion seen from the flange: w turns with the frame, v gains the lever arm's part."""
     r, p = flange_from_sensor[:3, :3], flange_from_sensor[:3, 3]
     w = r @ twist[3:]
-    return np.concatenate([r @ twist[:3] + np.cross(p, w), w])
+    v = r @ twist[:3]
+    lever = (p[1] * w[2] - p[2] * w[1], p[2] * w[0] - p[0] * w[2], p[0] * w[1] - p[1] * w[0])
+    return np.array([v[0] + lever[0], v[1] + lever[1], v[2] + lever[2], *w])
 
 
 def _neighborhood_peak(depth: Floats) -> float:

@@ -28,10 +28,15 @@ class Pending:
             self._said.popleft()
 
     def motion(self, time: float) -> Floats:
-        """(4, 4) sensor_now_from_sensor_soon: what is still to be done at `time` [s]."""
-        still = np.eye(4)
-        starts = [max(began, time - self.latency) for began, _ in self._said]
-        for (_, twist), began, ended in zip(self._said, starts, [*starts[1:], time], strict=True):
+        """(4, 4) sensor_now_from_sensor_soon: what is still to be done at `time` [s].
+
+        Twists are added up, as they may be over times in which the pad hardly turns.
+        """
+        still = np.zeros(6)
+        ended = time
+        for began, twist in reversed(self._said):
+            began = max(began, time - self.latency)
             if ended > began:
-                still = still @ exp(twist * (ended - began))
-        return still
+                still += twist * (ended - began)
+                ended = began
+        return exp(still)
