@@ -83,9 +83,8 @@ def contacts_of(
     if isinstance(surface, NoSurface):
         return Contacts.of(np.empty((0, 3)))
     xy, sigma, normal_sigma = _design(surface, image)
-    c = surface.coefficients
     local = np.column_stack([xy, -surface.depth_at(xy)])
-    slope = c[1:3] - xy @ np.array([[c[3], c[4]], [c[4], c[5]]])
+    slope = surface.slope_at(xy)
     outward = np.column_stack([-slope, -np.ones(len(xy))])
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     return Contacts.of(

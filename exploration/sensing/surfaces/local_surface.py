@@ -1,32 +1,29 @@
-"""The object's surface under the pad, from one frame: point, normal and curvature, with covariance.
+"""The object's surface under the pad, from one frame: point, normal, curvature and order, with covariance.
 
-The least-squares paraboloid of `footprint`, with the blur in the model: unmodeled, blur would pull the contact
-point out by spread^2 / 2R and make a cylinder of radius 20 mm look a third blunter.  A plane is fitted first;
-curvature is kept where it lowers chi2 by `WORTH`.  With g the gradient of the indentation at a point and H its
-(negated) Hessian, the outward normal is (-gx, -gy, -1)/s, s^2 = 1 + |g|^2 (see `frame`), and the curvature in
-tangent axes is T^t H T / s, T the coordinates of the tangent basis (convex is positive).
+The least-squares smooth contact (`smooth_fit`) of the likeliest order (`order`), or a dome cut by the lines that
+are given (`footprint`), both with the blur in the model: unmodeled, blur would pull the contact point out by
+spread^2 / 2R and make a cylinder of radius 20 mm look a third blunter.  With g the gradient of the indentation at
+a point and H its (negated) Hessian, the outward normal is (-gx, -gy, -1)/s, s^2 = 1 + |g|^2 (see `frame`), and the
+curvature in tangent axes is T^t H T / s, T the coordinates of the tangent basis (convex is positive).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import sqrt
 
+import numba
 import numpy as np
 
-from exploration.sensing.contact_mask import contact_mask, usable
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.line import Line
-from exploration.sensing.surfaces.footprint import PLANE, ROUND, Footprint, fit_footprint
+from exploration.sensing.surfaces.footprint import PLANE, Footprint, fit_footprint
+from exploration.sensing.surfaces.order import order_alone, order_contact
+from exploration.sensing.surfaces.pressed_field import dome_at
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, smooth_contact, start_dome
 from primitives.arrays import Bools, Floats, frozen
-from primitives.pose import frame_along
+from primitives.curvature import ORDERS
 
-WORTH = 20.0  # [chi2] that three curvatures must gain to be kept
-AS_ROUND = 6.0  # [chi2] that two different principal curvatures must gain over equal ones (95 %)
-ENOUGH = 3.0  # [standard deviations of chi2] within which no second start is tried
 SIGNIFICANT = 4.0  # [sigma] of a principal curvature, for the contact point to follow it
-
-
-NO_LINES = frozen(np.empty(0))
+STRAIGHT = 1e-5  # [1/mm] less is no curvature
 
 
 @dataclass(frozen=True)
@@ -49,19 +46,28 @@ class LocalSurface:
     curvature: Floats  # (2, 2) [1/mm] in the tangents; positive where the object is convex
     curvature_covariance: Floats  # (3, 3) of kxx, kxy, kyy
     coefficients: Floats  # (6,) d0, gx, gy, kxx, kxy, kyy of depth(x, y) about the pad's center
-    covariance: Floats  # (6, 6); zero for curvatures that were not needed
+    covariance: Floats  # (6, 6); that of its order: a plane's curvatures have none, a ball's are one
     curved: bool  # whether curvature was needed
+    orders: Floats  # (4,) probabilities of `primitives.curvature.ORDERS`
     chi2: float
     dof: int
     mask: Bools  # (rows, columns) taxels in contact
 
+    @property
+    def order(self) -> str:
+        """The likeliest of `primitives.curvature.ORDERS`."""
+        return ORDERS[int(np.argmax(self.orders))]
+
     def depth_at(self, xy: Floats) -> Floats:
         """(n,) [mm] indentation of the unblurred surface at (n, 2) points of the pad."""
-        depth: Floats = _monomials(np.atleast_2d(xy)) @ self.coefficients
-        return depth
+        return np.array([dome_at(self.coefficients, x, y)[0] for x, y in np.atleast_2d(xy)])
+
+    def slope_at(self, xy: Floats) -> Floats:
+        """(n, 2) gradient of the indentation."""
+        return np.array([dome_at(self.coefficients, x, y)[1:] for x, y in np.atleast_2d(xy)]).reshape(-1, 2)
 
     def depth_sigma_at(self, xy: Floats) -> Floats:
-        """(n,) [mm] its standard deviation."""
+        """(n,) [mm] standard deviation of the indentation."""
         m = _monomials(np.atleast_2d(xy))
         variance: Floats = np.einsum("ni,ij,nj->n", m, self.covariance, m)
         return np.sqrt(np.maximum(0.0, variance))
@@ -72,143 +78,168 @@ class LocalSurface:
         values, vectors = np.linalg.eigh(self.curvature)
         return values[::-1], (self.basis[:, :2] @ vectors[:, ::-1]).T
 
+    @property
+    def principal_sigma(self) -> Floats:
+        """(2,) [1/mm] standard deviations of the principal curvatures."""
+        _, vectors = np.linalg.eigh(self.curvature)
+        a, b = vectors[:, ::-1]
+        m = np.stack([a * a, 2 * a * b, b * b], axis=1)
+        variance: Floats = np.einsum("ni,ij,nj->n", m, self.curvature_covariance, m)
+        return np.sqrt(np.maximum(0.0, variance))
+
+    @property
+    def radius(self) -> tuple[float, float]:
+        """[mm] of the sharpest normal section, negative in a hollow, and its sigma; (inf, inf) of a plane."""
+        values, sigmas = self.principal[0], self.principal_sigma
+        sharpest = int(np.argmax(np.abs(values)))
+        k = float(values[sharpest])
+        if not self.curved or abs(k) < STRAIGHT:
+            return np.inf, np.inf
+        return 1.0 / k, float(sigmas[sharpest]) / k**2
+
 
 def fit_surface(image: TactileImage, lines: Sequence[Line] = ()) -> LocalSurface | NoSurface:
     """The surface that a frame shows, cut by the lines that are given."""
-    if not usable(image):
+    contact = smooth_contact(image)
+    if contact is None:
         return NoSurface("the frame holds values that are not finite, or no living taxel")
-    mask = contact_mask(image)
-    if not mask.any():
+    if not contact:
         return NoSurface("nothing is felt above the noise")
-    cuts = np.array([value for line in lines for value in (line.angle, line.offset)])
-    fit, curved = fit_smooth(image, mask, cuts, np.array([line.material_side for line in lines], dtype=float))
-    if not fit.converged:
+    if lines:
+        return _cut_surface(image, contact, lines)
+    return smooth_surface(image, contact, fit_dome(contact))
+
+
+def smooth_surface(image: TactileImage, contact: SmoothContact, dome: Footprint) -> LocalSurface | NoSurface:
+    """The surface of a fitted dome, as the order that it most likely has."""
+    if not dome.converged:
         return NoSurface("the fit of the sensor model did not converge")
-    return surface_of(image, mask, fit, curved)
+    found = order_contact(contact, dome)
+    return surface_of(image, contact.mask, found.fit, found.curved, found.probability)
 
 
-def fit_smooth(
-    image: TactileImage, mask: Bools, cuts: Floats = NO_LINES, sides: Floats = NO_LINES
-) -> tuple[Footprint, bool]:
-    """The best plane, or the best paraboloid where it is worth it, cut by (angle, offset) pairs; is it curved?"""
-    flat = np.concatenate([start_of(image, mask, False), cuts])
-    best = fit_footprint(image, flat, sides) if len(sides) else fit_paraboloid(image, mask)
-    if not _fits(best) or _wald(best) < 4 * WORTH:
-        plane = fit_footprint(image, flat, sides, shape=PLANE)
-        if not _fits(best) and len(sides):
-            other = fit_footprint(image, plane.parameters, sides)
-            best = other if other.chi2 < best.chi2 else best
-        if plane.converged and plane.chi2 - best.chi2 < WORTH * max(1.0, best.chi2 / max(1, best.dof)):
-            return plane, False
-    kxx, _, kyy = best.parameters[3:6]
-    if len(sides) or min(kxx, kyy) < 0.3 * max(kxx, kyy):
-        return best, True
-    start = best.parameters.copy()
-    start[3:6] = (kxx + kyy) / 2, 0.0, (kxx + kyy) / 2
-    ball = fit_footprint(image, start, sides, shape=ROUND)
-    return (ball if ball.converged and ball.chi2 - best.chi2 < AS_ROUND else best), True
+def _cut_surface(
+    image: TactileImage, contact: SmoothContact, lines: Sequence[Line]
+) -> LocalSurface | NoSurface:
+    cuts = np.array([value for line in lines for value in (line.angle, line.offset)])
+    sides = np.array([line.material_side for line in lines], dtype=float)
+    level = np.zeros(6)
+    level[0] = float(lines[0].plateau)
+    plane = fit_footprint(image, np.concatenate([level, cuts]), sides, shape=PLANE)
+    dome = fit_footprint(image, plane.parameters if plane.converged else np.concatenate([level, cuts]), sides)
+    if not dome.converged and not plane.converged:
+        return NoSurface("the fit of the sensor model did not converge")
+    if not dome.converged:
+        return surface_of(image, contact.mask, plane, False, np.array([1.0, 0.0, 0.0, 0.0]))
+    inflation = max(1.0, dome.chi2 / max(1, dome.dof))
+    orders = order_alone(dome.parameters[:6], dome.covariance[:6, :6] * inflation)
+    curved = bool(orders[0] < 0.5) or not plane.converged
+    return surface_of(image, contact.mask, dome if curved else plane, curved, orders)
 
 
 def fit_paraboloid(image: TactileImage, mask: Bools) -> Footprint:
-    """The best smooth surface, from as many starts as it takes to explain the frame."""
-    best = fit_footprint(image, start_of(image, mask, True), NO_LINES)
-    if not _fits(best):
-        plane = fit_footprint(image, start_of(image, mask, False), NO_LINES, shape=PLANE)
-        for start in (plane.parameters, _dome(image, mask, 1.0), _dome(image, mask, 2.0)):
-            other = fit_footprint(image, start, NO_LINES)
-            best = other if other.chi2 < best.chi2 else best
-            if _fits(best):
-                break
-    return best
-
-
-def _fits(fit: Footprint) -> bool:
-    return fit.chi2 < fit.dof + ENOUGH * sqrt(2 * max(1, fit.dof))
+    """The best smooth surface of any two curvatures, from as many starts as it takes to explain the frame."""
+    contact = smooth_contact(image, mask)
+    if contact is None:
+        return Footprint(np.zeros(6), np.zeros((6, 6)), np.inf, 1, False, np.zeros(image.depth.shape))
+    return fit_dome(contact)
 
 
 def start_of(image: TactileImage, mask: Bools, curved: bool) -> Floats:
-    """Starting coefficients (6,): a least-squares plane or paraboloid of the deeper taxels."""
-    keep = mask & np.isfinite(image.sigma)
-    x, y = np.meshgrid(image.array.x, image.array.y)
-    xy = np.stack([x[keep], y[keep]], axis=1)
-    z = image.depth[keep]
-    out = np.zeros(6)
-    if curved and len(z) > 8:
-        out[:] = np.linalg.lstsq(_monomials(xy), z, rcond=None)[0]
-        out[3:] *= 1.3
-    elif len(z):
-        out[0] = float(z.mean())
-    return out
+    """Starting coefficients (6,): a least-squares level plane or paraboloid of the touched taxels."""
+    array = image.array
+    alive = np.isfinite(image.sigma)
+    depth = np.where(alive, image.depth, 0.0)
+    if curved:
+        dome: Floats = start_dome(depth, alive.astype(float), mask, array.x, array.y)
+        return dome
+    keep = mask & alive
+    level = np.zeros(6)
+    level[0] = float(depth[keep].mean()) if keep.any() else 0.0
+    return level
 
 
-def _wald(fit: Footprint) -> float:
-    """[chi2] that curvature gains, to second order."""
-    k = fit.parameters[3:6]
-    return float(k @ np.linalg.solve(fit.covariance[3:6, 3:6], k)) if fit.converged else 0.0
-
-
-def _dome(image: TactileImage, mask: Bools, height: float) -> Floats:
-    """A round dome over the mask, so much higher than what is felt, for small contacts."""
-    keep = mask & np.isfinite(image.sigma)
-    x, y = np.meshgrid(image.array.x, image.array.y)
-    px, py = image.array.pitch
-    top = height * float(image.depth[keep].max(initial=0.0)) + 1e-6
-    cx, cy = (float(x[keep].mean()), float(y[keep].mean())) if keep.any() else (0.0, 0.0)
-    k = 2 * top / max(float(keep.sum()) * px * py / np.pi, image.spread**2)
-    return np.array([top - 0.5 * k * (cx**2 + cy**2), k * cx, k * cy, k, 0.0, k])
-
-
-def surface_of(image: TactileImage, mask: Bools, fit: Footprint, curved: bool) -> LocalSurface:
+def surface_of(
+    image: TactileImage, mask: Bools, fit: Footprint, curved: bool, orders: Floats | None = None
+) -> LocalSurface:
     """Point, normal and curvature of fitted coefficients."""
-    c = np.array(fit.parameters[:6])
     inflation = max(1.0, fit.chi2 / max(1, fit.dof))
-    covariance = fit.covariance[:6, :6] * inflation
-    hessian = np.array([[c[3], c[4]], [c[4], c[5]]])
-    xy = _deepest(image, mask, c, covariance)
-    gradient = c[1:3] - hessian @ xy
-    depth = float((_monomials(xy[None]) @ c)[0])
-    outward = np.array([-gradient[0], -gradient[1], -1.0])
-    scale = float(np.linalg.norm(outward))
-    basis = frame_along(outward / scale, np.array([1.0, 0.0, 0.0]))
-    tangents = basis[:2, :2]
-    pairs = ((0, 0), (0, 1), (1, 1))
-    turn = np.array([_products(tangents[:, a], tangents[:, b]) for a, b in pairs]) / scale
+    c, covariance = np.ascontiguousarray(fit.parameters[:6]), fit.covariance[:6, :6] * inflation
+    if orders is None:
+        orders = order_alone(c, covariance)
+    point, normal, basis, curvature, spread = _anatomy(c, covariance, mask, image.array.x, image.array.y)
+    for array in (point, normal, basis, curvature, spread, c, covariance, mask):
+        array.flags.writeable = False
     return LocalSurface(
-        point=frozen([xy[0], xy[1], -depth]),
-        normal=frozen(outward / scale),
-        basis=frozen(basis),
-        curvature=frozen(tangents.T @ hessian @ tangents / scale),
-        curvature_covariance=frozen(turn @ covariance[3:, 3:] @ turn.T),
-        coefficients=frozen(c),
-        covariance=frozen(covariance),
-        curved=curved,
-        chi2=fit.chi2,
-        dof=fit.dof,
-        mask=frozen(mask, np.bool_),
+        point,
+        normal,
+        basis,
+        curvature,
+        spread,
+        c,
+        covariance,
+        curved,
+        frozen(orders),
+        fit.chi2,
+        fit.dof,
+        mask,
     )
 
 
-def _deepest(image: TactileImage, mask: Bools, c: Floats, covariance: Floats) -> Floats:
+@numba.njit(cache=True, error_model="numpy")
+def _anatomy(
+    c: Floats, covariance: Floats, mask: Bools, x: Floats, y: Floats
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Point, normal, tangent basis, curvature in the tangents, and its covariance."""
+    at = _deepest(c, covariance, mask, x, y)
+    depth, gx, gy = dome_at(c, at[0], at[1])
+    scale = np.sqrt(1.0 + gx * gx + gy * gy)
+    normal = np.array([-gx, -gy, -1.0]) / scale
+    first = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
+    first /= np.sqrt(np.sum(first * first))
+    basis = np.empty((3, 3))
+    basis[:, 0], basis[:, 1], basis[:, 2] = first, np.cross(normal, first), normal
+    turn = np.empty((3, 3))
+    for row, (i, j) in enumerate(((0, 0), (0, 1), (1, 1))):
+        a, b = basis[:2, i], basis[:2, j]
+        turn[row] = np.array([a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[1] * b[1]]) / scale
+    k = turn @ c[3:]
+    spread = turn @ np.ascontiguousarray(covariance[3:, 3:]) @ turn.T
+    return np.array([at[0], at[1], -depth]), normal, basis, np.array([[k[0], k[1]], [k[1], k[2]]]), spread
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _deepest(c: Floats, covariance: Floats, mask: Bools, x: Floats, y: Floats) -> Floats:
     """From the mask's centroid, along each curved principal direction, to the greatest depth within the mask."""
-    x, y = np.meshgrid(image.array.x, image.array.y)
-    xy = np.stack([x[mask], y[mask]], axis=1)
-    center: Floats = xy.mean(axis=0)
-    hessian = np.array([[c[3], c[4]], [c[4], c[5]]])
-    gradient = c[1:3] - hessian @ center
-    values, vectors = np.linalg.eigh(hessian)
+    count, cx, cy = 0, 0.0, 0.0
+    for i in range(len(y)):
+        for j in range(len(x)):
+            if mask[i, j]:
+                count += 1
+                cx += x[j]
+                cy += y[i]
+    center = np.array([cx / max(1, count), cy / max(1, count)])
     out = center.copy()
-    for value, e in zip(values, vectors.T, strict=True):
-        weights = np.array([e[0] ** 2, 2 * e[0] * e[1], e[1] ** 2])
-        sigma = float(np.sqrt(max(0.0, weights @ covariance[3:, 3:] @ weights)))
-        if value > SIGNIFICANT * sigma and value > 0.0:
-            span = (xy - center) @ e
-            out += float(np.clip(gradient @ e / value, span.min(), span.max())) * e
+    mean, half = 0.5 * (c[3] + c[5]), np.hypot(0.5 * (c[3] - c[5]), c[4])
+    angle = 0.5 * np.arctan2(c[4], 0.5 * (c[3] - c[5]))
+    gx = c[1] - c[3] * center[0] - c[4] * center[1]
+    gy = c[2] - c[4] * center[0] - c[5] * center[1]
+    for turn, value in ((0.0, mean + half), (0.5 * np.pi, mean - half)):
+        ex, ey = np.cos(angle + turn), np.sin(angle + turn)
+        m = np.array([0.0, 0.0, 0.0, ex * ex, 2.0 * ex * ey, ey * ey])
+        sigma = np.sqrt(max(0.0, m @ (covariance @ m)))
+        if value <= max(SIGNIFICANT * sigma, STRAIGHT):
+            continue
+        low, high = 0.0, 0.0
+        for i in range(len(y)):
+            for j in range(len(x)):
+                if mask[i, j]:
+                    t = (x[j] - center[0]) * ex + (y[i] - center[1]) * ey
+                    low, high = min(low, t), max(high, t)
+        reach = min(high, max(low, (gx * ex + gy * ey) / value))
+        out[0] += reach * ex
+        out[1] += reach * ey
     return out
-
-
-def _products(a: Floats, b: Floats) -> list[float]:
-    """The factors of kxx, kxy and kyy in a^t K b."""
-    return [a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[1] * b[1]]
 
 
 def _monomials(xy: Floats) -> Floats:

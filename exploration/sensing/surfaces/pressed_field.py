@@ -1,4 +1,8 @@
-"""The blurred, taxel-averaged field of a clipped paraboloid that is cut by lines, and its derivatives.
+"""The blurred, taxel-averaged field of a clipped dome that is cut by lines, and its derivatives.
+
+The dome is the paraboloid q, bent to the circle that a round section is: with s = g - K r the paraboloid's slope,
+w = s^T K^-1 s and t = |s|^2 in the curved directions, q - (w/(1 + sqrt(1 - t)) - w/2) is the sphere or cylinder of
+K exactly (R (1 - sqrt(1 - u^2/R^2)) with u = R s), and to fourth order any dome whose axes are K's.
 
 The field is laid on cells about a blur wide that reach `MARGIN` blurs past the pad, or to the end of the skin,
 which mirrors what spreads beyond it.  Each cell holds its own mean, taken as if q were linear in it and smeared
@@ -18,6 +22,7 @@ from primitives.arrays import Floats, Ints
 MARGIN = 3.0  # [blurs]
 CELL = 1.05  # [blurs] no cell is wider
 LEAST_BLUR = 0.25  # [taxels] a sharper skin is treated as this blurred
+FLAT = 5e-4  # [1/mm] curvature below which a direction is not bent to a circle
 
 
 @lru_cache(maxsize=32)
@@ -64,6 +69,48 @@ def _axis(count: int, pitch: float, spread: float, skin: float, fine: bool) -> t
     return np.stack([(edges[1:] + edges[:-1]) / 2, size]), shares
 
 
+@numba.njit(cache=True, error_model="numpy")
+def bending(kxx: float, kxy: float, kyy: float, out: Floats) -> bool:
+    """Coefficients (6,) of w and t as quadratic forms of the slope (xx, xy twice, yy); false where flat."""
+    mean, half = 0.5 * (kxx + kyy), np.hypot(0.5 * (kxx - kyy), kxy)
+    cosine, sine = 0.5 * (kxx - kyy) / (half + 1e-12), kxy / (half + 1e-12)
+    out[:] = 0.0
+    for sign in (1.0, -1.0):
+        k = mean + sign * half
+        weight = k * k / (k * k + FLAT * FLAT)
+        w = weight * k / (k * k + FLAT * FLAT)
+        exx, exy, eyy = 0.5 * (1.0 + sign * cosine), 0.5 * sign * sine, 0.5 * (1.0 - sign * cosine)
+        out[0] += w * exx
+        out[1] += 2.0 * w * exy
+        out[2] += w * eyy
+        out[3] += weight * exx
+        out[4] += 2.0 * weight * exy
+        out[5] += weight * eyy
+    return bool(abs(mean) + half > 0.0)
+
+
+@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy", inline="always")
+def _lowered(b: Floats, sx: float, sy: float) -> float:
+    """How far the dome lies below the paraboloid where that slopes so."""
+    w = b[0] * sx * sx + b[1] * sx * sy + b[2] * sy * sy
+    t = min(1.0, b[3] * sx * sx + b[4] * sx * sy + b[5] * sy * sy)
+    lowered: float = w * t * (0.125 + t * (0.0625 + t * (0.0390625 + t * 0.02734375)))
+    return lowered
+
+
+@numba.njit(cache=True, error_model="numpy")
+def dome_at(p: Floats, x: float, y: float) -> tuple[float, float, float]:
+    """Depth and slope of the dome that has these coefficients, before blur."""
+    b = np.empty(6)
+    bending(p[3], p[4], p[5], b)
+    sx = p[1] - p[3] * x - p[4] * y
+    sy = p[2] - p[4] * x - p[5] * y
+    q = p[0] + p[1] * x + p[2] * y - 0.5 * (p[3] * x * x + p[5] * y * y) - p[4] * x * y
+    ux, uy = b[3] * sx + 0.5 * b[4] * sy, 0.5 * b[4] * sx + b[5] * sy
+    steeper = 0.5 * min(1.0, sx * ux + sy * uy)
+    return q - _lowered(b, sx, sy), sx + steeper * ux, sy + steeper * uy
+
+
 @numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
 def fields_of(x: Floats, y: Floats, p: Floats, sides: Floats, union: bool, fields: Floats) -> None:
     """Means over cells (2 + n, ny, nx): the field, and its derivatives to d0 and to minus each line's offset.
@@ -73,21 +120,35 @@ def fields_of(x: Floats, y: Floats, p: Floats, sides: Floats, union: bool, field
     n = len(sides)
     nx, ny = x.shape[1], y.shape[1]
     height, total, cover, steep = np.empty(nx), np.empty(nx), np.empty((n, nx)), np.empty((n, nx))
+    b = np.empty(6)
+    curved = bending(p[3], p[4], p[5], b)
     for i in range(ny):
         yy, hy = y[0, i], y[1, i]
         field, material = fields[0, i], fields[1, i]
+        felt = False
+        base = p[0] + p[2] * yy - 0.5 * p[5] * (yy * yy + hy * hy / 12.0)
         for j in range(nx):
             xx, hx = x[0, j], x[1, j]
             sx = p[1] - p[3] * xx - p[4] * yy
             sy = p[2] - p[4] * xx - p[5] * yy
-            curved = p[3] * (xx * xx + hx * hx / 12.0) + p[5] * (yy * yy + hy * hy / 12.0)
-            q = p[0] + p[1] * xx + p[2] * yy - 0.5 * curved - p[4] * xx * yy
-            w = 0.5 * np.sqrt(sx * sx * hx * hx + sy * sy * hy * hy) + 1e-12
-            inside = min(1.0, max(0.0, (q + w) / (2.0 * w)))
+            q = base + (p[1] - p[4] * yy) * xx - 0.5 * p[3] * (xx * xx + hx * hx / 12.0)
+            if curved:
+                q -= _lowered(b, sx, sy)
+            inside, high = 0.0, 0.0
+            reach = 0.5 * (abs(sx) * hx + abs(sy) * hy) + 1e-12
+            if q >= reach:
+                inside, high = 1.0, q
+            elif q > -reach:
+                w = 0.5 * np.sqrt(sx * sx * hx * hx + sy * sy * hy * hy) + 1e-12
+                inside = min(1.0, max(0.0, (q + w) / (2.0 * w)))
+                high = q if q > w else 0.5 * (q + w) * inside
+            felt |= inside > 0.0
             material[j] = inside
-            height[j] = q if q > w else 0.5 * (q + w) * inside
-            field[j] = height[j]
-        if not height.any():
+            height[j] = high
+            field[j] = high
+        if n == 0:
+            continue
+        if not felt:
             fields[2:, i] = 0.0
             continue
         for k in range(n):
