@@ -12,12 +12,18 @@ from typing import Any
 
 import numpy as np
 from perception import presses
+from perception.arcs import arc_rows
 from perception.arrays import OTHERS
 from perception.edges import OURS, Asked, Finder, edge_rows, false_rows, many_rows
 from perception.noise import Noise
+from perception.real import real_rows
+from perception.surfaces import curvature_rows
+from perception.times import time_rows
 
 from exploration.sensing.baselines.table import baselines
 from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.outline import find_outline
+from exploration.sensing.spec import load_sensor
 
 FRAMES = 2000
 FALSE = 5  # times as many for false lines
@@ -46,7 +52,8 @@ MANY = {
     "bar-end": presses.bar_end,
 }
 WITHOUT = {"flat": presses.flat, "empty": presses.empty, "sphere": presses.ball, "cylinder": presses.bar}
-ROWS = (*EDGES, *MANY, "false")
+BUILT = ("lts210", "dsa", "fingertip", "square32")
+ROWS = ("times", *EDGES, *MANY, "disc-hole", "false", "curvature", "built", "real")
 
 
 def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, Any]]:
@@ -60,11 +67,33 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
             out += edge_rows(name, methods(), maker, noise, frames, asked)
         elif key in MANY:
             out += many_rows(key, methods(), MANY[key], PLAIN, frames, SEVERAL)
-        elif key == "false":
-            out += false_rows(methods(), WITHOUT, PLAIN, FALSE * frames)
+        else:
+            out += _OTHER_ROWS[key](frames)
     return out
 
 
 def methods() -> dict[str, Finder]:
     """Ours, and what it is compared with."""
     return {OURS: find_lines, **baselines()}
+
+
+def _built(frames: int) -> list[dict[str, Any]]:
+    """Built-in arrays as they are: their own blur and noise, and a skin that ends near the outer taxels."""
+    rows = []
+    for name in BUILT:
+        spec = load_sensor(name)
+        e = spec.electronics
+        maker = partial(presses.edge, spec=spec)
+        noise = Noise(e.noise, e.plateau)
+        rows += edge_rows(f"{name} as built", {OURS: find_lines}, maker, noise, frames, Asked())
+    return rows
+
+
+_OTHER_ROWS = {
+    "times": lambda frames: time_rows(PLAIN, frames),
+    "disc-hole": lambda frames: arc_rows(lambda image: find_outline(image).arcs, PLAIN, frames),
+    "false": lambda frames: false_rows(methods(), WITHOUT, PLAIN, FALSE * frames),
+    "curvature": lambda frames: curvature_rows(PLAIN, frames // 10),
+    "built": _built,
+    "real": lambda frames: real_rows(methods()),
+}

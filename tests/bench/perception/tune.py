@@ -38,83 +38,72 @@ GRIDS = {
     "contour": (
         muthukrishnan.contour_lines,
         muthukrishnan.ContourConfig(),
-        {"tolerance": (0.5, 0.6, 0.8, 1.0, 1.3, 1.8)},
+        {"tolerance": (0.5, 0.8, 1.0, 1.3, 1.8, 2.5, 3.5)},
     ),
     "burns": (
         burns.burns_lines,
         burns.BurnsConfig(),
-        {"least": (0.03, 0.05, 0.08, 0.12, 0.2), "support": (0.3, 0.5, 0.7), "binary": (False, True)},
+        {"least": (0.03, 0.05, 0.08, 0.1, 0.12, 0.15), "support": (0.3, 0.5, 0.7), "binary": (False, True)},
     ),
     "plain": (
         plain_hough.plain_hough,
         plain_hough.PlainHoughConfig(),
         {
-            "theta": (1.0, 2.0, 4.0),
-            "rho": (0.25, 0.5, 1.0),
-            "window": (5.0, 10.0, 20.0, 40.0, 90.0),
-            "least": (0.1, 0.3, 0.5),
+            "theta": (1.0, 2.0),
+            "rho": (0.5, 1.0, 1.5, 2.0),
+            "window": (7.0, 10.0, 20.0),
+            "least": (0.3, 0.5, 0.6),
         },
     ),
     "adaptive": (
         adaptive_hough.adaptive_hough,
         adaptive_hough.AdaptiveHoughConfig(),
-        {
-            "level": (0.6, 0.7, 0.8, 0.9, 0.95),
-            "least": (0.3, 0.5, 0.65),
-            "finest": ((1.0, 0.12), (2.0, 0.25), (4.0, 0.5)),
-            "cells": (9, 13),
-        },
+        {"level": (0.7, 0.8, 0.9, 0.95), "least": (0.5, 0.65, 0.75, 0.85)}
+        | {"finest": ((2.0, 0.25), (4.0, 0.5), (6.0, 0.75), (8.0, 1.0)), "cells": (9, 13, 17)},
     ),
     "canny": (
         opencv_lines.hough_lines,
         CANNY,
-        STRONG | {"rho": (0.25, 0.5, 1.0), "theta": (0.5, 1.0, 2.0), "smooth": (0.0, 0.7, 1.2)},
+        {"low": (20.0, 70.0, 150.0), "high": (100.0, 200.0, 300.0, 400.0)}
+        | {"rho": (0.25, 0.5, 1.0, 1.5), "theta": (0.5, 1.0, 2.0, 4.0), "smooth": (0.0, 0.7)},
     ),
     "enlarged": (
         opencv_lines.hough_lines,
         CANNY,
-        {"enlarge": (4, 8), "low": (10.0, 20.0, 40.0), "high": (20.0, 40.0, 80.0)}
-        | {"rho": (1.0, 2.0, 4.0), "theta": (0.5, 1.0), "smooth": (0.0, 0.5, 1.0)},
+        {"enlarge": (4, 6, 8), "low": (20.0, 40.0), "high": (60.0, 80.0, 120.0)}
+        | {"rho": (1.0, 2.0, 3.0), "theta": (0.25, 0.5), "smooth": (0.7, 1.0, 1.5, 2.0)},
     ),
     "segments": (
         opencv_lines.hough_segments,
         CANNY,
-        STRONG
-        | {
-            "rho": (0.5, 1.0),
-            "theta": (1.0, 2.0),
-            "length": (3.0, 5.0),
-            "gap": (1.0, 3.0),
-            "smooth": (0.0, 0.7),
-        },
+        {
+            "low": (70.0, 100.0),
+            "high": (150.0, 200.0, 300.0),
+            "rho": (0.25, 0.5, 1.0),
+            "theta": (0.5, 1.0, 2.0),
+        }
+        | {"length": (3.0, 5.0), "gap": (3.0, 5.0), "smooth": (0.5, 0.7, 1.0)},
     ),
     "points": (
         opencv_lines.hough_points,
         opencv_lines.PointsConfig(),
-        {"rho": (0.1, 0.25, 0.5, 1.0), "theta": (0.5, 1.0, 2.0, 4.0)},
+        {"rho": (0.25, 0.4, 0.5, 0.7, 1.0), "theta": (0.25, 0.5, 1.0, 2.0)},
     ),
     "skimage": (
         skimage_lines.hough_lines,
         skimage_lines.SkimageConfig(),
         {
-            "smooth": (0.5, 0.7, 1.0, 1.4),
-            "low": (0.05, 0.1, 0.2),
-            "high": (0.1, 0.2, 0.4),
+            "smooth": (0.7, 1.0, 1.4, 1.8, 2.2),
+            "low": (0.05, 0.1),
+            "high": (0.1, 0.2),
             "theta": (0.5, 1.0, 2.0),
         },
     ),
     "probabilistic": (
         skimage_lines.hough_segments,
         skimage_lines.SkimageConfig(),
-        {
-            "smooth": (0.7, 1.0, 1.4),
-            "low": (0.05, 0.1),
-            "high": (0.1, 0.2),
-            "theta": (1.0, 2.0),
-            "votes": (3, 5),
-            "length": (4, 6),
-            "gap": (1, 3),
-        },
+        {"smooth": (1.0, 1.4, 1.8), "low": (0.05,), "high": (0.1, 0.2), "theta": (1.0, 2.0)}
+        | {"votes": (3, 5, 8), "length": (4, 6), "gap": (1, 3, 5)},
     ),
 }
 Pressed = list[tuple[Scene, TactileImage]]
