@@ -8,7 +8,7 @@ from pathlib import Path
 
 from models import parts
 from models.csg import Csg
-from models.formats import openscad
+from models.formats import intake, openscad
 from models.formats.drawn import body_of
 from models.formats.load import load
 from models.formats.units import MM, Units, checked_flags, size_warnings
@@ -42,7 +42,7 @@ def load_part(
         _require_only_body(wanted, body)
         tree = parts.build(wanted)
         return Part(wanted, Solid.from_csg(tree), tree)
-    if not _looks_like_a_file(wanted):
+    if not (intake.looks_like_a_file(wanted) or os.path.lexists(wanted)):
         raise PalpateError(parts.unknown(wanted))
     if Path(wanted).suffix.lower() in openscad.SUFFIXES:
         return _drawn(Path(wanted), units, scale, body, facets)
@@ -63,7 +63,3 @@ def _drawn(file: Path, units: Units, scale: float, body: int | None, facets: boo
 def _require_only_body(name: str, body: int | None) -> None:
     if body not in (None, 1):
         raise PalpateError(f"{name} has no body {body}; it holds one body")
-
-
-def _looks_like_a_file(text: str) -> bool:
-    return bool(Path(text).suffix) or os.sep in text or os.path.lexists(text)

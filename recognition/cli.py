@@ -8,14 +8,17 @@ stderr.
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
 from primitives.errors import PalpateError
+from recognition.console import interrupts
 
 app = typer.Typer(
     name="palpate",
@@ -33,21 +36,55 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on std
 
 
 def main() -> None:
-    """Run the command line."""
-    app()
+    """Run the command line: whatever happens is one line on stderr and an exit code, and never a traceback."""
+    interrupts.heed()
+    if sys.stdout is None:
+        _end("standard output is closed; send it to a file or to /dev/null")
+    try:
+        with interrupts.held():
+            command = typer.main.get_command(app)
+        command()
+    except (KeyboardInterrupt, SystemExit):
+        if code := interrupts.asked():  # while arguments were parsed, where nobody else says so
+            _end(_INTERRUPTED, code)
+        raise
+    except OSError as error:
+        if error.filename is not None:
+            _end(_bug_text(error))
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the exit would try again
+        _end(f"cannot print the result ({error.strerror or error}); send standard output elsewhere")
+    except Exception as error:
+        _end(_bug_text(error))
+
+
+_INTERRUPTED = "interrupted; what was recorded until then is whole"
+
+
+def _end(text: str, exit_code: int = 1) -> NoReturn:
+    typer.echo(f"palpate: {text}", err=True)
+    sys.exit(exit_code)
+
+
+def _bug_text(error: Exception) -> str:
+    from recognition.console import bugs
+
+    return str(bugs.told(error))
 
 
 @contextmanager
 def one_line_errors(exit_code: int = 1) -> Iterator[None]:
-    """A known error is one line on stderr and exit 1, Ctrl-C is one line and exit 130."""
+    """A known error is one line on stderr and exit 1; Ctrl-C is one line and exit 130, SIGTERM 143."""
     try:
         yield
     except PalpateError as error:
         typer.echo(f"palpate: {error}", err=True)
         raise typer.Exit(exit_code) from None
-    except KeyboardInterrupt:
-        typer.echo("palpate: interrupted; what was recorded until then is whole", err=True)
-        raise typer.Exit(130) from None
+    except (KeyboardInterrupt, SystemError) as error:
+        interrupt = interrupts.behind(error)
+        if interrupt is None:
+            raise
+        typer.echo(f"palpate: {_INTERRUPTED}", err=True)
+        raise typer.Exit(interrupts.asked() or 130) from None
 
 
 def print_json(value: Mapping[str, object]) -> None:
@@ -100,10 +137,14 @@ def explore(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the run in --out.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Explore a convex object of unknown shape and pose by touch, and reconstruct it."""
-    from recognition.config import ExploreOptions, parse_numbers, parse_pose
+    """Explore a convex object of unknown shape and pose by touch, and reconstruct it.
 
+    Exit code 0: the run is whole, and its summary says how it ended. 1: it could not begin, or a fault ended it.
+    """
     with one_line_errors(exit_code=2):
+        with interrupts.held():
+            from recognition.config import ExploreOptions, parse_numbers, parse_pose
+
         options = ExploreOptions(
             part=part,
             units=units,
@@ -122,15 +163,32 @@ def explore(
             overwrite=overwrite,
         )
     with listing_parts_if_unknown(part):
-        from recognition.explore import run
-        from recognition.report.terminal import summary_text, watching
+        look_at_file(part)
+        with interrupts.held():
+            from recognition.console import compiling
+            from recognition.explore import run
+            from recognition.report.terminal import summary_text, watching
+            from recognition.summary import fault_of
 
-        with watching(quiet=as_json) as watch:
+        with watching(quiet=as_json) as watch, compiling.told(watch.say):
             summary = run(options, watch)
     if as_json:
         print_json(summary)
     else:
         typer.echo(summary_text(summary, watch.folder))
+    with one_line_errors():
+        if fault := fault_of(summary):
+            raise PalpateError(
+                f"a fault ended exploration ({fault}); {watch.folder} has what was felt before"
+            )
+
+
+def look_at_file(part: str) -> None:
+    """Say what is wrong with a file at a glance, which takes no second of imports."""
+    from models.formats.intake import glance, looks_like_a_file
+
+    if looks_like_a_file(part):
+        glance(Path(part))
 
 
 @contextmanager
@@ -142,11 +200,13 @@ def listing_parts_if_unknown(part: str) -> Iterator[None]:
                 raise PalpateError("explore needs a part: a built-in name, or a CAD file")
             yield
         except PalpateError as error:
+            if Path(part).suffix or (part and Path(part).exists()):
+                raise
             from models.parts import names
             from recognition.builtin import part_rows
             from recognition.report.terminal import table_text
 
-            if part and (part in names() or Path(part).exists() or Path(part).suffix):
+            if part in names():
                 raise
             raise PalpateError(f"{error}\n\n{table_text(part_rows())}") from None
 
@@ -239,7 +299,9 @@ def library_show(
 
         checked_flags(units, scale)
     with one_line_errors():
-        from recognition.library_show import show, write_page
+        look_at_file(file)
+        with interrupts.held():
+            from recognition.library_show import show, write_page
 
         shown = show(file, units, scale, body, facets)
         if out is not None:
@@ -257,9 +319,10 @@ def library_show(
 @app.command()
 def doctor(as_json: Json = False) -> None:
     """Say what is installed, what is missing and what collides."""
-    from recognition.doctor import examine
+    with one_line_errors():
+        from recognition.doctor import examine
 
-    findings = examine()
+        findings = examine()
     if as_json:
         print_json(findings.as_json())
     else:

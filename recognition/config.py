@@ -67,7 +67,10 @@ class ExploreOptions:
             "--workspace needs its least corner before its greatest: X0<X1, Y0<Y1, Z0<Z1",
         )
         _require(_positive(self.feature), f"--feature-mm must be a positive number, not {self.feature}")
-        _require(bool(self.sensors), "--sensor needs a name; palpate sensors lists them")
+        _require(
+            bool(self.sensors) and all(name.strip() for name in self.sensors),
+            "--sensor needs a name; palpate sensors lists them",
+        )
         _require(
             self.noise is None or (math.isfinite(self.noise) and self.noise >= 0),
             f"--noise must be a fraction of 0 or more, not {self.noise}",

@@ -2,13 +2,16 @@
 
 Load, explore, reconstruct, compare, write: the steps of one run.  The explorer sees the guard alone; the object
 is asked again only when exploration is over.
+
+A run that a fault ended keeps what was felt before it, and says so in `ended`; where the fault is a bug of ours,
+`bug.txt` beside the summary has the details.
 """
 
 from __future__ import annotations
 
-import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib.metadata import version
 from typing import Any
 
@@ -20,10 +23,11 @@ from exploration.recordings.mcap import Recorder
 from models.formats import mesh, openscad, step_out
 from models.solid import Solid
 from primitives.arrays import Ints
-from primitives.errors import PalpateError
+from primitives.errors import NotWritten, PalpateError
 from recognition.assembly import NotClosed
 from recognition.assembly.described import written_tree
 from recognition.config import ExploreOptions, settings, to_toml
+from recognition.console import bugs, interrupts
 from recognition.logbook import Logbook
 from recognition.patience import Patience
 from recognition.progress import Progress
@@ -32,12 +36,11 @@ from recognition.report.page import write_report
 from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
 from recognition.run_folder import RunFolder
 from recognition.simulation import World, guarded, load_world
-from recognition.summary import summarize
+from recognition.summary import FAULT, GAVE_UP, summarize
 from recognition.truth import LabeledFaces, Truth, evaluate
 
 _DRAWN_FACET = 0.02  # [mm] between a drawn facet and the surface that it stands for
 Watcher = Callable[[Progress], None]
-_log = logging.getLogger(__name__)
 
 
 def run(options: ExploreOptions, progress: Watcher) -> dict[str, object]:
@@ -48,25 +51,29 @@ def run(options: ExploreOptions, progress: Watcher) -> dict[str, object]:
     began = time.perf_counter()
     world = load_world(options)
     folder = RunFolder.create(options.out, world.part.name, options.overwrite)
+
+    def show(stand: Progress) -> None:
+        interrupts.checkpoint()
+        progress(stand.within(folder.path))
+
+    with _owning_up(folder), interrupts.held():
+        return _run(options, world, folder, show, began)
+
+
+def _run(
+    options: ExploreOptions, world: World, folder: RunFolder, progress: Watcher, began: float
+) -> dict[str, object]:
     folder.write_text("config.toml", to_toml(options, version("palpate"), world.resolved()))
     with Recorder(folder.recording) as recorder:
         logbook = Logbook(recorder)
         guard = guarded(world, options, logbook.observe)
-        findings = _explored(guard, options, logbook, lambda p: progress(p.within(folder.path)))
-    progress(_stand("reconstructing", guard, findings).within(folder.path))
+        findings = _explored(guard, options, logbook, folder, progress)
+    progress(_stand("reconstructing", guard, findings))
     made = reconstruct(findings.graph, [trace for trace, _ in findings.traces], world.box)
     truth = _compared(made, world.solid)
-    summary = summarize(
-        options,
-        world,
-        findings.ended,
-        guard.cost,
-        made,
-        truth,
-        findings.warnings,
-        time.perf_counter() - began,
-    )
-    progress(_stand("writing", guard, findings).within(folder.path))
+    seconds = time.perf_counter() - began
+    summary = summarize(options, world, findings.ended, guard.cost, made, truth, findings.warnings, seconds)
+    progress(_stand("writing", guard, findings))
     _write(folder, made)
     _write_step(folder, made, summary)
     report = _report(summary, options, world, made, findings, logbook.frames())
@@ -76,38 +83,46 @@ def run(options: ExploreOptions, progress: Watcher) -> dict[str, object]:
     return summary
 
 
-def _explored(guard: Guard, options: ExploreOptions, logbook: Logbook, progress: Watcher) -> Findings:
-    """What exploration found until it ended, by itself or by a fault.
+@contextmanager
+def _owning_up(folder: RunFolder) -> Iterator[None]:
+    """What goes wrong and should not is told as our bug, its details beside the recording."""
+    try:
+        yield
+    except PalpateError:
+        raise
+    except Exception as error:
+        if interrupt := interrupts.behind(error):
+            raise interrupt from None
+        raise bugs.told(error, folder.path) from error
 
-    A fault costs the rest of the exploration and not what was felt before it: an object that is not convex
-    contradicts what the planner believes, and a contradiction may surface anywhere.
-    """
+
+def _explored(
+    guard: Guard, options: ExploreOptions, logbook: Logbook, folder: RunFolder, progress: Watcher
+) -> Findings:
+    """What exploration found until it ended, by itself or by a fault, which costs only the rest of it."""
     config = ExplorerConfig(feature=options.feature, max_touches=options.max_touches)
     explorer = Explorer(guard, np.asarray(options.workspace), config, logbook.announce)
-    patience = Patience()
+    found, patience = explorer.found, Patience()
     try:
         for findings in explorer.run():
             progress(_stand("exploring", guard, findings))
             known = len(findings.graph.faces) + len(findings.traces)
             if patience.lost(guard.cost.touches, known, findings.open):
-                raise PalpateError("the last touches taught nothing new; the object may not be convex")
+                found.ended = GAVE_UP
+                found.warnings.append("the last touches taught nothing new; the object may not be convex")
+                break
+    except NotWritten:
+        raise
+    except PalpateError as error:
+        found.ended = f"{FAULT}{str(error).splitlines()[0]}"
     except Exception as error:
-        if _interrupted(error):
-            raise KeyboardInterrupt from None
-        _log.warning("exploration ended by a fault", exc_info=not isinstance(error, PalpateError))
-        fault = str(error) if isinstance(error, PalpateError) else f"{type(error).__name__}: {error}"
-        explorer.found.ended = f"fault: {fault.splitlines()[0]}"
-    logbook.announce("ended", {"why": explorer.found.ended})
-    return explorer.found
-
-
-def _interrupted(error: BaseException | None) -> bool:
-    """Whether Ctrl-C is behind an error: a compiled kernel hands it on as a SystemError."""
-    while error is not None:
-        if isinstance(error, KeyboardInterrupt):
-            return True
-        error = error.__cause__ or error.__context__
-    return False
+        if interrupt := interrupts.behind(error):
+            raise interrupt from None
+        found.ended = f"{FAULT}{bugs.named(error)}"
+        found.warnings.append(f"the fault is a bug in palpate; {bugs.BUG} has its details")
+        folder.write_text(bugs.BUG, bugs.report_text(error))
+    logbook.announce("ended", {"why": found.ended})
+    return found
 
 
 def _stand(phase: str, guard: Guard, findings: Findings) -> Progress:

@@ -18,6 +18,7 @@ from exploration.recordings.mcap import Recorder
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import find_lines
 from primitives.arrays import Floats
+from recognition.console.interrupts import checkpoint
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 
 
@@ -47,13 +48,14 @@ class Logbook:
         self._time = 0.0
 
     def observe(self, guard: Guard, seen: Observation) -> None:
-        """Write one observation down."""
+        """Write one observation down; whoever wants to end the run does so after it."""
         self._time = seen.time
         self._recorder.frame(seen.image.array.name, seen.frame, seen.world_from_sensor, wrench(seen.image))
         if seen.force > self._config.sigmas * force_sigma(seen.image):
             self._contact.offer(_Kept(seen, guard.cost.touches - 1))
         else:
             self._free.offer(_Kept(seen, -1))
+        checkpoint()
 
     def announce(self, kind: str, detail: Mapping[str, object]) -> None:
         """Write down that something happened, now."""

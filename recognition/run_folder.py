@@ -18,13 +18,15 @@ from pathlib import Path
 import numpy as np
 
 from primitives.arrays import Ints
-from primitives.errors import PalpateError
+from primitives.errors import NotWritten, PalpateError
 from primitives.evidence import Contacts
+from recognition.console.bugs import BUG
 
 RECORDING = "episode.mcap"
 SUMMARY = "summary.json"
 RESULTS = (
     "contacts.csv", "brep.json", "model.csg", "model.stl", "model.glb", "model.step", "report.html", "config.toml",
+    BUG,
 )  # fmt: skip
 _FILES = {SUMMARY, RECORDING, *RESULTS}
 _MARKS = (SUMMARY, RECORDING, "config.toml")  # any of these makes a folder a run
@@ -54,7 +56,8 @@ class RunFolder:
         except FileExistsError as error:
             raise PalpateError(f"--out {path} is a file; give a folder") from error
         except OSError as error:
-            raise PalpateError(f"cannot write to --out {path}: {error.strerror or error}") from error
+            reason = error.strerror or str(error)
+            raise NotWritten(f"cannot write to --out {path} ({reason}); choose another folder") from error
         return RunFolder(path)
 
     @property
@@ -73,7 +76,9 @@ class RunFolder:
                 os.fsync(file.fileno())
             temporary.replace(final)
         except OSError as error:
-            raise PalpateError(f"cannot write {final}: {error.strerror or error}") from error
+            raise NotWritten(
+                f"cannot write {final} ({error.strerror or error}); choose another folder"
+            ) from error
         finally:
             with suppress(OSError):
                 temporary.unlink(missing_ok=True)

@@ -57,11 +57,11 @@ class World:
 def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> World:
     """Part and sensor, checked before anything is written; the same for the same seed."""
     config = config or WorldConfig()
-    if len(options.sensors) != 1:
+    spec, *more = (load_sensor(name.strip()) for name in options.sensors)
+    if more:
         raise PalpateError(
             f"one --sensor explores at a time for now; choose one of {', '.join(options.sensors)}"
         )
-    spec = load_sensor(options.sensors[0])
     if options.noise is not None:
         spec = replace(spec, electronics=replace(spec.electronics, noise=options.noise))
     part = load_part(options.part, cast(Units, options.units), options.scale, options.body, options.facets)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -17,6 +17,8 @@ from recognition.simulation import World
 from recognition.truth import Truth
 
 CLOSED = "closed"
+GAVE_UP = "budget"  # of touches, all of them or those that may pass without teaching anything
+FAULT = "fault: "
 _OPEN = "nothing reachable is open"
 _COUNTED = (
     (r"collision of .*", "the housing met the object"),
@@ -64,6 +66,12 @@ def summarize(
         "warnings": counted([*world.part.warnings, *warnings, *made.warnings]),
         "files": files,
     }
+
+
+def fault_of(summary: Mapping[str, Any]) -> str:
+    """The fault that ended a run, and an empty text where it ended by itself."""
+    ended = str(summary.get("ended") or "")
+    return ended.removeprefix(FAULT) if ended.startswith(FAULT) else ""
 
 
 def truth_json(truth: Truth, has_faces: bool) -> dict[str, Any]:

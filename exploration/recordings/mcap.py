@@ -33,7 +33,7 @@ from mcap.writer import CompressionType, Writer
 from exploration.recordings.schemas import SCHEMAS
 from exploration.sensing.frame import TaxelFrame
 from primitives.arrays import Floats, frozen
-from primitives.errors import PalpateError
+from primitives.errors import NotWritten, PalpateError
 from primitives.pose import from_quaternion, quaternion_wxyz
 
 _CHUNK_BYTES = 64 * 1024
@@ -146,7 +146,8 @@ class Recorder:
         try:
             yield
         except OSError as error:
-            raise PalpateError(f"cannot write {self._path}: {error.strerror or error}") from error
+            reason = error.strerror or str(error)
+            raise NotWritten(f"cannot write {self._path} ({reason}); choose another folder") from error
 
     def __enter__(self) -> Recorder:
         return self

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from primitives.errors import PalpateError
 
+DRAWINGS = (".csg", ".scad")
+SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp", *DRAWINGS)
 _ALIASES = {".stp": ".step"}
 LARGEST = 500_000_000  # [bytes] of a file that is read
 MOST_TRIANGLES = 1_000_000
@@ -23,8 +25,13 @@ _PLY_SIZES = {
 }
 
 
-def read(path: Path) -> bytes:
-    """All bytes of a regular file of sensible size that is not blank."""
+def looks_like_a_file(text: str) -> bool:
+    """Whether a name is that of a file, and not of something built in."""
+    return bool(Path(text).suffix) or os.sep in text
+
+
+def require_file(path: Path) -> None:
+    """Refuse what is no regular file of sensible size; costs no parser's import."""
     name = path.name or str(path)
     if path.is_symlink() and not path.exists():
         raise PalpateError(f"{name} is a link to {os.readlink(path)}, which is gone; give the file itself")
@@ -36,6 +43,12 @@ def read(path: Path) -> bytes:
         raise PalpateError(f"{name} is not a regular file; copy its content to one")
     if path.stat().st_size > LARGEST:
         raise PalpateError(f"{name} has more than {LARGEST // 10**6} MB; reduce its triangles first")
+
+
+def read(path: Path) -> bytes:
+    """All bytes of a regular file of sensible size that is not blank."""
+    require_file(path)
+    name = path.name
     try:
         data = path.read_bytes()
     except PermissionError:
@@ -49,6 +62,18 @@ def read(path: Path) -> bytes:
     if not data[:4096].strip() and not data.strip():
         raise PalpateError(f"{name} holds only blanks; export it again")
     return data
+
+
+def glance(path: Path) -> None:
+    """Refuse what its name, size and first bytes show to be unreadable, before anything heavy is loaded."""
+    suffix = path.suffix.lower()
+    require_file(path)
+    if suffix not in SUFFIXES:
+        known = " ".join(SUFFIXES)
+        raise PalpateError(f"cannot read {path.name}: {suffix or 'no'} extension; use one of {known}")
+    data = read(path)
+    if suffix not in DRAWINGS:
+        checked(data, suffix, path.name)
 
 
 def check_triangles(count: int, name: str) -> None:

@@ -18,10 +18,11 @@ _TRUTH = (
 
 
 class Watch:
-    """Takes progress, shows it, and remembers where the run is written."""
+    """Takes progress, shows it, and remembers where the run is written; `say` is for a line that stays."""
 
-    def __init__(self, show: Callable[[str], object]) -> None:
+    def __init__(self, show: Callable[[str], object], say: Callable[[str], object]) -> None:
         self.folder: Path | None = None
+        self.say = say
         self._show = show
 
     def __call__(self, progress: Progress) -> None:
@@ -35,12 +36,16 @@ def watching(quiet: bool = False) -> Iterator[Watch]:
     """Something to tell progress to; it draws on stderr, and only where that is a terminal."""
     from rich.console import Console
 
-    console = Console(stderr=True, highlight=False)
+    console = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
+
+    def say(text: str) -> None:
+        console.print(f"palpate: {text}")
+
     if quiet or not console.is_terminal:
-        yield Watch(lambda _: None)
+        yield Watch(lambda _: None, say)
         return
     with console.status("starting") as status:
-        yield Watch(lambda text: status.update(text[: console.width - 4]))
+        yield Watch(lambda text: status.update(text[: console.width - 4]), say)
 
 
 def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:

@@ -1,11 +1,15 @@
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
+from exploration.recordings.mcap import read
 from recognition.cli import app
 from recognition.config import ExploreOptions
 from recognition.progress import Progress
@@ -21,6 +25,11 @@ BROKEN = {
     "unknown command": (["explode"], 2, "explode"),
     "absent file": (["explore", "absent.stl"], 1, "absent.stl"),
     "unknown sensor": (["explore", "block", "--sensor", "lts211"], 1, "did you mean lts210?"),
+    "unknown sensors": (["explore", "block", "--sensor", "a,b"], 1, "no sensor 'a'"),
+    "no sensor": (["explore", "block", "--sensor", ","], 2, "--sensor"),
+    "half a workspace": (["explore", "block", "--workspace", "1,2,3"], 2, "X0,Y0,Z0,X1,Y1,Z1"),
+    "no turn": (["explore", "block", "--pose", "1,2,3,0,0,0,0"], 2, "quaternion"),
+    "nowhere to write": (["explore", "block", "--out", "/dev/null/run"], 1, "--out"),
 }
 
 
@@ -138,3 +147,90 @@ def test_an_account_of_the_run_is_printed(exploring, report):
     assert done.exit_code == 0
     for word in ("13 touches", "cylinder", "45.01 x 125.70", "surface rms 0.031", "runs/block/report.html"):
         assert word in done.stdout
+
+
+def test_a_run_that_a_fault_ended_is_told_and_is_no_success(exploring, report):
+    summary = {**report.summary, "closed": False, "ended": "fault: the stage does not answer; plug it in"}
+    done = exploring(lambda options, progress: summary, "block", "--json")
+    assert done.exit_code == 1
+    assert json.loads(done.stdout)["ended"] == summary["ended"]
+    assert "the stage does not answer; plug it in" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_bug_is_one_line_that_says_where_its_details_are(tmp_path):
+    script = """
+import sys, recognition.builtin, recognition.cli
+def broken(): raise ValueError("no such thing")
+recognition.builtin.part_rows = broken
+sys.argv = ["palpate", "parts"]
+recognition.cli.main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+        timeout=60,
+    )
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert "bug in palpate" in done.stderr
+    assert "ValueError: no such thing" in (tmp_path / "palpate-bug.txt").read_text()
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="left out: no /dev/full here")
+@pytest.mark.parametrize("arguments", [["--help"], ["parts"], ["sensors", "--json"]])
+def test_a_result_that_cannot_be_printed_is_one_line(arguments):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "recognition.cli", *arguments],
+            stdout=full, stderr=subprocess.PIPE, text=True, timeout=60,
+        )  # fmt: skip
+    assert done.returncode == 1
+    assert (
+        done.stderr
+        == "palpate: cannot print the result (No space left on device); send standard output elsewhere\n"
+    )
+
+
+@pytest.mark.skipif(os.name == "nt", reason="left out: needs a shell that closes files")
+def test_a_closed_output_is_one_line():
+    script = f"{sys.executable} -m recognition.cli parts >&-"
+    done = subprocess.run(["sh", "-c", script], stderr=subprocess.PIPE, text=True, timeout=60)
+    assert done.returncode == 1
+    assert done.stderr == "palpate: standard output is closed; send it to a file or to /dev/null\n"
+
+
+def test_a_file_that_is_not_there_is_said_before_anything_heavy_is_loaded(tmp_path):
+    script = """
+import sys, recognition.cli
+sys.argv = ["palpate", "explore", "absent.stl"]
+try:
+    recognition.cli.main()
+finally:
+    print(sorted({"trimesh", "manifold3d", "networkx"} & set(sys.modules)))
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path)
+    assert done.stderr == "palpate: no file absent.stl; check the path\n"
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="left out: Windows has no such signals")
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_a_kill_ends_a_run_in_one_line_and_leaves_a_recording_that_reads_to_its_end(number, code, tmp_path):
+    run = subprocess.Popen(
+        [sys.executable, "-m", "recognition.cli", "explore", "block", "--out", "run", "--max-touches", "500"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path,
+    )  # fmt: skip
+    recording = tmp_path / "run" / "episode.mcap"
+    while run.poll() is None and not (recording.exists() and recording.stat().st_size > 100_000):
+        time.sleep(0.01)
+    run.send_signal(number)
+    out, err = run.communicate(timeout=60)
+    assert (run.returncode, out) == (code, "")
+    assert err.splitlines()[-1] == "palpate: interrupted; what was recorded until then is whole"
+    assert {entry.name for entry in recording.parent.iterdir()} == {"config.toml", "episode.mcap"}
+    assert recording.read_bytes().endswith(b"\x89MCAP0\r\n")
+    assert sum(1 for _ in read(recording)) > 100

@@ -11,17 +11,19 @@ import pytest
 import trimesh
 
 from exploration.planning.explorer import Explorer
-from exploration.recordings.mcap import RecordedEvent, RecordedFrame, read
+from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, read
 from models.boundary import labeled_boundary
 from models.csg import Cube, Cylinder
 from models.solid import Solid
+from primitives.errors import NotWritten, PalpateError
 from primitives.evidence import Contacts, EdgeTrace
 from primitives.patch_graph import PatchGraph
 from recognition.config import ExploreOptions, from_toml
+from recognition.console.bugs import Bug
 from recognition.explore import run
 from recognition.reconstruct import reconstruct
 from recognition.run_folder import json_text
-from recognition.summary import counted
+from recognition.summary import counted, fault_of
 
 BOX = np.array([[-150.0, -150, -150], [150, 150, 150]])
 SMALL = (-60.0, -60.0, -60.0, 60.0, 60.0, 60.0)
@@ -134,7 +136,55 @@ def test_a_fault_ends_a_run_that_is_still_told(monkeypatch, tmp_path):
     assert summary["csg"] is summary["truth"]["iou"] is summary["volume_mm3"] is None
     assert set(summary["truth"]["world_from_part"]) == {"translation_mm", "quaternion_wxyz"}
     assert any("no closed body" in warning for warning in summary["warnings"])
-    assert {entry.name for entry in (tmp_path / "run").iterdir()} == {f for f in FILES if "model" not in f}
+    assert any("bug in palpate" in warning for warning in summary["warnings"])
+    assert "Traceback" in (tmp_path / "run" / "bug.txt").read_text()
+    left = {entry.name for entry in (tmp_path / "run").iterdir()}
+    assert left == {f for f in FILES if "model" not in f} | {"bug.txt"}
+
+
+def test_a_device_that_fails_is_a_fault_and_no_bug(monkeypatch, tmp_path):
+    def moves(explorer):
+        yield explorer.found
+        raise PalpateError("the stage does not answer; plug it in")
+
+    summary = replaced_run(monkeypatch, tmp_path, moves)
+    assert summary["ended"] == "fault: the stage does not answer; plug it in"
+    assert fault_of(summary) == "the stage does not answer; plug it in"
+    assert not (tmp_path / "run" / "bug.txt").exists()
+
+
+def test_a_bug_after_exploration_leaves_the_recording_whole_and_its_details(monkeypatch, tmp_path):
+    def moves(explorer):
+        explorer.guard.hold(5)
+        yield explorer.found
+
+    def broken(*_):
+        raise ValueError("no such thing")
+
+    monkeypatch.setattr("recognition.explore.reconstruct", broken)
+    with pytest.raises(Bug, match=r"bug in palpate.*ValueError: no such thing.*bug\.txt"):
+        replaced_run(monkeypatch, tmp_path, moves)
+    assert {entry.name for entry in (tmp_path / "run").iterdir()} == {
+        "config.toml",
+        "episode.mcap",
+        "bug.txt",
+    }
+    assert sum(isinstance(item, RecordedFrame) for item in read(tmp_path / "run" / "episode.mcap")) == 5
+
+
+def test_a_disk_that_fills_up_ends_the_run_in_one_line(monkeypatch, tmp_path):
+    def moves(explorer):
+        yield explorer.found
+        explorer.guard.hold(64)
+
+    def full(recorder):
+        raise NotWritten("cannot write episode.mcap (No space left on device); choose another folder")
+
+    monkeypatch.setattr(Recorder, "_encode", full)
+    monkeypatch.setattr(Recorder, "close", lambda recorder: recorder._file.close())
+    with pytest.raises(NotWritten, match="No space left"):
+        replaced_run(monkeypatch, tmp_path, moves)
+    assert not (tmp_path / "run" / "summary.json").exists()
 
 
 def test_an_exploration_that_learns_nothing_ends(monkeypatch, tmp_path):
@@ -143,7 +193,9 @@ def test_an_exploration_that_learns_nothing_ends(monkeypatch, tmp_path):
             explorer.guard.cost.touches += 1
             yield explorer.found
 
-    assert "may not be convex" in replaced_run(monkeypatch, tmp_path, moves)["ended"]
+    summary = replaced_run(monkeypatch, tmp_path, moves)
+    assert (summary["closed"], summary["ended"]) == (False, "budget")
+    assert any("may not be convex" in warning for warning in summary["warnings"])
 
 
 def test_closed_is_claimed_of_a_body_only(monkeypatch, tmp_path):

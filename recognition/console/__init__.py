@@ -1,0 +1,1 @@
+"""What stands between a person and the command: interrupts, its own faults, and what is installed."""

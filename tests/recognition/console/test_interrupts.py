@@ -1,0 +1,63 @@
+"""Interrupts are real signals to this process."""
+
+import os
+import signal
+
+import pytest
+
+from recognition.console import interrupts
+
+
+@pytest.fixture(autouse=True)
+def heeded():
+    names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {name: signal.getsignal(getattr(signal, name)) for name in names}
+    interrupts.heed()
+    yield
+    interrupts.heed()  # forgets
+    for name, handler in before.items():
+        signal.signal(getattr(signal, name), handler)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_raises_where_the_program_is(number, code):
+    with pytest.raises(KeyboardInterrupt) as told:
+        os.kill(os.getpid(), number)
+    assert told.value.exit_code == code
+
+
+def written_while_interrupted(written):
+    with interrupts.held():
+        with interrupts.held():
+            os.kill(os.getpid(), signal.SIGTERM)
+            written.append("half")
+        written.append("whole")
+
+
+def test_a_signal_waits_until_what_is_being_written_is_whole():
+    written = []
+    with pytest.raises(interrupts.Interrupted):
+        written_while_interrupted(written)
+    assert written == ["half", "whole"]
+
+
+def test_a_signal_that_is_held_raises_at_a_checkpoint():
+    with interrupts.held():
+        interrupts.checkpoint()
+        os.kill(os.getpid(), signal.SIGINT)
+        with pytest.raises(interrupts.Interrupted):
+            interrupts.checkpoint()
+        interrupts.heed()
+
+
+def test_a_signal_that_is_ignored_stays_ignored():
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    interrupts.heed()
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+def test_an_interrupt_is_found_behind_what_a_kernel_makes_of_it():
+    told = SystemError("a kernel")
+    told.__cause__ = interrupts.Interrupted()
+    assert isinstance(interrupts.behind(told), interrupts.Interrupted)
+    assert interrupts.behind(ValueError()) is None
