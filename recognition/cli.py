@@ -263,11 +263,15 @@ def frames(
 ) -> None:
     """Show what each frame of a recording felt: kind of contact, lines, curvature."""
     with one_line_errors():
-        from recognition.frames.run import FramesOptions, run
+        from recognition.frames.options import FramesOptions
+
+        options = FramesOptions(file, sensor, index, png)
+        recording = options.recording()
+        from recognition.frames.run import run
         from recognition.frames.terminal import print_frames, telling
 
         with telling(quiet=as_json) as tell:
-            seen = run(FramesOptions(file, sensor, index, png), tell)
+            seen = run(options, recording, tell)
     if as_json:
         print_json(seen.summary)
     else:

@@ -4,25 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from exploration.recordings.open import open_recording
 from exploration.recordings.recording import PadFrame, Recording
 from exploration.recordings.untouched import Untouched
-from exploration.sensing.spec import load_sensor
 from primitives.errors import PalpateError
 from recognition.frames.felt import Feeler, Felt, unreadable_warnings
+from recognition.frames.options import FramesOptions
 from recognition.frames.rows import Row, frame_row, pad_row
-
-
-@dataclass(frozen=True)
-class FramesOptions:
-    """What `palpate frames` was asked."""
-
-    file: str
-    sensor: str | None = None  # preset or TOML file; None: as the recording says
-    index: int | None = None  # one frame instead of all
-    png: Path | None = None  # folder for pictures
 
 
 @dataclass(frozen=True)
@@ -60,16 +48,15 @@ class Seen:
 Tell = Callable[[str, int, int], object]  # phase, frames done, frames in all (0: not known)
 
 
-def run(options: FramesOptions, tell: Tell = lambda *_: None) -> Seen:
+def run(options: FramesOptions, recording: Recording, tell: Tell = lambda *_: None) -> Seen:
     """Perceive what was asked of a recording."""
-    spec = load_sensor(options.sensor) if options.sensor else None
-    recording = open_recording(Path(options.file), spec)
-    folder = _folder(options.png) if options.png is not None else None
     feeler = Feeler.of(recording, _told(recording.frames(), "reading", 0, tell))
-    total = sum(feeler.frame_counts)
+    total = sum(feeler.frame_counts) if options.index is None else 0
+    asked = _asked(options, feeler)
+    folder = options.folder()
     seen = Seen(recording, feeler, [])
     pictures = 0
-    for felt in feeler.feel(_told(_asked(options, feeler), "perceiving", total, tell)):
+    for felt in feeler.feel(_told(asked, "perceiving", total, tell)):
         row = frame_row(felt, recording.pads[felt.pad])
         rest = feeler.rests[felt.pad]
         seen.rows.append(row)
@@ -90,7 +77,7 @@ def _asked(options: FramesOptions, feeler: Feeler) -> Iterator[PadFrame]:
     if options.index is None:
         return frames
     count = max(feeler.frame_counts)
-    if not 0 <= options.index < count:
+    if options.index >= count:
         raise PalpateError(f"--index {options.index}: {options.file} has frames 0 to {count - 1}")
     return (item for item in frames if item.frame.index == options.index)
 
@@ -104,16 +91,3 @@ def _told(frames: Iterator[PadFrame], phase: str, total: int, tell: Tell) -> Ite
         if done % 64 == 0:
             tell(phase, done, total)
         yield item
-
-
-def _folder(path: Path) -> Path:
-    """A folder for pictures, new or empty."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        if any(path.iterdir()):
-            raise PalpateError(f"--png {path} is not empty; name a new folder")
-    except FileExistsError:
-        raise PalpateError(f"--png {path} is a file; name a folder") from None
-    except OSError as error:
-        raise PalpateError(f"cannot write to --png {path}: {error.strerror or error}") from error
-    return path

@@ -8,7 +8,7 @@ from exploration.sensing.lines.line import Line
 from exploration.sensing.surfaces.local_surface import LocalSurface
 from recognition.frames.felt import Felt
 
-STRAIGHT = 1e-5  # [1/mm] below it no radius is told
+STRAIGHT = 1e-3  # [1/mm] below it no radius is told
 
 
 def unit_of(pad: Pad) -> str:
@@ -67,4 +67,4 @@ def radius_words(curvature: float) -> str:
     """A curvature [1/mm] as its radius."""
     if abs(curvature) < STRAIGHT:
         return "straight"
-    return f"R {abs(1 / curvature):.1f} mm{'' if curvature > 0 else ' hollow'}"
+    return f"R {abs(1 / curvature):.3g} mm{'' if curvature > 0 else ' hollow'}"
