@@ -10,7 +10,7 @@ from exploration.devices.free_space_bound import FreeSpaceBound
 from exploration.devices.protocols import StageEvent
 from exploration.devices.simulated_stage import SimulatedStage
 from exploration.sensing.frame import TaxelArray, TaxelFrame
-from exploration.sensing.physics.elastomer import Rubber
+from exploration.sensing.physics.capacitor import transducer
 from exploration.sensing.physics.electronics import Memory, draw_unit, read_out
 from exploration.sensing.physics.gap import gap
 from exploration.sensing.physics.housing import HousingWatch
@@ -33,7 +33,11 @@ class SimulatedArray:
     ) -> None:
         self._surface, self._spec, self._stage, self._rng = surface, spec, stage, rng
         self._mount = frozen(flange_from_sensor)
-        self._gap, self._rubber, self._housing = gap(surface, spec), Rubber(spec), HousingWatch(surface, spec)
+        self._gap, self._taxels, self._housing = (
+            gap(surface, spec),
+            transducer(spec),
+            HousingWatch(surface, spec),
+        )
         self._far = FreeSpaceBound(surface, spec, stage.limits)
         self._nothing = frozen(np.zeros(spec.array.shape))
         self._unit = draw_unit(spec, rng)
@@ -74,7 +78,7 @@ class SimulatedArray:
             pressed, self._touching = self._nothing, False
         else:
             self._watch(end, self._gap.feel(self._poses(begin, end)))
-            pressed = self._rubber.press(self._gap.modes, self._gap.partial)
+            pressed = self._taxels.press(self._gap.modes, self._gap.partial)
         counts, self._memory = read_out(pressed, spec, self._unit, self._memory, end - self._last, self._rng)
         self._last = end
         frame = TaxelFrame(frozen(counts), begin, self._index)

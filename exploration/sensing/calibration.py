@@ -1,7 +1,9 @@
 """From raw counts to indentation, by what the user of a real array knows of it.
 
-depth = (counts - zero) / gain / stiffness, with sigma = noise / gain / stiffness, infinite at dead taxels.
-Where the gains are known only to a relative sigma, a taxel pressed d deep has sigma^2 + (gain sigma d)^2.
+signal = (counts - zero) / gain / stiffness and depth = curve(signal), with sigma = noise / gain / stiffness times
+the curve's slope, infinite at dead taxels.  Where a gain is known only to a relative sigma, a taxel that feels
+`signal` has sigma^2 + (gain sigma signal slope)^2.  Errors of spread and stiffness are common to all taxels: they
+blur and scale the whole image, so they stay beside it and out of each taxel's sigma.
 """
 
 from dataclasses import dataclass
@@ -9,7 +11,10 @@ from math import inf
 
 import numpy as np
 
+from exploration.sensing.capacitive import capacitive
+from exploration.sensing.curve import STRAIGHT, Curve, ParallelPlates
 from exploration.sensing.frame import TactileImage, TaxelArray, TaxelFrame
+from exploration.sensing.response import Response
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Bools, Floats, frozen
 from primitives.errors import PalpateError
@@ -19,31 +24,50 @@ _QUANTIZATION = 1.0 / 12.0  # [counts^2] variance of rounding
 
 @dataclass(frozen=True)
 class Calibration:
-    """What turns counts into indentation."""
+    """What turns counts into indentation, and how well it is known."""
 
     zero: Floats  # (rows, columns) [counts] of an untouched taxel
-    gain: Floats  # (rows, columns) [counts / (N/mm^2)]
+    gain: Floats  # (rows, columns) [counts / (N/mm^2)] of a faint press
     dead: Bools  # (rows, columns)
-    spread: float  # [mm] standard deviation of the rubber's point spread
+    spread: float  # [mm] standard deviation of the point spread, rubber and all
     stiffness: float  # [N/mm^3]
     noise: float  # [counts] 1 sigma of a reading
     margin: float = inf  # [mm] of skin past the outer taxels
-    gain_sigma: float = 0.0  # relative 1 sigma to which the gains are known
+    gain_sigma: float | Floats = 0.0  # relative 1 sigma to which the gains are known; (rows, columns) or one
+    spread_sigma: float = 0.0  # [mm]
+    stiffness_sigma: float = 0.0  # [N/mm^3]
+    curve: Curve = STRAIGHT  # from signal to depth
+    response: Response | None = None  # across an edge; None for rubber of `spread`
+
+    @property
+    def counts_per_depth(self) -> Floats:
+        """(rows, columns) [counts / mm] of a faint press."""
+        out: Floats = self.gain * self.stiffness
+        return out
 
     @staticmethod
     def nominal(spec: SensorSpec) -> "Calibration":
         """From the data sheet alone: gains are known to their spread, dead taxels not at all."""
         shape = spec.array.shape
         noise = spec.electronics.noise * spec.electronics.plateau
+        spread, curve, response = spec.elastomer.spread, STRAIGHT, None
+        if spec.capacitor is not None:
+            curve = ParallelPlates(spec.capacitor.gap)
+            response = capacitive(
+                spread, spec.capacitor.fringe, spec.array.pitch, spec.capacitor.gap, spec.press_depth
+            )
+            spread = float(np.hypot(spread, np.sqrt(2.0) * spec.capacitor.fringe))
         return Calibration(
             frozen(np.full(shape, spec.electronics.offset)),
             frozen(np.full(shape, spec.counts_per_pressure)),
             frozen(np.zeros(shape), np.bool_),
-            spec.elastomer.spread,
+            spread,
             spec.elastomer.stiffness,
             float(np.sqrt(noise**2 + _QUANTIZATION)),
             spec.elastomer.margin,
             spec.electronics.gain_spread,
+            curve=curve,
+            response=response,
         )
 
 
@@ -55,15 +79,19 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
             f"{array.shape} differ in shape: use the calibration made for this array"
         )
     per_count = 1.0 / (calibration.gain * calibration.stiffness)
-    depth = np.where(calibration.dead, 0.0, (frame.counts - calibration.zero) * per_count)
-    noise = np.hypot(calibration.noise * per_count, calibration.gain_sigma * np.maximum(depth, 0.0))
-    sigma = np.where(calibration.dead, np.inf, noise)
+    signal = np.where(calibration.dead, 0.0, (frame.counts - calibration.zero) * per_count)
+    noise = np.hypot(calibration.noise * per_count, calibration.gain_sigma * np.maximum(signal, 0.0))
+    depth = signal
+    if calibration.curve is not STRAIGHT:
+        depth, noise = calibration.curve.depth(signal), noise * calibration.curve.slope(signal)
     return TactileImage(
         array,
         frozen(depth),
-        frozen(sigma),
+        frozen(np.where(calibration.dead, np.inf, noise)),
         calibration.spread,
         calibration.stiffness,
         frame.time,
         calibration.margin,
+        float(np.sqrt(np.mean(np.square(calibration.gain_sigma)))),
+        calibration.response,
     )

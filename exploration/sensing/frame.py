@@ -11,6 +11,7 @@ from math import inf
 
 import numpy as np
 
+from exploration.sensing.response import Response
 from primitives.arrays import Floats
 
 
@@ -64,3 +65,5 @@ class TactileImage:
     stiffness: float  # [N/mm^3] of the skin: force is stiffness * sum(depth) * taxel area
     time: float  # [s]
     margin: float = inf  # [mm] of skin past the outer taxels
+    gain_sigma: float = 0.0  # relative 1 sigma to which gains are known; `sigma` includes it
+    response: Response | None = None  # across an edge; None for rubber of `spread`

@@ -16,18 +16,18 @@ u = t/w the distance into the material in widths, k = fourth cumulant / w^4 and 
     bend(u) = ((u^2 + 1) Phi(u) + u phi(u))/2 - k/24 u phi(u)    and again: one that curves.
 
 The half-height crossing is the edge.  Another physics is another `line`: `Response.of_line_spread` integrates
-any that is sampled, and all detectors take the `Response` as an argument.
+any that is sampled, `capacitive` derives one, and all detectors take the `Response` as an argument.
 """
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Protocol
 
 import numba
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
-from exploration.sensing.frame import TactileImage
 from primitives.arrays import Floats, frozen
 
 REACH = 6.0  # [widths] beyond this a step is over
@@ -82,8 +82,37 @@ def rubber(spread: float, pitch: tuple[float, float]) -> Response:
     return Response(frozen(np.stack([line, edge, ramp, bend], axis=1)), frozen(variance))
 
 
-def response_of(image: TactileImage, response: Response | None = None) -> Response:
-    """`response`, or rubber of the image's own spread and pitch."""
+class Pitched(Protocol):
+    """A layout, as far as a response depends on it."""
+
+    @property
+    def pitch(self) -> tuple[float, float]:
+        """(x, y) [mm]."""
+        ...
+
+
+class Blurred(Protocol):
+    """An image that knows how its sensor blurs (`frame.TactileImage`)."""
+
+    @property
+    def array(self) -> Pitched:
+        """Its layout."""
+        ...
+
+    @property
+    def spread(self) -> float:
+        """[mm] standard deviation."""
+        ...
+
+    @property
+    def response(self) -> Response | None:
+        """The sensor's own; None for rubber of that spread."""
+        ...
+
+
+def response_of(image: Blurred, response: Response | None = None) -> Response:
+    """`response`, or the image's own, or rubber of the image's spread and pitch."""
+    response = response or image.response
     return rubber(image.spread, image.array.pitch) if response is None else response
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from difflib import get_close_matches
 from importlib import resources
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +44,7 @@ class Housing:
 class Electronics:
     """From pressure to counts."""
 
-    bits: int = 8
+    bits: int = 0  # of the converter; 0: counts are neither whole nor bounded
     plateau: float = 200.0  # [counts] above the offset, at the nominal press depth
     offset: float = 10.0  # [counts] of an untouched taxel
     noise: float = 0.0  # 1 sigma per reading, of the full-contact signal
@@ -55,8 +55,16 @@ class Electronics:
 
     @property
     def full_scale(self) -> float:
-        """The largest count."""
-        return float(2**self.bits - 1)
+        """The largest count; infinite without a converter."""
+        return float(2**self.bits - 1) if self.bits else inf
+
+
+@dataclass(frozen=True)
+class Capacitor:
+    """Cells that measure how near two electrodes come, under the rubber."""
+
+    gap: float  # [mm] of indentation that would bring the plates together
+    fringe: float = 0.0  # [mm] over which the field decays past an electrode's rim
 
 
 @dataclass(frozen=True)
@@ -70,6 +78,7 @@ class SensorSpec:
     technology: str = "unspecified"
     period: float = 0.005  # [s] between frames
     press_depth: float = 0.5  # [mm] nominal indentation
+    capacitor: Capacitor | None = None  # taxels that measure a gap; None: they measure pressure
 
     @property
     def name(self) -> str:
@@ -78,8 +87,11 @@ class SensorSpec:
 
     @property
     def counts_per_pressure(self) -> float:
-        """[counts / (N/mm^2)] of an ideal taxel."""
-        return self.electronics.plateau / (self.elastomer.stiffness * self.press_depth)
+        """[counts / (N/mm^2)] of an ideal taxel, pressed faintly."""
+        signal = self.press_depth
+        if self.capacitor is not None:
+            signal /= 1.0 - self.press_depth / self.capacitor.gap
+        return self.electronics.plateau / (self.elastomer.stiffness * signal)
 
 
 def sensor_names() -> tuple[str, ...]:
@@ -122,6 +134,9 @@ def sensor_from_toml(source: str, name: str) -> SensorSpec:
         _build(Elastomer, _table(table, "elastomer", name), f"sensor {name} [elastomer]"),
         _build(Housing, _table(table, "housing", name), f"sensor {name} [housing]"),
         _build(Electronics, table.get("electronics", {}), f"sensor {name} [electronics]"),
+        capacitor=_build(Capacitor, table["capacitor"], f"sensor {name} [capacitor]")
+        if "capacitor" in table
+        else None,
         **_values(
             SensorSpec, {k: table[k] for k in ("technology", "period", "press_depth") if k in table}, name
         ),
@@ -190,7 +205,7 @@ def _refuse_nonsense(spec: SensorSpec) -> None:
         "elastomer.spread, margin and hysteresis must not be negative": min(r.spread, r.margin, r.hysteresis)
         >= 0,
         "housing.size and housing.proud must be positive": min(*spec.housing.size, spec.housing.proud) > 0,
-        "electronics.bits must be from 1 to 32": 1 <= e.bits <= 32,
+        "electronics.bits must be from 0 (no converter) to 32": 0 <= e.bits <= 32,
         "electronics.plateau and offset must fit below full scale": 0 < e.plateau <= e.full_scale - e.offset,
         "electronics values must not be negative": min(e.offset, e.noise, e.gain_spread, e.drift, e.scan)
         >= 0,
@@ -198,6 +213,9 @@ def _refuse_nonsense(spec: SensorSpec) -> None:
         "period must be positive, and not shorter than electronics.scan": spec.period > 0
         and e.scan <= spec.period,
         "press_depth must be positive, and below elastomer.thickness": 0 < spec.press_depth < r.thickness,
+        "capacitor.gap must be greater than elastomer.thickness, and the rubber must spread": spec.capacitor
+        is None
+        or (spec.capacitor.gap > r.thickness and spec.capacitor.fringe >= 0 and r.spread > 0),
         f"technology must be one of {', '.join(TECHNOLOGIES)}": spec.technology in TECHNOLOGIES,
     }
     for rule, kept in rules.items():

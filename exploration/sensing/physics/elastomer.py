@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from exploration.sensing.physics.gap import Indentation
-from exploration.sensing.physics.skin import skin_of
+from exploration.sensing.physics.skin import skin_of, spread_onto
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Bools, Floats, Ints, frozen
 
@@ -28,18 +28,30 @@ def pressure(felt: Indentation, spec: SensorSpec) -> Floats:
 class Rubber:
     """The spread of one sensor's rubber, as bands around each taxel."""
 
-    def __init__(self, spec: SensorSpec) -> None:
+    def __init__(self, spec: SensorSpec, split: int = 1) -> None:
+        """`split` cuts each taxel into so many, along x and along y."""
         skin = skin_of(spec)
         self._stiffness = spec.elastomer.stiffness
         self._x, self._y = skin.spread_x, skin.spread_y
-        self._x_band, self._y_band = _bands(skin.spread_x), _bands(skin.spread_y)
-        self._out = np.zeros(spec.array.shape)
+        if split > 1:
+            self._x, self._y = (
+                frozen(_finer(edges, taxels, split, spec.elastomer.spread))
+                for edges, taxels in ((skin.x_edges, skin.columns), (skin.y_edges, skin.rows))
+            )
+        self._x_band, self._y_band = _bands(self._x), _bands(self._y)
+        self._out = np.zeros((self._y.shape[1], self._x.shape[1]))
 
     def press(self, modes: Floats, partial: Bools) -> Floats:
         """(rows, columns) [N/mm^2] from (6, R, C) modes; above the mean, only those of `partial` cells count."""
         out = np.zeros_like(self._out)
         _spread(modes, partial, self._x, self._y, self._x_band, self._y_band, self._stiffness, out)
         return out
+
+
+def _finer(edges: Floats, taxels: slice, split: int, sigma: float) -> Floats:
+    lo, hi = edges[:-1][taxels], edges[1:][taxels]
+    cuts = np.linspace(lo[0], hi[-1], len(lo) * split + 1)
+    return spread_onto(edges, cuts[:-1], cuts[1:], sigma)
 
 
 def _bands(spread: Floats) -> Ints:

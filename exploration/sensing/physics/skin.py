@@ -72,8 +72,8 @@ def skin_of(spec: SensorSpec) -> Skin:
         frozen(y_edges),
         columns,
         rows,
-        frozen(_spread(x_edges, columns, sigma)),
-        frozen(_spread(y_edges, rows, sigma)),
+        frozen(spread_onto(x_edges, x_edges[:-1][columns], x_edges[1:][columns], sigma)),
+        frozen(spread_onto(y_edges, y_edges[:-1][rows], y_edges[1:][rows], sigma)),
     )
 
 
@@ -84,13 +84,15 @@ def _edges(count: int, pitch: float, margin: float) -> tuple[Floats, slice]:
     return np.concatenate([inner[0] - ring[::-1], inner, inner[-1] + ring]), slice(rings, rings + count)
 
 
-def _spread(edges: Floats, taxels: slice, sigma: float) -> Floats:
-    """(3, taxels, cells): the exact integral over the taxel, Gauss-Legendre over the cell."""
+def spread_onto(edges: Floats, lo: Floats, hi: Floats, sigma: float) -> Floats:
+    """(3, taxels, cells) responses of taxels from `lo` to `hi`; without spread each taxel must be a cell.
+
+    The exact integral over the taxel, Gauss-Legendre over the cell.
+    """
     cells = len(edges) - 1
-    lo, hi = edges[:-1][taxels], edges[1:][taxels]
     if sigma == 0.0:
         out = np.zeros((3, len(lo), cells))
-        out[0, :, taxels] = np.eye(len(lo))
+        out[0, np.arange(len(lo)), np.searchsorted(edges, lo - 1e-9)] = 1.0
         return out
     width = np.diff(edges)
     parts = max(1, int(np.ceil(float(width.max()) / sigma)))
