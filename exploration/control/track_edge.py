@@ -41,7 +41,8 @@ class EdgeConfig:
     gain_angle: float = 6.0  # [1/s]
     turn: float = 1.6  # [rad/s] at most
     reach: float = 10.0  # [mm] of the edge, either way, that one frame is fitted to
-    bend_drift: float = 0.004  # [1/mm] by which the bend may change within a mm
+    bend_drift: float = 0.01  # [1/mm] by which the bend may change within a mm
+    sharpest: float = 0.8  # [rad] of a bent edge that one frame is fitted to, either way
     corner: float = 2.5  # [mm] ahead of the center, at which an end of the face is the corner
     confirm: int = 3  # ticks in a row that must show the corner
     patience: int = 6  # ticks without the line
@@ -225,10 +226,11 @@ def _moved(edge: Followed, before: Floats, after: Floats, config: EdgeConfig, pe
     direction = turn[:2, :2] @ edge.direction
     foot = (turn @ np.array([*edge.foot, 0.0]) + after[:3, :3].T @ (before[:3, 3] - after[:3, 3]))[:2]
     angle = float(np.arctan2(direction[1], direction[0]))
-    ahead = config.speed * period
-    sigma = float(np.hypot(np.sqrt(max(edge.covariance[5, 5], 0.0)), config.bend_drift * ahead * 3.0))
+    drift = config.bend_drift * np.sqrt(config.speed * period)
+    sigma = float(np.hypot(np.sqrt(max(edge.covariance[5, 5], 0.0)), drift))
     offset = float(foot @ np.array([-direction[1], direction[0]]))
-    return Expected(angle, offset, edge.side, edge.bend, sigma, config.reach)
+    reach = min(config.reach, config.sharpest / max(abs(edge.bend), 1e-6))
+    return Expected(angle, offset, edge.side, edge.bend, sigma, reach)
 
 
 def _gone_back(guard: Guard, run: _Run, config: EdgeConfig) -> Expected | None:

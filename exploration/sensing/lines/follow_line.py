@@ -97,10 +97,7 @@ def follow_line(image: TactileImage, response: Response, expected: Expected) -> 
         py,
         response.table,
         response.variance,
-        expected.angle,
-        expected.offset,
-        float(expected.side),
-        expected.bend,
+        (expected.angle, expected.offset, float(expected.side), expected.bend),
         expected.bend_sigma,
         expected.reach,
     )
@@ -223,72 +220,87 @@ def _ends(
     return ends, contact, level
 
 
-@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
-def _normal(
+@numba.njit(cache=True, error_model="numpy")
+def _chosen(
     depth: Floats,
     sigma: Floats,
     px: float,
     py: float,
+    line: tuple[float, float, float, float],
+    window: tuple[float, float, float],
+) -> Floats:
+    """(n, 4) x, y, depth and 1/sigma of the taxels from `low` to `high` along the line and not beyond `far`."""
+    angle, offset, side, bend = line
+    low, high, far = window
+    rows, columns = depth.shape
+    ca, sa = np.cos(angle), np.sin(angle)
+    out = np.empty((rows * columns, 4))
+    n = 0
+    for i in range(rows):
+        y = (i - (rows - 1) / 2) * py
+        for j in range(columns):
+            x = (j - (columns - 1) / 2) * px
+            v = ca * x + sa * y
+            t = _inside(side * (ca * y - sa * x - offset), v, bend)[0]
+            if sigma[i, j] < np.inf and low < v < high and t < far:
+                out[n, 0], out[n, 1] = x, y
+                out[n, 2], out[n, 3] = depth[i, j], 1.0 / sigma[i, j]
+                n += 1
+    return out[:n]
+
+
+@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+def _normal(
+    taxels: Floats,
     table: Floats,
     width: float,
     p: Floats,
     side: float,
-    expected: float,
-    bend_sigma: float,
-    window: Floats,
+    prior: tuple[float, float],
     normal: Floats,
     rhs: Floats,
-) -> tuple[float, int]:
-    """Normal equations of the taxels in the window (v low, v high, t low, t high)."""
-    rows, columns = depth.shape
+) -> float:
+    """Fill the normal equations at p; the chi2 there (Huber's), the prior (bend, sigma) among it."""
     normal[:] = 0.0
     rhs[:] = 0.0
     ca, sa = np.cos(p[0]), np.sin(p[0])
-    chi2, count = 0.0, 0
+    chi2 = 0.0
     j6 = np.empty(6)
-    for i in range(rows):
-        y = (i - (rows - 1) / 2) * py
-        for j in range(columns):
-            if sigma[i, j] == np.inf:
-                continue
-            x = (j - (columns - 1) / 2) * px
-            u, v = ca * y - sa * x, ca * x + sa * y
-            t, by_d, by_v, by_bend = _inside(side * (u - p[1]), v, p[5])
-            if v < window[0] or v > window[1] or t < window[2] or t > window[3]:
-                continue
-            change, step, slant = look_up(table, t / width, 0)
-            change, slant = change / width, slant * width
-            r = (depth[i, j] - (p[2] + p[4] * v) * step - p[3] * slant) / sigma[i, j]
-            count += 1
-            weight = 1.0 / sigma[i, j]
-            size = abs(r)
-            if size > HUBER:
-                chi2 += HUBER * (2.0 * size - HUBER)
-                share = np.sqrt(HUBER / size)
-                weight *= share
-                r *= share
-            else:
-                chi2 += r * r
-            if step == 0.0:
-                continue
-            steep = (p[2] + p[4] * v) * change + p[3] * step
-            j6[0] = ((by_v * u - by_d * side * v) * steep + p[4] * u * step) * weight
-            j6[1] = -side * by_d * steep * weight
-            j6[2] = step * weight
-            j6[3] = slant * weight
-            j6[4] = v * step * weight
-            j6[5] = by_bend * steep * weight
-            for a in range(6):
-                rhs[a] += j6[a] * r
-                for b in range(a + 1):
-                    normal[a, b] += j6[a] * j6[b]
+    for k in range(len(taxels)):
+        x, y, weight = taxels[k, 0], taxels[k, 1], taxels[k, 3]
+        u, v = ca * y - sa * x, ca * x + sa * y
+        t, by_d, by_v, by_bend = _inside(side * (u - p[1]), v, p[5])
+        change, step, slant = look_up(table, t / width, 0)
+        change, slant = change / width, slant * width
+        r = (taxels[k, 2] - (p[2] + p[4] * v) * step - p[3] * slant) * weight
+        size = abs(r)
+        if size > HUBER:
+            chi2 += HUBER * (2.0 * size - HUBER)
+            share = np.sqrt(HUBER / size)
+            weight *= share
+            r *= share
+        else:
+            chi2 += r * r
+        if step == 0.0:
+            continue
+        steep = (p[2] + p[4] * v) * change + p[3] * step
+        j6[0] = ((by_v * u - by_d * side * v) * steep + p[4] * u * step) * weight
+        j6[1] = -side * by_d * steep * weight
+        j6[2] = step * weight
+        j6[3] = slant * weight
+        j6[4] = v * step * weight
+        j6[5] = by_bend * steep * weight
+        for a in range(6):
+            rhs[a] += j6[a] * r
+            for b in range(a + 1):
+                normal[a, b] += j6[a] * j6[b]
     for a in range(6):
         for b in range(a):
             normal[b, a] = normal[a, b]
-    surprise = (expected - p[5]) / bend_sigma
-    normal[5, 5] += 1.0 / bend_sigma**2
-    rhs[5] += surprise / bend_sigma
-    return chi2 + surprise * surprise, count
+    surprise = (prior[0] - p[5]) / prior[1]
+    normal[5, 5] += 1.0 / prior[1] ** 2
+    rhs[5] += surprise / prior[1]
+    return float(chi2 + surprise * surprise)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -299,13 +311,11 @@ def _follow(
     py: float,
     table: Floats,
     variance: Floats,
-    angle: float,
-    offset: float,
-    side: float,
-    bend: float,
+    line: tuple[float, float, float, float],
     bend_sigma: float,
     reach: float,
 ) -> tuple[Floats, Floats, float, int, Floats, Floats, bool]:
+    angle, offset, side, bend = line
     normal, rhs = np.zeros((6, 6)), np.zeros(6)
     sa, ca = np.sin(angle), np.cos(angle)
     width = np.sqrt(variance[0] * sa * sa + variance[1] * ca * ca)
@@ -316,12 +326,13 @@ def _follow(
         return p, covariance, 0.0, 0, ends, contact, False
     clear = CLEAR * width
     low, high = max(-reach, -ends[1] + clear), min(reach, min(ends[0], ends[2]) - clear)
-    window = np.array([low, high, -np.inf, max(ends[3] - clear, 0.5 * width)])
-    p[2] = level
-    chi2, count = _normal(depth, sigma, px, py, table, width, p, side, bend, bend_sigma, window, normal, rhs)
+    taxels = _chosen(depth, sigma, px, py, line, (low, high, max(ends[3] - clear, 0.5 * width)))
+    count = len(taxels)
     if count < LEAST:
-        return p, covariance, chi2, count, ends, contact, False
-    found = False
+        return p, covariance, 0.0, count, ends, contact, False
+    p[2] = level
+    prior = (bend, bend_sigma)
+    chi2 = _normal(taxels, table, width, p, side, prior, normal, rhs)
     damping = 0.0
     for _ in range(STEPS):
         damped = normal.copy()
@@ -329,28 +340,23 @@ def _follow(
             damped[a, a] *= 1.0 + damping
         ok, inverse = invert(damped)
         if not ok:
-            break
+            return p, covariance, chi2, count, ends, contact, False
         step = inverse @ rhs
         trial = p + step
-        new, count = _normal(
-            depth, sigma, px, py, table, width, trial, side, bend, bend_sigma, window, normal, rhs
-        )
-        if not new < chi2 + 1e-6 * chi2 + 1e-9:
+        new = _normal(taxels, table, width, trial, side, prior, normal, rhs)
+        if not new < chi2 + 1e-9:
+            _normal(taxels, table, width, p, side, prior, normal, rhs)
             damping = max(1e-2, 10.0 * damping)
-            _, count = _normal(
-                depth, sigma, px, py, table, width, p, side, bend, bend_sigma, window, normal, rhs
-            )
-            if damping > 1e3:
+            if damping > 1e2:
                 break
             continue
         gained = chi2 - new
         p, chi2 = trial, new
-        damping *= 0.1
-        if gained < 0.01 or (step[0] ** 2 < 0.01 * inverse[0, 0] and step[1] ** 2 < 0.01 * inverse[1, 1]):
-            found = True
+        damping = 0.1 * damping if damping > 1e-3 else 0.0
+        if gained < 0.05:
             break
     ok, covariance = invert(normal)
     p[1] -= side * 0.5 * p[5] * width * width
     strong = ok and p[2] > 5.0 * np.sqrt(covariance[2, 2])
     near = abs(p[0] - angle) < 0.5 and abs(p[1] - offset) < 4.0 * width
-    return p, covariance, chi2, count, ends, contact, found and strong and near
+    return p, covariance, chi2, count, ends, contact, strong and near
