@@ -6,32 +6,25 @@ Each line or arc more must gain `WORTH` in chi2, and a hypothesis that explains 
 What a smooth surface explains as well has no outline: "nothing" is an answer.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from itertools import combinations
-from math import hypot, sqrt
+from dataclasses import dataclass, field
+from math import hypot, inf, sqrt
 
 import numpy as np
 
 from exploration.sensing.contact_mask import contact_mask, usable
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.arc import Arc
-from exploration.sensing.lines.edges import EdgePoints, edge_points
-from exploration.sensing.lines.hough import DEFAULT, HoughConfig, Peak, candidates
+from exploration.sensing.lines.edges import edge_points
 from exploration.sensing.lines.line import Line, normalized
-from exploration.sensing.lines.line_evidence import worth
 from exploration.sensing.lines.line_fit import softened
-from exploration.sensing.lines.outline_starts import (
-    Circle,
-    blob,
-    chains,
-    circle_through,
-    seen_of_disc,
-    seen_of_line,
-)
-from exploration.sensing.lines.region import NO_TERMS, ONE, THREE, TWO, WHOLE, Region
-from exploration.sensing.lines.region_fit import RegionFit, fit_region
+from exploration.sensing.lines.outline_search import Evidence, SearchConfig, search
+from exploration.sensing.lines.parallel import made_parallel
+from exploration.sensing.lines.peaks import peaks
+from exploration.sensing.lines.region import Region
+from exploration.sensing.lines.region_fit import RegionFit
+from exploration.sensing.lines.seen import seen_of_disc, seen_of_line
 from exploration.sensing.response import Response, response_of
+from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.local_surface import fit_paraboloid
 from primitives.arrays import Floats, frozen
 
@@ -40,13 +33,16 @@ from primitives.arrays import Floats, frozen
 class OutlineConfig:
     """What counts as found."""
 
-    worth: float = 25.0  # [chi2] that each further line or arc must gain
-    bend: float = 12.0  # [chi2] that an arc must gain on a line (99.9 %, with BIC's price for one number)
-    explained: float = 3.0  # [standard deviations of chi2] within which a hypothesis ends the search
+    over_smooth: float = 14.0  # [chi2] by which an outline must be likelier than a smooth surface
+    arc_over_smooth: float = 5.0  # the same for one arc
+    as_smooth: float = (
+        -6.0
+    )  # the same where the surface would be sharp: a thin wall, a ridge, a pin, a ball tip
+    ridge: float = 0.05  # [1/mm] from which a ridge, and
+    dome: float = 0.083  # [1/mm] from which a dome is sharp
     strength: float = 5.0  # [sigma] of the step's height
-    longest: float = 300.0  # [mm] radius from which an arc is called a line
     length: float = 1.6  # [taxels] of a line that is seen
-    holes: int = 2
+    search: SearchConfig = field(default_factory=SearchConfig)
 
 
 @dataclass(frozen=True)
@@ -57,9 +53,14 @@ class Outline:
     arcs: tuple[Arc, ...] = ()
     chi2: float = 0.0
     dof: int = 0
+    over_smooth: float = 0.0  # [chi2] by which this is likelier than the best smooth surface
 
     def __bool__(self) -> bool:
         return bool(self.lines or self.arcs)
+
+    def explains(self, deviations: float) -> bool:
+        """Whether what is said here, were it nothing, leaves no more than so many deviations of chi2."""
+        return self.dof > 0 and self.chi2 < self.dof + deviations * sqrt(2 * self.dof)
 
 
 NOTHING = Outline()
@@ -69,143 +70,44 @@ def find_outline(
     image: TactileImage,
     max_lines: int = 3,
     response: Response | None = None,
-    config: OutlineConfig = OutlineConfig(),
-    hough: HoughConfig = DEFAULT,
+    config: OutlineConfig | None = None,
 ) -> Outline:
     """Straight edges and arcs of a frame, each kind strongest first."""
     if not usable(image):
         return NOTHING
+    config = config or OutlineConfig()
     response = response_of(image, response)
     points = edge_points(image, response)
     soft = softened(image)
-    peaks = candidates(points, image, max_lines, response, hough)
-    best = _search(soft, points, peaks, response, config)
-    if best is None or not best.converged or _smooth_is_likelier(image, best):
+    best = search(Evidence(soft, response, points, peaks(points, image, max_lines, response)), config.search)
+    if best is None:
         return NOTHING
-    return _report(soft, best, config)
-
-
-def _search(
-    image: TactileImage,
-    points: EdgePoints,
-    peaks: list[Peak],
-    response: Response,
-    config: OutlineConfig,
-) -> RegionFit | None:
-    """The hypothesis of the best price, from the simplest on."""
-    best: RegionFit | None = None
-    for stage in (_lone, _arcs, _pairs, _triples, _holes):
-        for region, shape in stage(image, points, peaks, best, response, config):
-            fit = fit_region(image, response, region, shape)
-            if fit.converged and (best is None or _price(fit, config) < _price(best, config)):
-                best = fit
-        if best is not None and stage is not _lone and best.explains(config.explained):
-            break
-    return best
-
-
-Starts = Iterable[tuple[Region, list[float]]]
-
-
-def _price(fit: RegionFit, config: OutlineConfig) -> float:
-    lines, arcs = len(fit.region.sides), len(fit.region.signs)
-    return fit.chi2 + config.worth * (lines + arcs) + config.bend * arcs
-
-
-def _lone(
-    image: TactileImage,
-    points: EdgePoints,
-    peaks: list[Peak],
-    best: RegionFit | None,
-    response: Response,
-    config: OutlineConfig,
-) -> Starts:
-    if peaks:
-        angle, offset, side, _ = peaks[0]
-        yield Region((float(side),), ONE[0]), [angle, offset]
-
-
-def _arcs(
-    image: TactileImage,
-    points: EdgePoints,
-    peaks: list[Peak],
-    best: RegionFit | None,
-    response: Response,
-    config: OutlineConfig,
-) -> Starts:
-    """One arc through all edge points, through each piece; a rim inside a rim; a blob."""
-    if len(points) < 3:
-        return
-    pieces = chains(points, max(image.array.pitch))
-    everything = np.ones(len(points), dtype=bool)
-    sets = [everything, *(m for m in pieces[:2] if not m.all())]
-    circles = [circle_through(points, m, config.longest) for m in sets]
-    for circle in circles:
-        if circle is not None:
-            yield _arc(circle), list(circle[:3])
-    inner, outer = [c for c in circles[1:] if c and c[3] < 0], [c for c in circles[1:] if c and c[3] > 0]
-    if inner and outer:
-        yield Region((), NO_TERMS, (1.0, -1.0)), [*outer[0][:3], *inner[0][:3]]
-    whole = blob(np.maximum(image.depth, 0.0), image.array.x, image.array.y, response.variance)
-    if whole is not None and whole[2] < 0.3 * min(image.array.size):
-        yield _arc(whole), list(whole[:3])
-
-
-def _arc(circle: Circle) -> Region:
-    return Region((), NO_TERMS if circle[3] > 0 else WHOLE, (circle[3],))
-
-
-def _pairs(
-    image: TactileImage,
-    points: EdgePoints,
-    peaks: list[Peak],
-    best: RegionFit | None,
-    response: Response,
-    config: OutlineConfig,
-) -> Starts:
-    return _joined(peaks, 2)
-
-
-def _triples(
-    image: TactileImage,
-    points: EdgePoints,
-    peaks: list[Peak],
-    best: RegionFit | None,
-    response: Response,
-    config: OutlineConfig,
-) -> Starts:
-    return _joined(peaks, 3)
-
-
-def _joined(peaks: list[Peak], count: int) -> Starts:
-    for chosen in combinations(peaks, count):
-        sides = tuple(float(peak[2]) for peak in chosen)
-        shape = [value for peak in chosen for value in peak[:2]]
-        for terms in (TWO, THREE)[count - 2]:
-            yield Region(sides, terms), shape
-
-
-def _holes(
-    image: TactileImage,
-    points: EdgePoints,
-    peaks: list[Peak],
-    best: RegionFit | None,
-    response: Response,
-    config: OutlineConfig,
-) -> Starts:
-    """A hole where the best so far, or a whole face, reads most too deep."""
-    return ()
-
-
-def _smooth_is_likelier(image: TactileImage, best: RegionFit) -> bool:
+    if best.region == Region():
+        return Outline((), (), best.chi2, best.dof)
     smooth = fit_paraboloid(image, contact_mask(image))
-    kxx, kxy, kyy = smooth.parameters[3:6]
+    gain = smooth.chi2 - best.chi2 if smooth.converged else inf
+    if gain < _asked(best, smooth, config):
+        return Outline((), (), smooth.chi2, smooth.dof, gain)
+    return _report(soft, made_parallel(best), gain, config)
+
+
+def _asked(best: RegionFit, smooth: Footprint, config: OutlineConfig) -> float:
+    """[chi2] that the outline must gain on the best smooth surface.
+
+    A blur of s cannot tell a wall from a cylinder, or a pin from a ball, that are hardly wider than s; there
+    the outline is what is reported, and `over_smooth` says that it might be either.
+    """
+    kxx, kxy, kyy = smooth.parameters[3:6].tolist()
     mean, half = (kxx + kyy) / 2, hypot((kxx - kyy) / 2, kxy)
-    needed = worth(mean + half, mean - half)
-    return smooth.converged and smooth.chi2 - best.chi2 < needed
+    greatest, least = mean + half, mean - half
+    if len(best.region.sides) == 2 and greatest > config.ridge and abs(least) < 0.25 * greatest:
+        return config.as_smooth
+    if not best.region.sides and len(best.region.signs) == 1:
+        return config.as_smooth if least > 0.25 * greatest > 0.25 * config.dome else config.arc_over_smooth
+    return 0.0 if len(best.region.sides) == 1 and not best.region.signs else config.over_smooth
 
 
-def _report(image: TactileImage, fit: RegionFit, config: OutlineConfig) -> Outline:
+def _report(image: TactileImage, fit: RegionFit, gain: float, config: OutlineConfig) -> Outline:
     """Lines and arcs of a fit, over what the pad sees of them."""
     lines, arcs = [], []
     p, covariance = fit.parameters, fit.covariance * fit.inflation
@@ -221,20 +123,23 @@ def _report(image: TactileImage, fit: RegionFit, config: OutlineConfig) -> Outli
         e, normal = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
         ends = [frozen(v * e + offset * normal) for v in (low, high)]
         height, strength = _height(p, covariance, 0.5 * (ends[0] + ends[1]))
-        line = Line(angle, offset, frozen(shared), high - low, *ends, strength, turned, height)
+        line = Line(angle, offset, frozen(shared), high - low, ends[0], ends[1], strength, turned, height)
         if strength > config.strength and line.length > config.length * min(image.array.pitch):
             lines.append(line)
     for k, sign in enumerate(fit.region.signs):
         rows = slice(3 + 2 * n + 3 * k, 6 + 2 * n + 3 * k)
-        span, middle = seen_of_disc(fit.region, p, p[rows], size)
-        height, strength = _height(p, covariance, middle)
+        turn, step = seen_of_disc(fit.region, p, p[rows], size)
+        if not len(turn):
+            continue
+        rim = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        height, strength = _height(p, covariance, (p[rows][:2] + p[rows][2] * rim).mean(axis=0))
         shared = frozen(covariance[rows, rows])
         center, radius = frozen(p[rows][:2]), float(p[rows][2])
-        if strength > config.strength and span > 0.0:
-            arcs.append(Arc(center, radius, shared, sign > 0, span, strength, height))
+        if strength > config.strength:
+            arcs.append(Arc(center, radius, shared, sign > 0, step * len(turn), strength, height))
     lines.sort(key=lambda line: -line.strength)
     arcs.sort(key=lambda arc: -arc.strength)
-    return Outline(tuple(lines), tuple(arcs), fit.chi2, fit.dof)
+    return Outline(tuple(lines), tuple(arcs), fit.chi2, fit.dof, gain)
 
 
 def _height(p: Floats, covariance: Floats, at: Floats) -> tuple[float, float]:

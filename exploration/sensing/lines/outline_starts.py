@@ -1,4 +1,4 @@
-"""Where to start: circles through edge points and their normals, and what a face leaves unexplained.
+"""Where to start: lines and circles through edge points and their normals.
 
 On a circle of signed curvature k (positive where the material is inside) the unit normal into the material at p
 is n = k (c - p).  So k is minus the slope of normals over points, c = mean(p) + mean(n)/k, and noise in the
@@ -6,23 +6,21 @@ normals does not bend it, points being sharp (our derivation).  Chains of neighb
 are the outline's pieces.
 """
 
-from math import hypot
+from math import atan2, cos, sin
 
 import numba
 import numpy as np
 
 from exploration.sensing.lines.edges import EdgePoints
-from exploration.sensing.lines.line import clipped
-from exploration.sensing.lines.region import Region
+from exploration.sensing.lines.line import normalized
 from primitives.arrays import Bools, Floats, Ints
 
 LINK = 1.7  # [pitch] between neighbors of a chain
 TURN = 0.5  # cosine between their normals
 LEAST = 4  # points of a chain
-SAMPLES = 96  # along a line or a circle, where it is asked what of it is seen
-BESIDE = 0.05  # [mm]
 
 Circle = tuple[float, float, float, float]  # x, y, radius [mm], +1 boss or -1 hole
+Straight = tuple[float, float, float]  # angle [rad], offset [mm], material side
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -76,53 +74,95 @@ def circle_through(points: EdgePoints, members: Bools, longest: float) -> Circle
     return float(center[0]), float(center[1]), 1.0 / abs(k), 1.0 if k > 0.0 else -1.0
 
 
-def blob(depth: Floats, x: Floats, y: Floats, variance: Floats) -> Circle | None:
-    """The disc whose blur has the first two moments of an image; none where it has no volume."""
-    total = float(depth.sum())
-    if total <= 0.0:
+@numba.njit(cache=True, error_model="numpy")
+def _scatter(sums: Floats, direct: float) -> float:
+    """How far points lie off one line, from their sums: across it, and in direction."""
+    w = sums[0]
+    if w <= 0.0:
+        return 0.0
+    nx, ny = sums[6], sums[7]
+    size = np.sqrt(nx * nx + ny * ny)
+    turn = direct * 2.0 * (w - size)
+    sxx = sums[3] - sums[1] * sums[1] / w
+    sxy = sums[4] - sums[1] * sums[2] / w
+    syy = sums[5] - sums[2] * sums[2] / w
+    nx, ny = nx / (size + 1e-12), ny / (size + 1e-12)
+    return float(turn + nx * nx * sxx + 2.0 * nx * ny * sxy + ny * ny * syy)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _split(points: Floats, directions: Floats, weight: Floats, count: int, reach: float) -> Ints:
+    """(n,) which of `count` lines each point is on: the cuts of the circle of directions that scatter least."""
+    n = len(points)
+    order = np.argsort(np.arctan2(directions[:, 1], directions[:, 0]))
+    total = np.zeros((2 * n + 1, 8))
+    for i in range(2 * n):
+        k = order[i % n]
+        x, y, w = points[k, 0], points[k, 1], weight[k]
+        total[i + 1] = total[i] + w * np.array(
+            [1.0, x, y, x * x, x * y, y * y, directions[k, 0], directions[k, 1]]
+        )
+    cost = np.empty((n, n + 1))
+    direct = reach * reach
+    for i in range(n):
+        for size in range(n + 1):
+            cost[i, size] = _scatter(total[i + size] - total[i], direct)
+    best = np.inf
+    first = second = third = 0
+    for i in range(n):
+        for j in range(i + 2, n):
+            if count == 2:
+                value = cost[i, j - i] + cost[j, n - j + i]
+                if n - j + i >= 2 and value < best:
+                    best, first, second, third = value, i, j, j
+                continue
+            for k in range(j + 2, n):
+                value = cost[i, j - i] + cost[j, k - j] + cost[k, n - k + i]
+                if n - k + i >= 2 and value < best:
+                    best, first, second, third = value, i, j, k
+    group = np.zeros(n, dtype=np.int64)
+    if best < np.inf:
+        for place in range(n):
+            here = 0
+            if first <= place < second:
+                here = 1
+            elif second <= place < third:
+                here = 2
+            group[order[place]] = here
+    return group
+
+
+def split_lines(points: EdgePoints, count: int, reach: float) -> list[Straight]:
+    """So many lines through the edge points, told apart by their normals; fewer points make none."""
+    if len(points) < 2 * count:
+        return []
+    group = _split(points.points, points.directions, points.weight, count, reach)
+    found = [_straight(points, group == k) for k in range(count)]
+    return [line for line in found if line is not None]
+
+
+def _straight(points: EdgePoints, members: Bools) -> Straight | None:
+    w = points.weight[members]
+    if len(w) < 2 or not w.sum() > 0.0:
         return None
-    along, across = depth.sum(axis=0), depth.sum(axis=1)
-    cx, cy = float(along @ x) / total, float(across @ y) / total
-    vx, vy = float(along @ (x - cx) ** 2) / total, float(across @ (y - cy) ** 2) / total
-    radius = 2.0 * max(0.5 * (vx + vy - float(variance.sum())), 0.0) ** 0.5
-    return cx, cy, max(radius, 0.3 * float(variance.mean()) ** 0.5), 1.0
+    nx, ny = w @ points.directions[members]
+    cx, cy = w @ points.points[members] / w.sum()
+    angle = atan2(-nx, ny)
+    angle, offset, side = normalized(angle, float(cy * cos(angle) - cx * sin(angle)), 1)
+    return angle, offset, float(side)
 
 
-def seen_of_line(
-    region: Region, parameters: Floats, angle: float, offset: float, size: tuple[float, float]
-) -> tuple[float, float]:
-    """The stretch [mm] along a line where the face ends at it, on a pad of this size; (0, 0) if nowhere."""
-    low, high = clipped(angle, offset, (size[0] / 2, size[1] / 2))
-    if high <= low:
-        return 0.0, 0.0
-    e = np.array([np.cos(angle), np.sin(angle)])
-    n = np.array([-e[1], e[0]])
-    along = low + (np.arange(SAMPLES) + 0.5) * (high - low) / SAMPLES
-    at = along[:, None] * e + offset * n
-    border = region.holds(at + BESIDE * n, parameters) != region.holds(at - BESIDE * n, parameters)
-    if not border.any():
-        return 0.0, 0.0
-    half = 0.5 * (high - low) / SAMPLES
-    return float(along[border][0]) - half, float(along[border][-1]) + half
-
-
-def seen_of_disc(
-    region: Region, parameters: Floats, disc: Floats, size: tuple[float, float]
-) -> tuple[float, Floats]:
-    """The angle [rad] of a circle that the pad sees as the face's end, and (2,) the middle of it."""
-    cx, cy, radius = disc.tolist()
-    if hypot(cx, cy) + hypot(*size) / 2 > 3 * radius:
-        low, high = -np.pi, np.pi
-    else:
-        toward = np.arctan2(-cy, -cx)
-        half = min(np.pi, 1.2 * hypot(*size) / radius)
-        low, high = toward - half, toward + half
-    turn = low + (np.arange(SAMPLES) + 0.5) * (high - low) / SAMPLES
-    out = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    at = disc[:2] + radius * out
-    on_pad = (np.abs(at[:, 0]) < size[0] / 2) & (np.abs(at[:, 1]) < size[1] / 2)
-    beside = region.holds(at + BESIDE * out, parameters) != region.holds(at - BESIDE * out, parameters)
-    border = on_pad & beside
-    if not border.any():
-        return 0.0, disc[:2]
-    return float(border.mean()) * (high - low), at[border].mean(axis=0)
+def tangents(circle: Circle, from_: float, to: float, count: int) -> list[Straight]:
+    """Lines that stand for an arc from one angle [rad] to another: tangents at the middles of its parts."""
+    x, y, radius, sign = circle
+    part = (to - from_) / count
+    away = radius * (1.0 - part * part / 24.0)
+    found = []
+    for i in range(count):
+        turn = from_ + (i + 0.5) * part
+        inward = -sign * cos(turn), -sign * sin(turn)
+        at = x + away * cos(turn), y + away * sin(turn)
+        angle = atan2(-inward[0], inward[1])
+        angle, offset, side = normalized(angle, at[1] * cos(angle) - at[0] * sin(angle), 1)
+        found.append((angle, offset, float(side)))
+    return found

@@ -1,8 +1,8 @@
 """Gauss-Newton on the closed form of an outline: lines, discs and the face's plane at once.
 
 Levenberg's damping; residuals beyond `HUBER` sigma weigh less, for taxels that died without telling.  The
-covariance is the inverse of the weighted normal matrix.  The slope of the face has a weak prior: a pad tilted by more
-would stand on its housing, and a face smaller than the blur does not show its slope.
+covariance is the inverse of the weighted normal matrix.  The slope of the face has a weak prior: a pad tilted by
+more would stand on its housing, and a face smaller than the blur does not show its slope.
 """
 
 from dataclasses import dataclass
@@ -21,10 +21,11 @@ from exploration.sensing.surfaces.normal_equations import invert
 from primitives.arrays import Floats
 
 HUBER = 3.0  # [sigma]
-SLOPE = 0.3  # [rad] standard deviation of the prior
+SLOPE = 0.1  # [rad] standard deviation of the prior
 STEPS = 25
 GAINED = 0.02  # [chi2] a step that gains less is the last
 LEAST_RADIUS = 0.2  # [mm]
+TURN = 0.7  # [rad] of a line in one step
 
 
 @dataclass(frozen=True)
@@ -37,22 +38,24 @@ class RegionFit:
     chi2: float  # Huber's
     dof: int
     converged: bool
+    structure: float  # [sigma] the largest mean residual of 3 x 3 taxels; about 3 where all is explained
 
     @property
     def inflation(self) -> float:
         """By how much the misfit widens the covariance."""
         return max(1.0, self.chi2 / max(1, self.dof))
 
-    def explains(self, deviations: float) -> bool:
-        """Whether chi2 is within so many standard deviations of what noise makes."""
-        return self.converged and self.chi2 < self.dof + deviations * sqrt(2 * max(1, self.dof))
+    def settled(self, deviations: float, structure: float) -> bool:
+        """Whether chi2 and the residuals' pattern are what noise makes."""
+        usual = self.chi2 < self.dof + deviations * sqrt(2 * max(1, self.dof))
+        return self.converged and usual and self.structure < structure
 
 
 def fit_region(
     image: TactileImage, response: Response, region: Region, shape: ArrayLike, steps: int = STEPS
 ) -> RegionFit:
     """Fit from `shape` (unknowns - 3,), the lines' and discs' numbers; the plane needs no start."""
-    parameters, covariance, chi2, count, converged = _fit(
+    parameters, covariance, chi2, count, converged, structure = _fit(
         image.depth,
         image.sigma,
         image.array.x,
@@ -62,7 +65,15 @@ def fit_region(
         *region.arrays,
         steps,
     )
-    return RegionFit(region, parameters, covariance, chi2, count - len(parameters), converged)
+    return RegionFit(region, parameters, covariance, chi2, count - len(parameters), converged, structure)
+
+
+def unexplained(image: TactileImage, response: Response, fit: RegionFit) -> Floats:
+    """(rows, columns) [mm] measured less fitted; 0 where dead."""
+    array = image.array
+    model = np.empty((1 + len(fit.parameters), *array.shape))
+    evaluate(array.x, array.y, response.variance, fit.parameters, *fit.region.arrays, model)
+    return np.where(np.isfinite(image.sigma), image.depth - model[0], 0.0)
 
 
 @numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
@@ -118,9 +129,10 @@ def _fit(
     terms: Floats,
     signs: Floats,
     steps: int,
-) -> tuple[Floats, Floats, float, int, bool]:
+) -> tuple[Floats, Floats, float, int, bool, float]:
     m = 3 + len(shape)
     discs = 3 + 2 * len(sides)
+    size = abs(x[-1] - x[0]) + abs(y[-1] - y[0]) + 6.0 * np.sqrt(variance.max())
     p = np.zeros(m)
     p[3:] = shape
     model = np.zeros((1 + m, len(y), len(x)))
@@ -131,7 +143,7 @@ def _fit(
     chi2, count = _normal_equations(depth, sigma, p, model, normal, rhs)
     ok, inverse = invert(normal[:3, :3].copy())
     if not ok:
-        return p, covariance, chi2, count, False
+        return p, covariance, chi2, count, False, np.inf
     p[:3] += inverse @ rhs[:3]
     evaluate(x, y, variance, p, sides, terms, signs, model)
     chi2, count = _normal_equations(depth, sigma, p, model, normal, rhs)
@@ -150,11 +162,13 @@ def _fit(
         step = inverse @ rhs
         trial = p + step
         possible = True
+        for k in range(3, discs, 2):
+            possible = possible and abs(step[k]) < TURN and abs(trial[k + 1]) < size
         for k in range(discs + 2, m, 3):
             trial[k] = max(trial[k], 0.5 * p[k], LEAST_RADIUS)
             possible = possible and trial[k] < LONGEST
         if not possible:
-            damping = max(1e-2, damping * 10.0)
+            damping = max(1e-1, damping * 10.0)
             if damping > 1e6:
                 break
             continue
@@ -178,4 +192,23 @@ def _fit(
             if damping > 1e8:
                 break
     ok, covariance = invert(normal)
-    return p, covariance, chi2, count, converged and ok
+    evaluate(x, y, variance, p, sides, terms, signs, model)
+    return p, covariance, chi2, count, converged and ok, _structure(depth, sigma, model[0])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _structure(depth: Floats, sigma: Floats, model: Floats) -> float:
+    """The largest sum of residuals over 3 x 3 taxels, in its standard deviations."""
+    rows, columns = depth.shape
+    greatest = 0.0
+    for i in range(rows):
+        for j in range(columns):
+            total = 0.0
+            count = 0
+            for a in range(max(0, i - 1), min(rows, i + 2)):
+                for b in range(max(0, j - 1), min(columns, j + 2)):
+                    if sigma[a, b] != np.inf:
+                        total += (depth[a, b] - model[a, b]) / sigma[a, b]
+                        count += 1
+            greatest = max(greatest, abs(total) / np.sqrt(max(1, count)))
+    return float(greatest)

@@ -6,9 +6,9 @@ q(p) = d0 + g . p the depth of its plane, the Gaussian's own derivative gives th
     depth(p) = q(p) S(p) + g . V grad S(p)        (our derivation: (s - p) G(s - p) = V grad G).
 
 S is multilinear in its half-planes: any union and intersection of up to three is a sum of blurred half-planes
-Phi(t_i) and wedges Phi2(t_i, t_j) (`normal_pair`).  Of three, one of the eight regions that their lines could bound is
-empty; which one, the linear relation between their normals tells, and it gives the triple from the pairs.  Discs
-(`blurred_disc`) are added, if they are bosses, or taken away, if they are holes in the face.
+Phi(t_i) and wedges Phi2(t_i, t_j) (`normal_pair`).  Of three, one of the eight regions that their lines could
+bound is empty; which one, the linear relation between their normals tells, and it gives the triple from the pairs.
+Discs (`blurred_disc`) are added, if they are bosses, or taken away, if they are holes in the face.
 
 Unknowns: d0, gx, gy; (angle, offset) a line; (x, y, radius) a disc.  Derivatives are exact; discs see the blur
 along their normal, which is exact where it is the same along both axes.
@@ -20,7 +20,7 @@ import numba
 import numpy as np
 
 from exploration.sensing.lines.blurred_disc import CELLS, REACH, covered, rim, tabulate
-from exploration.sensing.lines.normal_pair import FAR, both, chance, density
+from exploration.sensing.lines.normal_pair import FAR, NODES, both, chance, density, prepare
 from primitives.arrays import Floats
 
 _PLUS = np.array([[0, 1], [0, 2], [1, 2]])
@@ -90,12 +90,13 @@ def evaluate(
     reduced = without_triple(terms, normals, shift) if n == 3 else terms
     single = np.array([reduced[1], reduced[2], reduced[4]])
     pairs = np.array([reduced[3], reduced[5], reduced[6]])
-    c = np.zeros(3)
+    c, nodes = np.zeros(3), np.empty((3, NODES, 3))
     for e in range(3):
         i, j = _PLUS[e, 0], _PLUS[e, 1]
         if j < n:
             c[e] = normals[i, 0] * vx * normals[j, 0] + normals[i, 1] * vy * normals[j, 1]
             c[e] = min(1.0, max(-1.0, c[e]))
+            prepare(c[e], nodes[e])
     mean_width = sqrt(0.5 * (vx + vy))
     tables = np.empty((m, CELLS + 1, 2))
     first, step = np.empty(m), np.empty(m)
@@ -130,7 +131,7 @@ def evaluate(
                     continue
                 r2 = max(1e-12, 1.0 - c[e] * c[e])
                 r = sqrt(r2)
-                total += pairs[e] * both(t[i], t[j], c[e])
+                total += pairs[e] * both(t[i], t[j], f[i], f[j], c[e], nodes[e])
                 if phi[i] == 0.0 and phi[j] == 0.0:
                     continue
                 a = phi[i] * chance((t[j] - c[e] * t[i]) / r)

@@ -1,0 +1,169 @@
+"""Which lines and arcs a frame needs: hypotheses from the simplest on, fitted to all taxels, the likeliest kept.
+
+Every line and arc that a hypothesis adds has a price in chi2: above Schwarz's, the logarithm of the number of
+taxels for each of its numbers, where it is nested in another, for many starts are tried; near it where it is not.
+Starts come from the Hough transform's peaks, from edge points split by their normals, from circles through them,
+from the moments of a small contact, and from what the best hypothesis so far leaves unexplained.  Each start takes
+one step, and the best of each kind all steps.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import combinations
+from math import inf
+
+import numpy as np
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.edges import EdgePoints
+from exploration.sensing.lines.outline_starts import (
+    Circle,
+    Straight,
+    chains,
+    circle_through,
+    split_lines,
+    tangents,
+)
+from exploration.sensing.lines.region import NO_TERMS, ONE, THREE, TWO, WHOLE, Region
+from exploration.sensing.lines.region_fit import RegionFit, fit_region, unexplained
+from exploration.sensing.lines.residual_starts import blob, dip, trough
+from exploration.sensing.lines.seen import seen_of_disc
+from exploration.sensing.response import Response
+
+Start = tuple[Region, list[float]]
+
+
+@dataclass(frozen=True)
+class SearchConfig:
+    """What a hypothesis costs."""
+
+    lines: tuple[float, ...] = (0.0, 20.0, 37.0, 50.0)  # [chi2] so many
+    arc: float = 29.0  # [chi2]
+    longest: float = 300.0  # [mm] radius from which an arc is a line
+    glance: int = 1  # steps of each start, after which
+    polished: int = 2  # of each kind are taken to the end
+    settled: float = 0.5  # [standard deviations of chi2] within which, and with
+    structure: float = 3.2  # [sigma] no patch of residuals greater than this, the search ends
+    open_arc: float = 3.0  # [rad] seen, up to which an arc may be lines
+    holes: int = 2
+    smallest: float = 0.35  # of the pad's short side: the radius up to which a contact may be a small disc
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the starts are made from."""
+
+    image: TactileImage
+    response: Response
+    points: EdgePoints
+    peaks: tuple[Straight, ...]  # of the Hough transform, most votes first
+
+
+def search(evidence: Evidence, config: SearchConfig) -> RegionFit | None:
+    """The hypothesis of the least price; None where nothing can be fitted."""
+    best = fit_region(evidence.image, evidence.response, Region(), [])
+    for stage in (_lone, _arcs, _joined, _dips):
+        if stage is _arcs or not _done(best, config):
+            best = _likeliest(evidence, list(stage(evidence, best, config)), best, config)
+    return best if best.converged else None
+
+
+def price(fit: RegionFit, config: SearchConfig) -> float:
+    """[chi2] of a fit and of the numbers that it took."""
+    lines, arcs = len(fit.region.sides), len(fit.region.signs)
+    return fit.chi2 + config.lines[lines] + config.arc * arcs + (0.0 if fit.converged else inf)
+
+
+def _done(best: RegionFit, config: SearchConfig) -> bool:
+    return best.settled(config.settled, config.structure) and not _lone_arc(best)
+
+
+def _lone_arc(best: RegionFit) -> bool:
+    """An arc, which two lines may stand for as well, however well it fits."""
+    return len(best.region.signs) == 1 and not best.region.sides
+
+
+def _likeliest(evidence: Evidence, starts: list[Start], best: RegionFit, config: SearchConfig) -> RegionFit:
+    """The best of a stage: of each number of unknowns the starts that are best after a step, to the end."""
+    image, response = evidence.image, evidence.response
+    glances: dict[int, list[RegionFit]] = {}
+    for region, shape in starts:
+        glances.setdefault(region.unknowns, []).append(
+            fit_region(image, response, region, shape, config.glance)
+        )
+    for _, fits in sorted(glances.items()):
+        if _done(best, config):
+            break
+        for glance in sorted(fits, key=lambda fit: fit.chi2)[: config.polished]:
+            fit = fit_region(image, response, glance.region, glance.parameters[3:])
+            if price(fit, config) < price(best, config):
+                best = fit
+    return best
+
+
+def _lone(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
+    for angle, offset, side in evidence.peaks[:1]:
+        yield Region((side,), ONE[0]), [angle, offset]
+
+
+def _arcs(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
+    """One arc through all edge points, through each piece; a rim inside a rim; a small disc."""
+    points, image = evidence.points, evidence.image
+    whole = blob(image, evidence.response)
+    if whole is not None and whole[2] < config.smallest * min(image.array.size):
+        yield _arc(whole), list(whole[:3])
+    if len(points) < 3:
+        return
+    pieces = chains(points, max(image.array.pitch))
+    everything = np.ones(len(points), dtype=bool)
+    circles = [circle_through(points, m, config.longest) for m in (everything, *pieces[:2])]
+    tried: list[Circle] = []
+    for circle in circles:
+        if circle is not None and not any(np.allclose(circle, other, atol=0.5) for other in tried):
+            tried.append(circle)
+            yield _arc(circle), list(circle[:3])
+    outer = [c for c in circles[1:] if c is not None and c[3] > 0]
+    inner = [c for c in circles[1:] if c is not None and c[3] < 0]
+    if outer and inner:
+        yield Region((), NO_TERMS, (1.0, -1.0)), [*outer[0][:3], *inner[0][:3]]
+
+
+def _arc(circle: Circle) -> Region:
+    return Region((), NO_TERMS if circle[3] > 0 else WHOLE, (circle[3],))
+
+
+def _joined(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
+    """Two and three lines joined: told apart by normals, by the Hough transform, or in an arc's stead."""
+    bow: tuple[Circle, float, float] | None = None
+    if _lone_arc(best):
+        disc = best.parameters[3:6]
+        turn, step = seen_of_disc(best.region, best.parameters, disc, evidence.image.array.size)
+        if len(turn) and step * len(turn) < config.open_arc:
+            x, y, radius = disc.tolist()
+            bow = (x, y, radius, best.region.signs[0]), float(turn[0]), float(turn[-1])
+    for count, ways in ((2, TWO), (3, THREE[:2])):
+        sets = [split_lines(evidence.points, count, evidence.response.mean_width)]
+        sets.extend(list(chosen) for chosen in combinations(evidence.peaks, count))
+        if bow is not None:
+            sets.append(tangents(*bow, count))
+        for lines in sets:
+            if len(lines) == count:
+                shape = [value for line in lines for value in line[:2]]
+                for terms in ways:
+                    yield Region(tuple(line[2] for line in lines), terms), shape
+
+
+def _dips(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
+    """A hole, or a slot, where the best so far reads too deep."""
+    region, p, array = best.region, best.parameters, evidence.image.array
+    if region.signs and region.signs[0] > 0 and len(region.signs) > 1:
+        return
+    left = unexplained(evidence.image, evidence.response, best)
+    height = float(p[0])
+    hole = dip(left, array.x, array.y, height, 2.5 * evidence.response.mean_width)
+    if hole is not None and len(region.signs) < config.holes:
+        yield Region(region.sides, region.terms, (*region.signs, -1.0)), [*p[3:], *hole[:3]]
+    if region == Region():
+        slot = trough(left, array.x, array.y, height, array.size)
+        if slot:
+            yield Region((slot[0][2], slot[1][2]), TWO[1]), [*slot[0][:2], *slot[1][:2]]
