@@ -32,6 +32,7 @@ _CHUNK = 1 << 16
 _DEEPEST = 16  # elements within one another
 _LONGEST = 1 << 20  # characters of one element
 _MOST_CELLS = 1 << 16  # of all matrices together
+_MOST_ELEMENTS = 4_000_000  # two hours of frames and joint angles
 _GROUPS = ("matrix", "frame", "angle")
 
 
@@ -130,7 +131,7 @@ def _pad(path: Path, texts: Mapping[str, str], index: int, physics: SensorSpec) 
     array = TaxelArray(f"{physics.name}-{index}", int(rows), int(columns), pitch)
     absent = _absent(texts.get("static_mask", ""), array.shape)
     full = _number(path, texts, "fullscale") if "fullscale" in texts else physics.electronics.full_scale
-    return Pad(array, absent, physics, zero=0.0, full_scale=full)
+    return Pad(array, absent, physics, zero=0.0, full_scale=full, foreign=True)
 
 
 def _absent(mask: str, shape: tuple[int, int]) -> Bools:
@@ -169,14 +170,16 @@ def _items(path: Path) -> Iterator[_Item]:
 
 
 def _parser(path: Path, found: list[_Item]) -> expat.XMLParserType:
-    depth, length = 0, 0
+    depth, length, elements = 0, 0, 0
     texts: dict[str, str] = {}
     text: list[str] = []
 
     def start(name: str, _: object) -> None:
-        nonlocal depth, length
-        depth, length = depth + 1, 0
+        nonlocal depth, length, elements
+        depth, length, elements = depth + 1, 0, elements + 1
         text.clear()
+        if elements > _MOST_ELEMENTS:
+            raise PalpateError(f"{path}: more than {_MOST_ELEMENTS:,} elements; record in shorter pieces")
         if depth > _DEEPEST:
             raise PalpateError(f"{path}: elements nest deeper than {_DEEPEST}; not a DSA recording")
         if depth == 1 and name != "root":

@@ -48,7 +48,10 @@ def read_episode(path: Path, spec: SensorSpec | None = None) -> Recording:
 
 
 def _frames(path: Path) -> Iterator[RecordedFrame]:
-    return (item for item in read(path) if isinstance(item, RecordedFrame))
+    try:
+        yield from (item for item in read(path) if isinstance(item, RecordedFrame))
+    except (KeyError, ValueError, TypeError, RecursionError):
+        raise PalpateError(f"{path} holds messages of another kind; give the episode.mcap of a run") from None
 
 
 def _pad(path: Path, item: RecordedFrame, spec: SensorSpec | None) -> Pad:

@@ -130,7 +130,8 @@ def _pad(rows: int, columns: int, spec: SensorSpec | None, full_scale: float, in
     if spec is not None:
         pitch = spec.array.pitch
         return Pad(TaxelArray(label, rows, columns, pitch), absent, spec, None, spec.electronics.full_scale)
-    return Pad(TaxelArray(label, rows, columns, (1.0, 1.0)), absent, None, None, full_scale, True)
+    plain = TaxelArray(label, rows, columns, (1.0, 1.0))
+    return Pad(plain, absent, None, None, full_scale, assumed_pitch=True)
 
 
 def _times(shape: Sequence[int]) -> str:

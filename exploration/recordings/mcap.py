@@ -26,8 +26,8 @@ from types import TracebackType
 from typing import Any, BinaryIO
 
 import numpy as np
-from mcap.records import Channel, Message
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel, Chunk, Message
+from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
 from exploration.recordings.schemas import SCHEMAS
@@ -38,6 +38,7 @@ from primitives.pose import from_quaternion, quaternion_wxyz
 
 _CHUNK_BYTES = 64 * 1024
 _BATCH = 32  # frames that wait for their encoding
+_LARGEST_RECORD = 1 << 28  # [bytes] of a record, and of a chunk once it is inflated
 _MAGIC = b"\x89MCAP0\r\n"
 _EVENTS = "/events"
 
@@ -192,13 +193,16 @@ def _items(file: BinaryIO) -> Iterator[RecordedFrame | RecordedEvent]:
 
 
 def _whole_records(file: BinaryIO) -> Iterator[object]:
-    records = iter(StreamReader(file, validate_crcs=True).records)
+    reader = StreamReader(file, emit_chunks=True, validate_crcs=True, record_size_limit=_LARGEST_RECORD)
+    records = iter(reader.records)
     while True:
         try:
             record = next(records)
+            chunk = isinstance(record, Chunk) and record.uncompressed_size <= _LARGEST_RECORD
+            inside = breakup_chunk(record, validate_crc=True) if chunk else [record]
         except Exception:  # what a cut or damaged tail makes the parser raise has no one type
             return
-        yield record
+        yield from inside
 
 
 def _assembled(key: tuple[str, int, int], found: Mapping[str, Any]) -> RecordedFrame:

@@ -24,6 +24,7 @@ class Pad:
     spec: SensorSpec | None = None  # rubber and gains; None where only the layout is known
     zero: float | None = None  # [counts] of an untouched taxel, where the format fixes it
     full_scale: float = inf  # [counts] where the converter ends
+    foreign: bool = False  # whether `spec` only stands in for the real rubber and gains
     assumed_pitch: bool = False  # the array's pitch is 1 taxel, for want of a better one
 
 

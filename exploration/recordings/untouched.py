@@ -18,7 +18,7 @@ the recording's own plateau is a nominal press: enough for lines and kinds, whos
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import sqrt
 
 import numpy as np
@@ -28,6 +28,7 @@ from exploration.sensing.calibration import Calibration
 from primitives.arrays import Floats, frozen
 
 STILL = 6.0  # [sigma]
+ABSURD = 1e12  # [counts] no converter reads so much
 WANDER = 0.15  # [plateau] that a zero may be from the data sheet's
 UNKNOWN_GAIN = 0.15  # relative 1 sigma over the taxels of an array that nobody calibrated
 NOMINAL_SPREAD = 0.6  # [pitch] of rubber that nobody described
@@ -81,31 +82,27 @@ def at_rest(recording: Recording, frames: Iterable[PadFrame] | None = None) -> t
 
 def calibration_at_rest(pad: Pad, rest: Untouched) -> Calibration:
     """The calibration that a recording allows: its own zero and noise, gains as far as anybody knows them."""
-    spec = pad.spec
-    if spec is None:
-        stiffness, spread = 1.0, NOMINAL_SPREAD * float(np.mean(pad.array.pitch))
-        gain, margin = max(rest.plateau, 1.0) / NOMINAL_DEPTH, np.inf
-    else:
-        stiffness, spread = spec.elastomer.stiffness, spec.elastomer.spread
-        gain, margin = spec.counts_per_pressure, spec.elastomer.margin
-    known = spec is not None and pad.zero is None
-    return Calibration(
-        rest.zero,
-        frozen(np.full(pad.array.shape, gain)),
-        pad.absent,
-        spread,
-        stiffness,
-        rest.noise,
-        margin,
-        spec.electronics.gain_spread if spec is not None and known else UNKNOWN_GAIN,
+    shape = pad.array.shape
+    if pad.spec is None:
+        gain = frozen(np.full(shape, max(rest.plateau, 1.0) / NOMINAL_DEPTH))
+        spread = NOMINAL_SPREAD * float(np.mean(pad.array.pitch))
+        return Calibration(rest.zero, gain, pad.absent, spread, 1.0, rest.noise, gain_sigma=UNKNOWN_GAIN)
+    sheet = Calibration.nominal(pad.spec)
+    return replace(
+        sheet,
+        zero=rest.zero,
+        gain=frozen(np.full(shape, pad.spec.counts_per_pressure)),
+        dead=pad.absent,
+        noise=rest.noise,
+        gain_sigma=UNKNOWN_GAIN if pad.foreign else sheet.gain_sigma,
     )
 
 
 def _rest(pad: Pad, sample: _Sample) -> Untouched:
     triples = np.array(sample.triples).reshape(-1, 3, *pad.array.shape)
-    triples = triples[np.isfinite(triples).all(axis=(1, 2, 3))]
+    triples = triples[(np.abs(triples) < ABSURD).all(axis=(1, 2, 3))]
     frames = np.array([*sample.start, *triples[:, 2]]).reshape(-1, *pad.array.shape)
-    frames = frames[np.isfinite(frames).all(axis=(1, 2))]
+    frames = frames[(np.abs(frames) < ABSURD).all(axis=(1, 2))]
     if not len(frames):
         return Untouched(frozen(np.zeros(pad.array.shape)), 1.0, 0.0, sample.count)
     zero, noise = _zero_and_noise(pad, frames, min(_in_time(triples), _in_space(frames)))

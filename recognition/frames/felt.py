@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from exploration.recordings.recording import Pad, PadFrame, Recording
-from exploration.recordings.untouched import STILL, Untouched, at_rest, calibration_at_rest
+from exploration.recordings.untouched import ABSURD, STILL, Untouched, at_rest, calibration_at_rest
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.arc import Arc
@@ -91,7 +91,7 @@ class Feeler:
 def unreadable(counts: Floats, pad: Pad, rest: Untouched) -> str:
     """Why a frame shows nothing that could be perceived; empty where it may."""
     living = counts[~pad.absent]
-    if not np.isfinite(living).all():
+    if not (np.abs(living) < ABSURD).all():
         return "not finite"
     if not living.size or living.min() < -max(STILL * rest.noise, BELOW * rest.plateau):
         return "below zero"
@@ -106,7 +106,7 @@ def unreadable(counts: Floats, pad: Pad, rest: Untouched) -> str:
 def unreadable_warnings(reasons: Sequence[str]) -> list[str]:
     """How many frames could not be read, by reason."""
     fixes = {
-        "not finite": "hold values that are not finite",
+        "not finite": "hold values that are missing or not finite",
         "below zero": "hold counts far below zero; touched taxels must read higher",
         "saturated": "are saturated all over; press less",
     }
