@@ -1,0 +1,161 @@
+"""Whether one straight edge, and nothing else, explains a frame.
+
+An edge is sure when (our derivation) chi2 is that of noise; no 3 x 3 block of residuals stands out, and no two
+neighbors are taken for dead; the plateau need not curve; and the step is not the rim of a smooth surface.
+
+Were it one, the surface a + b t - k t^2/2 would reach zero some delta outside: a = b delta + k delta^2/2.  Seen
+from the step, such a rim lies delta/2 further out and is delta^2/(6 w^2) wider than an edge, to first order.  Over
+all delta, that must be far from what the frame says of (a, b, k, offset, width), all of them free at once.
+"""
+
+import numba
+import numpy as np
+
+from exploration.sensing.lines.edge_model import (
+    ALONG,
+    BACKGROUND,
+    HEIGHT,
+    OFFSET,
+    RISE,
+    UNKNOWNS,
+    products,
+)
+from exploration.sensing.response import look_up
+from exploration.sensing.surfaces.normal_equations import invert
+from primitives.arrays import Floats, Ints
+
+STANDS_OUT = 4.5  # [sigma] of the mean of a 3 x 3 block of residuals
+UNTOUCHED = 4.0  # [sigma] within which a dead taxel reads zero
+FEW = 0.06  # of the taxels may be dead
+
+EXTRA = 4  # width, and three curvatures of the plateau
+WIDTH, BEND, TWIST, SAG = range(UNKNOWNS, UNKNOWNS + EXTRA)
+
+
+@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+def freed(
+    views: Floats,
+    kinds: Ints,
+    first: Ints,
+    blurs: Floats,
+    table: Floats,
+    p: Floats,
+    side: float,
+    middle: float,
+    rows: Floats,
+) -> None:
+    """Fill the rows of `EXTRA` after a polish: derivatives to the width and to curvatures about `middle`."""
+    ca, sa = np.cos(p[0]), np.sin(p[0])
+    for i in range(len(first) - 1):
+        wide, bend, twist, sag = 0.0, 0.0, 0.0, 0.0
+        for k in range(first[i], first[i + 1]):
+            x, y, share = views[0, k], views[1, k], views[2, k]
+            m = kinds[k]
+            w = np.sqrt(blurs[m, 0] * sa * sa + blurs[m, 1] * ca * ca)
+            v = ca * x + sa * y
+            u = side * (ca * y - sa * x - p[OFFSET]) / w
+            change, step, slant = look_up(table, u, 0)
+            _, _, curve = look_up(table, u, 1)
+            a = p[HEIGHT] + p[ALONG] * v
+            wide += share * (p[RISE] * w * (slant - u * step) - a * u * change)
+            bend += share * w * w * curve
+            twist += share * (v - middle) * w * slant
+            sag += share * 0.5 * (v - middle) ** 2 * step
+        scale = rows[BACKGROUND, i]
+        rows[WIDTH, i] = wide * scale
+        rows[BEND, i] = bend * scale
+        rows[TWIST, i] = twist * scale
+        rows[SAG, i] = sag * scale
+
+
+@numba.njit(cache=True, error_model="numpy")
+def rim_evidence(
+    rows: Floats, p: Floats, side: float, middle: float, width: float, ground: float
+) -> tuple[float, float, float]:
+    """[chi2] that curvature gains; [sigma] of the width; [chi2] by which no smooth rim explains the step."""
+    m = UNKNOWNS + EXTRA
+    normal, rhs = np.empty((m, m)), np.empty(m)
+    products(rows, m, normal, rhs)
+    normal[BACKGROUND, BACKGROUND] += ground
+    rhs[BACKGROUND] -= ground * p[BACKGROUND]
+    ok, covariance = invert(normal)
+    if not ok:
+        return 0.0, 0.0, 0.0
+    step = covariance @ rhs
+    bent = step[BEND:] @ np.linalg.solve(covariance[BEND:, BEND:], step[BEND:])
+    blurred = step[WIDTH] / np.sqrt(covariance[WIDTH, WIDTH])
+    a = p[HEIGHT] + step[HEIGHT] + middle * (p[ALONG] + step[ALONG])
+    b, k = p[RISE] + step[RISE], step[BEND]
+    least = np.inf
+    c = np.zeros((3, m))
+    d = np.zeros(3)
+    for n in range(1, 25):
+        delta = 0.2 * n * width
+        c[0, HEIGHT], c[0, ALONG], c[0, RISE], c[0, BEND] = 1.0, middle, -delta, 0.5 * delta * delta
+        c[1, WIDTH] = 1.0
+        c[2, OFFSET] = 1.0
+        d[0] = a - b * delta + 0.5 * k * delta * delta
+        d[1] = step[WIDTH] - delta * delta / (6.0 * width * width)
+        d[2] = step[OFFSET] + side * 0.5 * delta
+        least = min(least, float(d @ np.linalg.solve(c @ covariance @ c.T, d)))
+    return bent, blurred, least
+
+
+@numba.njit(cache=True, error_model="numpy")
+def explains(z: Floats, quiet: float, rows: Floats, height: int, columns: int) -> bool:
+    """Whether residuals stand alone: no block of them stands out, and few taxels, apart, are taken for dead."""
+    trust, rest = rows[UNKNOWNS], rows[-1]
+    dead = 0
+    for i in range(height):
+        for j in range(columns):
+            k = i * columns + j
+            if rows[BACKGROUND, k] > 0.0 and trust[k] < 0.5:
+                dead += 1
+                right = j + 1 < columns and trust[k + 1] < 0.5 and rows[BACKGROUND, k + 1] > 0.0
+                below = i + 1 < height and trust[k + columns] < 0.5 and rows[BACKGROUND, k + columns] > 0.0
+                if right or below or abs(z[k]) > UNTOUCHED * quiet:
+                    return False
+            total, count = 0.0, 0
+            for a in range(max(0, i - 1), min(height, i + 2)):
+                for b in range(max(0, j - 1), min(columns, j + 2)):
+                    total += rest[a * columns + b]
+                    count += 1
+            if total * total > STANDS_OUT * STANDS_OUT * count:
+                return False
+    return dead <= FEW * len(z)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def seen_length(p: Floats, side: float, half_x: float, half_y: float, least: float) -> tuple[float, float]:
+    """Where along its direction [mm] the line lies on the pad, with a plateau of at least `least` [mm]."""
+    ca, sa = np.cos(p[0]), np.sin(p[0])
+    low, high = -np.inf, np.inf
+    for foot, d, half in ((-p[1] * sa, ca, half_x), (p[1] * ca, sa, half_y)):
+        if abs(d) < 1e-12:
+            if abs(foot) > half:
+                return 0.0, 0.0
+            continue
+        a, b = (-half - foot) / d, (half - foot) / d
+        low, high = max(low, min(a, b)), min(high, max(a, b))
+    slope = p[ALONG]
+    if abs(slope) > 1e-9:
+        ends = (least - p[HEIGHT]) / slope
+        if slope > 0.0:
+            low = max(low, ends)
+        else:
+            high = min(high, ends)
+    elif p[HEIGHT] < least:
+        return 0.0, 0.0
+    return (low, high) if high > low else (0.0, 0.0)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def runs_out(p: Floats, side: float, half_x: float, half_y: float) -> bool:
+    """Whether the plateau's plane reaches zero under a corner of the pad that the material covers."""
+    ca, sa = np.cos(p[0]), np.sin(p[0])
+    for x in (-half_x, half_x):
+        for y in (-half_y, half_y):
+            t = side * (ca * y - sa * x - p[OFFSET])
+            if t > 0.0 and p[HEIGHT] + p[RISE] * t + p[ALONG] * (ca * x + sa * y) < 0.0:
+                return True
+    return False
