@@ -14,7 +14,7 @@ from primitives.arrays import Bools, Floats, Ints
 
 BEHIND = 10.0  # [mm] past the greatest press: deeper surfaces lie behind the sensor, not in its skin
 _WALL = 1e-7  # cosine to the rays below which a facet is seen edge on
-_MOST_CORNERS = 30  # of a clipped cell
+_MOST_CORNERS = 4096  # of a clipped cell: as many as the finest circle has sides
 
 
 def drawing_room(cells: tuple[int, int], facets: int) -> tuple[Floats, Ints, Ints]:

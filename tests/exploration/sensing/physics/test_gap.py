@@ -199,3 +199,11 @@ def test_each_row_of_a_scan_feels_the_pose_of_its_own_time(few):
     for r in range(skin.shape[0]):
         still.feel(poses[2 * r + 1][None])
         assert np.abs(scanned.modes[0, r] - still.modes[0, r]).max() < (2e-3 if few < 0 else 1e-9)
+
+
+@pytest.mark.parametrize("sections", [60, 280])
+def test_a_small_boss_of_many_sides_presses_like_the_polygon_it_is(sections):
+    boss = solid(trimesh.creation.cylinder(1.0, 20.0, sections=sections))
+    felt = indentation(boss, pose(DOWN, [0.3, 0.2, 9.5]), LTS)
+    area = sections / 2 * np.sin(2 * np.pi / sections)
+    assert (felt.depth * skin_of(LTS).areas).sum() == pytest.approx(0.5 * area, rel=1e-6)
