@@ -15,6 +15,7 @@ from perception import presses
 from perception.arcs import arc_rows
 from perception.arrays import OTHERS
 from perception.edges import OURS, Asked, Finder, edge_rows, false_rows, many_rows
+from perception.hostile import hostile_rows
 from perception.noise import Noise
 from perception.real import real_rows
 from perception.surfaces import curvature_rows
@@ -44,6 +45,7 @@ EDGES = {
         for name, spec in OTHERS.items()
     },
 }
+TOLD = {"dihedral120": np.radians(120.0), "dihedral150": np.radians(150.0)}  # between the edge's faces
 MANY = {
     "corner": presses.corner,
     "slot": presses.slot,
@@ -53,7 +55,7 @@ MANY = {
 }
 WITHOUT = {"flat": presses.flat, "empty": presses.empty, "sphere": presses.ball, "cylinder": presses.bar}
 BUILT = ("lts210", "dsa", "fingertip", "square32")
-ROWS = ("times", *EDGES, *MANY, "disc-hole", "false", "curvature", "built", "real")
+ROWS = ("times", *EDGES, *MANY, "disc-hole", "false", "hostile", "curvature", "built", "real")
 
 
 def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, Any]]:
@@ -64,7 +66,10 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
     for key in rows:
         if key in EDGES:
             name, maker, noise, asked = EDGES[key]
-            out += edge_rows(name, methods(), maker, noise, frames, asked)
+            finders = methods()
+            if key in TOLD:
+                finders |= {OURS: partial(find_lines, dihedral=TOLD[key]), f"{OURS}, not told": find_lines}
+            out += edge_rows(name, finders, maker, noise, frames, asked)
         elif key in MANY:
             out += many_rows(key, methods(), MANY[key], PLAIN, frames, SEVERAL)
         else:
@@ -93,6 +98,7 @@ _OTHER_ROWS = {
     "times": lambda frames: time_rows(PLAIN, frames),
     "disc-hole": lambda frames: arc_rows(lambda image: find_outline(image).arcs, PLAIN, frames),
     "false": lambda frames: false_rows(methods(), WITHOUT, PLAIN, FALSE * frames),
+    "hostile": lambda frames: hostile_rows(find_lines, PLAIN, frames),
     "curvature": lambda frames: curvature_rows(PLAIN, frames // 10),
     "built": _built,
     "real": lambda frames: real_rows(methods()),

@@ -23,9 +23,12 @@ _EIGHT = np.ones((3, 3))
 class AdaptiveHoughConfig:
     """Windows and thresholds."""
 
-    cells: int = 9  # an axis
-    level: float = 0.8  # of the highest cell
-    finest: tuple[float, float] = (2.0, 0.25)  # [deg], [taxels] cell at which the search ends
+    cells: int = 13  # an axis
+    level: float = 0.7  # of the highest cell
+    finest: tuple[float, float] = (
+        8.0,
+        1.0,
+    )  # [deg], [taxels] cell at which the search ends: votes spread as wide
     shrink: float = 0.5
     least: float = 0.5  # of the greatest gradient
     band: float = 1.5  # [taxels] of points that a found line takes out

@@ -30,7 +30,7 @@ _TURNS = np.array([[0, 1], [1, 0], [0, -1], [-1, 0]])  # right, down, left, up: 
 class ContourConfig:
     """How outlines become lines."""
 
-    tolerance: float = 0.8  # [taxels] off the chord
+    tolerance: float = 2.5  # [taxels] off the chord; steps of whole taxels must not split an edge
     fewest: int = 4  # marks in a line
 
 

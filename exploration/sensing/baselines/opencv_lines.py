@@ -24,12 +24,12 @@ from exploration.sensing.lines.line import Line
 class CannyConfig:
     """Canny, then votes."""
 
-    low: float = 100.0  # gray values of the gradient
-    high: float = 200.0
+    low: float = 150.0  # gray values of the gradient
+    high: float = 300.0
     enlarge: int = 1
     smooth: float = 0.0  # [taxels] Gaussian before Canny
     rho: float = 1.0  # [pixels of the enlarged picture]
-    theta: float = 1.0  # [deg]
+    theta: float = 2.0  # [deg]
     votes: float = 4.0  # [taxels of edge] least
     length: float = 3.0  # [taxels] least, of HoughLinesP
     gap: float = 2.0  # [taxels] most, of HoughLinesP
@@ -39,12 +39,14 @@ class CannyConfig:
 class PointsConfig:
     """HoughLinesPointSet."""
 
-    rho: float = 0.25  # [taxels]
-    theta: float = 1.0  # [deg]
+    rho: float = 0.5  # [taxels]
+    theta: float = 0.5  # [deg]
     votes: int = 4
 
 
-PLAIN, ENLARGED = CannyConfig(), CannyConfig(enlarge=4, low=20.0, high=40.0)
+PLAIN = CannyConfig()
+ENLARGED = CannyConfig(low=20.0, high=80.0, enlarge=4, smooth=1.0, rho=1.0, theta=0.25)
+SEGMENTS = CannyConfig(low=70.0, high=300.0, smooth=0.7, rho=0.5, theta=1.0, gap=5.0)
 SAME_TURN, SAME_SHIFT = np.radians(15.0), 1.5  # [rad], [taxels] of two peaks that are one line
 
 
@@ -64,7 +66,7 @@ def hough_lines(image: TactileImage, most: int = 3, config: CannyConfig = PLAIN)
     return distinct(lines, most, SAME_TURN, SAME_SHIFT * image.array.pitch[0])
 
 
-def hough_segments(image: TactileImage, most: int = 3, config: CannyConfig = PLAIN) -> tuple[Line, ...]:
+def hough_segments(image: TactileImage, most: int = 3, config: CannyConfig = SEGMENTS) -> tuple[Line, ...]:
     """cv2.Canny and cv2.HoughLinesP; the longest segments."""
     import cv2
 

@@ -20,9 +20,9 @@ class PlainHoughConfig:
     """Bins and thresholds."""
 
     theta: float = 2.0  # [deg] bin
-    rho: float = 0.5  # [taxels] bin
-    window: float = 20.0  # [deg] of a vote about the gradient
-    least: float = 0.3  # of the greatest gradient
+    rho: float = 1.0  # [taxels] bin: an edge blurred over two taxels fills no finer one
+    window: float = 10.0  # [deg] of a vote about the gradient
+    least: float = 0.5  # of the greatest gradient
     band: float = 1.5  # [taxels] of votes that a found line takes out
     votes: float = 0.3  # of the first line's, least
 

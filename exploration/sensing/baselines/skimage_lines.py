@@ -17,17 +17,18 @@ from exploration.sensing.lines.line import Line
 class SkimageConfig:
     """Canny, then votes."""
 
-    smooth: float = 0.7  # [taxels] Canny's own Gaussian
-    low: float = 0.1  # of the plateau
-    high: float = 0.2
-    theta: float = 1.0  # [deg]
+    smooth: float = 1.4  # [taxels] Canny's own Gaussian
+    low: float = 0.05  # of the plateau
+    high: float = 0.1
+    theta: float = 0.5  # [deg]
     peak: float = 0.5  # of the highest, least
     votes: int = 4  # of the probabilistic one
     length: int = 4  # [taxels] least, of the probabilistic one
     gap: int = 2  # [taxels]
 
 
-STRAIGHT, PROBABILISTIC = SkimageConfig(), SkimageConfig()
+STRAIGHT = SkimageConfig()
+PROBABILISTIC = SkimageConfig(high=0.2, theta=1.0, votes=5, gap=3)
 SAME_TURN, SAME_SHIFT = np.radians(15.0), 1.5  # [rad], [taxels] of two peaks that are one line
 
 

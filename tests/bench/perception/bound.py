@@ -6,6 +6,7 @@ then has covariance T F^-1 T^T with T = dt/d(unknown).  No detector's formula en
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from perception.noise import Noise
@@ -29,31 +30,50 @@ STEP = {  # half-widths of the differences: small against the blur, large agains
 RELATIVE = {"radius": 0.01}  # of the number itself, where that is more
 
 
-def information(scene: Scene, unknown: Iterable[str], sigma: Floats) -> Floats:
-    """(u, u) Fisher information; taxels of infinite sigma tell nothing."""
-    weight = np.where(np.isfinite(sigma), 1 / sigma, 0.0)
+ZERO = ("background",)  # known to who trusts the untouched frame
+
+
+@dataclass(frozen=True)
+class Fisher:
+    """What a frame of a scene tells."""
+
+    unknown: tuple[str, ...]
+    information: Floats  # (u, u)
+    turn: Floats  # (m, k, u) how what is to be found moves with the unknowns
+
+    def joint(self, told: Iterable[str] = ()) -> Floats:
+        """(m k, m k) least covariance of all that is to be found; `told` are known after all."""
+        free = [i for i, name in enumerate(self.unknown) if name not in set(told)]
+        information = self.information[np.ix_(free, free)]
+        scale = 1 / np.sqrt(np.diag(information))
+        covariance = np.linalg.inv(information * np.outer(scale, scale)) * np.outer(scale, scale)
+        turn = self.turn[..., free].reshape(-1, len(free))
+        return turn @ covariance @ turn.T
+
+    def each(self, told: Iterable[str] = ()) -> Floats:
+        """(m, k, k) covariance of each thing."""
+        m, k = self.turn.shape[:2]
+        whole = self.joint(told)
+        return np.stack([whole[i * k : (i + 1) * k, i * k : (i + 1) * k] for i in range(m)])
+
+    def variances(self, told: Iterable[str] = ()) -> Floats:
+        """(m, k)."""
+        return np.diag(self.joint(told)).reshape(self.turn.shape[:2])
+
+
+def fisher(scene: Scene, noise: Noise, unknown: Iterable[str] | None = None) -> Fisher:
+    """By differences; dead taxels known, and left out."""
+    unknown = tuple(scene.unknown if unknown is None else unknown)
+    sigma = noise.sigma_at(clean(scene))
+    weight = 1 / sigma if scene.dead is None else np.where(scene.dead, 0.0, 1 / sigma)
     jacobian = np.array([(_difference(scene, name) * weight).ravel() for name in unknown])
-    return jacobian @ jacobian.T
+    turn = np.stack([_turn(scene, name) for name in unknown], axis=-1)
+    return Fisher(unknown, jacobian @ jacobian.T, turn)
 
 
 def bound(scene: Scene, noise: Noise, unknown: Iterable[str] | None = None) -> Floats:
     """(m, k, k) covariance of each thing that the scene holds."""
-    whole = joint(scene, noise, unknown)
-    m, k = scene.found.shape
-    return np.stack([whole[i * k : (i + 1) * k, i * k : (i + 1) * k] for i in range(m)])
-
-
-def joint(scene: Scene, noise: Noise, unknown: Iterable[str] | None = None) -> Floats:
-    """(m k, m k) covariance of all that the scene holds; dead taxels known, and left out."""
-    unknown = tuple(scene.unknown if unknown is None else unknown)
-    sigma = noise.sigma_at(clean(scene))
-    if scene.dead is not None:
-        sigma = np.where(scene.dead, np.inf, sigma)
-    fisher = information(scene, unknown, sigma)
-    scale = 1 / np.sqrt(np.maximum(np.diag(fisher), 1e-30))
-    covariance = np.linalg.inv(fisher * np.outer(scale, scale)) * np.outer(scale, scale)
-    turn = np.array([_turn(scene, name) for name in unknown]).T
-    return turn @ covariance @ turn.T
+    return fisher(scene, noise, unknown).each()
 
 
 def _half(scene: Scene, name: str) -> float:
@@ -69,4 +89,4 @@ def _difference(scene: Scene, name: str) -> Floats:
 
 def _turn(scene: Scene, name: str) -> Floats:
     h = _half(scene, name)
-    return (scene.moved(**{name: h}).found - scene.moved(**{name: -h}).found).ravel() / (2 * h)
+    return (scene.moved(**{name: h}).found - scene.moved(**{name: -h}).found) / (2 * h)

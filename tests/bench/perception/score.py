@@ -55,13 +55,13 @@ class Tally:
     pitch: float
     errors: list[Floats] = field(default_factory=list)  # (2,)
     least: list[Floats] = field(default_factory=list)  # (2,) variances of the bound, beside each
-    stated: list[Floats] = field(default_factory=list)  # (2,) variances that the method states
+    told: list[Floats] = field(default_factory=list)  # the same for who knows the zero
     times: list[float] = field(default_factory=list)  # [s]
     missed: int = 0
     surplus: int = 0
     frames: int = 0
 
-    def add(self, lines: tuple[Line, ...], truth: Floats, least: Floats, took: float) -> None:
+    def add(self, lines: tuple[Line, ...], truth: Floats, least: Floats, told: Floats, took: float) -> None:
         self.frames += 1
         self.times.append(took)
         if len(truth) == 1:
@@ -69,23 +69,25 @@ class Tally:
             found = [None if error is None or is_far(error, self.pitch) else error]
         else:
             found = paired(lines[:6], truth, least, self.pitch)
-        for error, variance in zip(found, least, strict=True):
+        for error, variance, sharper in zip(found, least, told, strict=True):
             if error is None:
                 self.missed += 1
             else:
                 self.errors.append(error)
                 self.least.append(variance)
+                self.told.append(sharper)
         self.surplus += max(0, len(lines) - len(truth))
 
     @property
     def total(self) -> int:
         return self.missed + len(self.errors)
 
-    def pooled(self) -> Floats:
-        """(2,) RMS over that of the bound."""
+    def pooled(self, told: bool = False) -> Floats:
+        """(2,) RMS over that of the bound, of who is told the zero or is not."""
         if not self.errors:
             return np.full(2, np.inf)
-        return np.sqrt(np.mean(np.square(self.errors), axis=0) / np.mean(self.least, axis=0))
+        least = self.told if told else self.least
+        return np.sqrt(np.mean(np.square(self.errors), axis=0) / np.mean(least, axis=0))
 
     def by_frame(self) -> Floats:
         """(2,) RMS of error over its own bound."""
