@@ -79,6 +79,5 @@ def saturate(counts: Floats, electronics: Electronics) -> Floats:
 
 
 def quantize(counts: Floats, electronics: Electronics) -> Floats:
-    """Whole counts."""
-    del electronics
-    return np.rint(counts)
+    """Whole counts, where there is a converter."""
+    return np.rint(counts) if electronics.bits else counts

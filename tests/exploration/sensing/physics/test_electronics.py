@@ -14,10 +14,15 @@ from exploration.sensing.physics.electronics import (
     read_out,
     saturate,
 )
-from exploration.sensing.spec import load_sensor
+from exploration.sensing.spec import load_sensor, sensor_from_toml
 from primitives.errors import PalpateError
 
 LTS = load_sensor("lts210")
+BARE = """
+array = { rows = 4, columns = 5, pitch = [2.0, 2.5] }
+elastomer = { stiffness = 0.1, thickness = 2.0 }
+housing = { size = [12, 12, 30], proud = 2.0 }
+"""
 
 
 def with_electronics(**changes):
@@ -42,6 +47,20 @@ def test_counts_are_whole_and_saturate():
     assert (noisy == np.rint(noisy)).all()
     assert saturate(np.array([-3.0, 999.0]), spec.electronics).tolist() == [0.0, 255.0]
     assert quantize(np.array([1.4]), spec.electronics) == [1.0]
+
+
+def test_without_a_converter_counts_are_neither_whole_nor_bounded():
+    spec = with_electronics(bits=0)
+    e = spec.electronics
+    expected = e.offset + e.plateau * 0.123 / spec.press_depth
+    assert counts_of(spec, 0.123) == pytest.approx(np.full(spec.array.shape, expected), rel=1e-12)
+    assert counts_of(spec, 50.0).min() > 255
+    assert quantize(np.array([1.4]), e) == [1.4]
+
+
+def test_every_stage_is_absent_unless_a_preset_asks_for_it():
+    e = sensor_from_toml(BARE, "bare").electronics
+    assert (e.bits, e.noise, e.gain_spread, e.dead, e.drift, e.scan) == (0,) * 6
 
 
 def test_noise_is_a_fraction_of_the_plateau():
