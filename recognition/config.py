@@ -18,7 +18,7 @@ import numpy as np
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.pose import from_quaternion
-from recognition.toml_text import toml_lines
+from primitives.toml_text import toml_lines
 
 UNITS = ("auto", "mm", "cm", "m", "in")
 Pose = str | tuple[float, ...]  # "random", "as-is", or (x, y, z [mm], qw, qx, qy, qz)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from primitives.errors import PalpateError
 from recognition.config import ExploreOptions, from_toml, parse_numbers, parse_pose, to_toml
-from recognition.toml_text import toml_lines
+from primitives.toml_text import toml_lines
 
 
 def test_saved_settings_read_back_the_same(tmp_path):

@@ -1,4 +1,4 @@
-"""Settings as TOML text: the standard library reads TOML and does not write it."""
+"""Values as TOML text: the standard library reads TOML and does not write it."""
 
 import json
 import re
