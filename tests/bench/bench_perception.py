@@ -22,7 +22,9 @@ from perception.surfaces import curvature_rows
 from perception.times import time_rows
 
 from exploration.sensing.baselines.table import baselines
+from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.outline import find_outline
 from exploration.sensing.spec import load_sensor
 
@@ -71,7 +73,8 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
                 finders |= {OURS: partial(find_lines, dihedral=TOLD[key]), f"{OURS}, not told": find_lines}
             out += edge_rows(name, finders, maker, noise, frames, asked)
         elif key in MANY:
-            out += many_rows(key, methods(), MANY[key], PLAIN, frames, SEVERAL)
+            finders = {OURS: find_lines, f"{OURS}, outline": _outlined, **baselines()}
+            out += many_rows(key, finders, MANY[key], PLAIN, frames, SEVERAL)
         else:
             out += _OTHER_ROWS[key](frames)
     return out
@@ -80,6 +83,10 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
 def methods() -> dict[str, Finder]:
     """Ours, and what it is compared with."""
     return {OURS: find_lines, **baselines()}
+
+
+def _outlined(image: TactileImage) -> tuple[Line, ...]:
+    return find_outline(image).lines
 
 
 def _built(frames: int) -> list[dict[str, Any]]:

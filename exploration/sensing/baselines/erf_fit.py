@@ -55,8 +55,10 @@ def erf_fit(image: TactileImage, most: int = 1, config: ErfConfig = STEP) -> tup
             p[:free] += np.linalg.solve(jacobian @ jacobian.T, jacobian @ ((depth.ravel() - model) * inverse))
         except np.linalg.LinAlgError:
             return ()
+    if not np.isfinite(p).all():
+        return ()
     line = line_at(image, float(p[0]), float(p[1]), float(abs(p[2]) * inverse.max()))
-    return () if line is None or not np.isfinite(p).all() else (line,)
+    return () if line is None else (line,)
 
 
 def _model(p: Floats, x: Floats, y: Floats, w: float, free: int) -> tuple[Floats, Floats]:

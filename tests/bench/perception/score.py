@@ -6,14 +6,15 @@ frame's bound first, so that no ill-determined frame speaks for all.  Failures a
 """
 
 from dataclasses import dataclass, field
-from itertools import permutations
 from typing import Any
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from exploration.sensing.lines.line import Line
 from primitives.arrays import Floats
 
+FAR = 1e9  # cost of a pair that is none
 FAR_ANGLE, FAR_OFFSET = np.radians(15.0), 1.5  # [rad], [taxel] a failure
 
 
@@ -35,16 +36,16 @@ def is_far(error: Floats, pitch: float) -> bool:
 
 def paired(lines: tuple[Line, ...], truth: Floats, least: Floats, pitch: float) -> list[Floats | None]:
     """The error of the line that stands for each true one; None where there is none near."""
-    errors = [[line_error((line.angle, line.offset), t) for line in lines] for t in truth]
-    best, paired_best = np.inf, [None] * len(truth)
-    choices = list(range(len(lines))) + [None] * len(truth)
-    for choice in set(permutations(choices, len(truth))):
-        found = [None if c is None else errors[i][c] for i, c in enumerate(choice)]
-        found = [None if e is None or is_far(e, pitch) else e for e in found]
-        cost = sum(1e9 if e is None else float(np.sum(e**2 / v)) for e, v in zip(found, least, strict=True))
-        if cost < best:
-            best, paired_best = cost, found
-    return paired_best
+    out: list[Floats | None] = [None] * len(truth)
+    if not lines:
+        return out
+    errors = np.array([[line_error((line.angle, line.offset), t) for line in lines] for t in truth])
+    far = [[is_far(e, pitch) for e in of_one] for of_one in errors]
+    cost = np.where(far, FAR, np.minimum(FAR / 2, (errors**2 / least[:, None]).sum(axis=2)))
+    for i, k in zip(*linear_sum_assignment(cost), strict=True):
+        if not far[i][k]:
+            out[i] = errors[i, k]
+    return out
 
 
 @dataclass
