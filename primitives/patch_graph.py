@@ -11,10 +11,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.special import chdtri
 
+from primitives.arrays import Bools, frozen
 from primitives.classify import RankedFit, RankOptions, rank, score
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace
-from primitives.fit import Fit, NoFit, refit
+from primitives.fit import Fit, NoFit, fit, refit
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class MergeOptions:
 
     slack: float = 1.5  # factor on every sigma, for what the sensor model leaves out
     significance: float = 1e-4  # a joint fit less likely than this is refused
+    strained: float = 1.5  # chi2 per degree of freedom from which contacts that stray are looked for
+    agreeing: float = 0.7  # share of the contacts that must agree on a shape for the rest to have strayed
     certain: float = 0.999  # probability at which a face's kind is settled, so that no other is tried for it
     rank: RankOptions = field(default_factory=RankOptions)
 
@@ -146,10 +149,27 @@ def join(first: Face, second: Face, options: MergeOptions) -> Fit | None:
 
 
 def ranked_face(face_id: int, contacts: Contacts, options: MergeOptions) -> Face:
-    """A face fitted with the likeliest shape."""
+    """A face fitted with the likeliest shape, to the contacts that agree on one.
+
+    Contacts that stray, as of a pad that lay half over an edge, stay with the face and out of its fit.
+    """
     ranked = rank(contacts, options=options.rank)
+    if ranked and ranked[0].fit.chi2 > options.strained * max(ranked[0].fit.dof, 1):
+        kept = _agreeing(ranked[0].fit.kind, contacts, options)
+        if kept is not None:
+            again = rank(contacts.select(kept), options=options.rank)
+            ranked = tuple(replace(r, fit=replace(r.fit, inliers=frozen(kept, bool))) for r in again)
     found = ranked[0].fit if ranked else NoFit(f"{len(contacts)} contacts determine no shape")
     return Face(face_id, found, contacts, ranked)
+
+
+def _agreeing(kind: str, contacts: Contacts, options: MergeOptions) -> Bools | None:
+    """(n,) the contacts that a robust fit explains, where some stray and most do not."""
+    found = fit(kind, contacts, replace(options.rank.fit, robust=True))
+    if not isinstance(found, Fit):
+        return None
+    share = float(found.inliers.mean())
+    return found.inliers if options.agreeing <= share < 1.0 else None
 
 
 def explains(found: Fit, options: MergeOptions) -> bool:
