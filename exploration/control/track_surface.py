@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from exploration.control.feel import Felt, feel
+from exploration.control.procedures.look import look_closely
 from exploration.control.servo import ServoGains, hybrid_twist
 from exploration.control.sighting import Sighting, contact_front, reach_along, sight
 from exploration.devices.guard import Guard, Observation
@@ -44,6 +45,7 @@ class StrokeConfig:
     recede: float = 0.5  # share of its farthest reach ahead, at which a contact is ending
     curving: float = 0.008  # [1/mm] a surface this curved along the heading ends its contact by itself
     sharp: float = 0.16  # [1/mm] a contact this curved is going over an edge
+    sharper: float = 1.5  # times as curved as where the stroke began, if that was sharp already
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ class TrustConfig:
     curved_misfit: float = 4.0  # of a curved one
     taxels: int = 8  # in contact
     flat_taxels: int = 20  # in contact, where the surface is taken for flat
-    curvature: float = 0.15  # [1/mm] beyond which the rubber blurs too much
+    curvature: float = 0.4  # [1/mm] beyond which the rubber blurs too much
+    sure: float = 0.08  # of a curvature beyond `narrow`, its greatest relative deviation
     doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
     floor: tuple[float, float, float] = (
         0.01,
@@ -64,6 +67,7 @@ class TrustConfig:
     # nothing but surface is seen; an edge cuts it; an unseen edge does
     normal_floor: tuple[float, float, float] = (0.002, 0.04, 0.04)  # [rad] the same for normals
     curved_normal_floor: float = 0.005  # [rad] of a curved patch that no edge cuts
+    cut: float = 0.3  # of the slope at its rim, by which a small contact may be turned if unseen edges cut it
     narrow: float = 0.1  # [1/mm] a contact this curved may be a flat strip of two or three taxels
     narrow_floor: float = 0.06  # [mm]
     narrow_normal_floor: float = 0.1  # [rad]
@@ -96,6 +100,7 @@ def follow_surface(
     start = guard.world_from_sensor
     at, travel, since, missing, confirmed, ticks = start, 0.0, np.inf, 0, 0, 0
     farthest, ending, over = 0.0, 0, 0
+    sharp: float | None = None
     half = 0.5 * float(np.abs(heading) @ np.asarray(guard.sensor.array.size))
     ended: Ended = "length"
     seen = guard.hold()
@@ -119,7 +124,8 @@ def follow_surface(
         curving = float(heading @ felt.hessian @ heading) > config.curving
         receding = not curving and reach < config.recede * farthest and reach < 0.6 * half
         ending = ending + 1 if receding else 0
-        over = over + 1 if felt.curvature[0] > config.sharp else 0
+        sharp = felt.curvature[0] if sharp is None else sharp
+        over = over + 1 if felt.curvature[0] > max(config.sharp, config.sharper * sharp) else 0
         if ending >= config.confirm * 2 or over >= config.confirm:
             ended = "edge"
             break
@@ -128,6 +134,7 @@ def follow_surface(
             break
         if since >= config.spacing:
             since = 0.0
+            seen = look_closely(guard, seen, felt)
             keep(seen, touch, stroke, kept)
             cells.append(touched_cells(seen, felt))
         if travel > config.least_round and _returned(at, start, config):
@@ -176,6 +183,8 @@ def keep(
         if surface.curved:
             cut = 2 if _misfit(surface) > trust.doubtful else 1 if what.lines else 0
             floor, normal_floor = trust.floor[cut], max(trust.normal_floor[cut], trust.curved_normal_floor)
+            rim = float(np.sqrt(0.5 * max(-surface.point[2] * surface.principal[0][1], 0.0)))
+            normal_floor = max(normal_floor, trust.cut * rim)
             if float(surface.principal[0][0]) > trust.narrow:
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
@@ -199,7 +208,9 @@ def touched_cells(seen: Observation, felt: Felt) -> Floats:
 def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> bool:
     taxels = int(surface.mask.sum())
     if surface.curved:
-        sharp = float(np.abs(surface.principal[0]).max()) > trust.curvature
+        most = float(np.abs(surface.principal[0]).max())
+        doubt = float(np.sqrt(surface.curvature_covariance[[0, 2], [0, 2]].max()))
+        sharp = most > trust.curvature or (most > trust.narrow and doubt > trust.sure * most)
         px, py = image.array.pitch
         room = np.array([image.array.x[-1] - trust.border * px, image.array.y[-1] - trust.border * py])
         inside = bool((np.abs(surface.point[:2]) < room).all())
