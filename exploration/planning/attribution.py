@@ -31,6 +31,7 @@ class AttributionConfig:
     turned: float = 0.06  # [rad] as long as its normal is no farther off
     misfit: float = 8.0  # chi2 per degree of freedom of a face that is none
     least_contacts: int = 5  # that make a new face
+    poor: float = 0.04  # [mm] median deviation from which contacts must be of two touches to make a face
     least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one at once
     pool: float = 20.0  # [mm] within which the unexplained contacts of several visits are put together
     facing: float = 0.95  # least cosine of their normals with the first one's
@@ -72,20 +73,30 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
         graph = joined(graph, contacts.select(owner == face_id), int(face_id), config)
     home = int(np.bincount(owner[owner >= 0]).argmax()) if (owner >= 0).any() else None
     rest, gone = contacts.select(owner < 0), dict[int, int]()
+    loose = Contacts.concatenate([loose, rest])
     if len(rest) < max(config.least_contacts, config.least_share * len(contacts)):
-        loose = Contacts.concatenate([loose, rest])
         rest = _beside(loose, rest, config)
     for lot in (rest, _beside(rest, rest, config)):
-        if len(lot) < config.least_contacts:
+        if len(lot) < config.least_contacts or _hearsay(lot, config):
             break
         grown, opened = graph.add_stroke(lot)
         accepted = _sound(grown, opened, config)
         if accepted is not None:
             graph, gone = accepted.merge_faces()
             home = gone.get(opened, opened)
+            loose = without(loose, lot)
             break
-    graph = drop_edges(drop_contradicted(graph))
+    kept = drop_edges(drop_contradicted(graph))
+    staying = {face.id for face in kept.faces}
+    dropped = [face.contacts for face in graph.faces if face.id not in staying]
+    graph, loose = _settled(kept, Contacts.concatenate([loose, *dropped]), config)
     return Taken(graph, loose, home if any(f.id == home for f in graph.faces) else None, gone)
+
+
+def without(contacts: Contacts, taken: Contacts) -> Contacts:
+    """The contacts less those of another table."""
+    gone = set(map(bytes, taken.points))
+    return contacts.select(np.array([bytes(p) not in gone for p in contacts.points], dtype=bool))
 
 
 def misfit(fit: Fit, contacts: Contacts, config: AttributionConfig) -> Floats:
@@ -106,6 +117,19 @@ def _owners(graph: PatchGraph, contacts: Contacts, config: AttributionConfig) ->
             closer = off < best
             owner[closer], best[closer] = face.id, off[closer]
     return owner
+
+
+def _hearsay(lot: Contacts, config: AttributionConfig) -> bool:
+    """Whether contacts are poor and of one touch: a pad that slid over a rim reads such where no face is."""
+    return float(np.median(lot.sigma)) > config.poor and len(np.unique(lot.touch)) < 2
+
+
+def _settled(graph: PatchGraph, loose: Contacts, config: AttributionConfig) -> tuple[PatchGraph, Contacts]:
+    """The graph with what was loose given to the faces that now explain it, and what still is."""
+    owner = _owners(graph, loose, config)
+    for face_id in np.unique(owner[owner >= 0]):
+        graph = joined(graph, loose.select(owner == face_id), int(face_id), config)
+    return graph, loose.select(owner < 0)
 
 
 def _beside(contacts: Contacts, rest: Contacts, config: AttributionConfig) -> Contacts:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from exploration.control.procedures.settle import SettleConfig
 from exploration.control.track_surface import Stroke
 from exploration.planning.findings import Attempts, Done, ExplorerConfig
 from exploration.planning.frontier import Predicted
@@ -18,6 +19,9 @@ class Covering:
 
     def __init__(self, study: Study, tried: Attempts, config: ExplorerConfig) -> None:
         self.study, self.tried, self.config = study, tried, config
+        self.doubted: dict[int, int] = {}  # how often each face was touched again
+        self.revisited = Attempts(1, config.overlap)
+        self.pressed = Attempts(2, 1.5)  # where the prediction was contradicted
         self._visited = Attempts(config.tries, config.beside)
 
     def cover(self, missing: Predicted, face: int | None) -> Done:
@@ -72,6 +76,44 @@ class Covering:
         if not pad.touch(target, standoff, overtravel):
             return None, "nothing was where the faces so far predict the surface"
         return self.study.face_here(), "touched a place that was only predicted"
+
+    def revisit(self, doubtful: Predicted) -> Done:
+        """Touch again, unmoved, where a known face is least certain."""
+        pad = self.study.pad
+        point, normal, face = doubtful.points[0], doubtful.normals[0], int(doubtful.face[0])
+        self.revisited.note(point)
+        self.doubted[face] = self.doubted.get(face, 0) + 1
+        target = se3.pose(se3.frame_along(-normal, pad.guard.world_from_sensor[:3, 0]), point)
+        pad.travel(target, Support(point, normal), 8.0)
+        if not pad.touch(target, 8.0, 10.0, settling=SettleConfig(shifts=0)):
+            return None, "nothing was where a face is in doubt"
+        found = self.study.take_in(pad.feel())
+        return found, "touched a face again that is in doubt"
+
+    def worth_revisiting(self, doubtful: Predicted) -> Predicted:
+        """Those of the doubtful points that were not tried often, on faces that were not."""
+        left = self.revisited.unfinished(doubtful)
+        keep = np.array([self.doubted.get(int(f), 0) < self.config.doubts for f in left.face], dtype=bool)
+        return Predicted(left.points[keep], left.normals[keep], left.face[keep])
+
+    def press_where_free(self, opened: Predicted) -> Done:
+        """Press, unmoved, where the skin felt free space that the faces so far take for material."""
+        pad = self.study.pad
+        nearest = int(np.argmin(np.linalg.norm(opened.points - pad.here.point, axis=1)))
+        around = np.linalg.norm(opened.points - opened.points[nearest], axis=1) < self.config.beside
+        self.pressed.note(*opened.points[around])
+        normals = np.unique(np.round(opened.normals[around], 1), axis=0)
+        normal = normals.mean(axis=0)
+        if float(np.linalg.norm(normal)) < 0.2:
+            normal = opened.normals[nearest]
+        normal = normal / np.linalg.norm(normal)
+        point = opened.points[around].mean(axis=0)
+        standoff = 8.0 + float(((opened.points[around] - point) @ normal).max())
+        target = se3.pose(se3.frame_along(-normal, pad.guard.world_from_sensor[:3, 0]), point)
+        pad.travel(target, Support(point, normal), standoff)
+        if not pad.touch(target, standoff, self.config.region, settling=SettleConfig(shifts=0)):
+            return None, "pressed where a corner is missing and met nothing"
+        return self.study.face_here(), "pressed where less is than the faces so far predict"
 
     def _flush_on(self, face: int) -> bool:
         """Whether the pad lies on that face now."""

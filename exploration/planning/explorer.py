@@ -92,13 +92,20 @@ class Explorer:
         missing = self._tried.unfinished(untouched)
         edges = frontier.open_edges([t for t, _ in self.found.traces])
         edges = [edge for edge in edges if not self._tried.given_up(edge.point)]
-        self.found.open = len(missing.points) + len(edges)
+        contradicted = frontier.contradicted(self.pad.free)
+        opened = self._covering.pressed.unfinished(contradicted)
+        doubtful = self._covering.worth_revisiting(frontier.doubtful())
+        self.found.open = len(missing.points) + len(edges) + len(opened.points) + len(doubtful.points)
         if len(missing.points):
             return lambda: self._covering.cover(missing, face)
+        if len(opened.points):
+            return lambda: self._covering.press_where_free(opened)
+        if len(doubtful.points):
+            return lambda: self._covering.revisit(doubtful)
         if edges:
             nearest = min(edges, key=lambda e: float(np.linalg.norm(e.point - self.pad.here.point)))
             return lambda: self._tracing.trace(nearest)
-        self.found.open = len(untouched.points)
+        self.found.open = len(untouched.points) + len(contradicted.points)
         return None
 
     def _find(self) -> bool:

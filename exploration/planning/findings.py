@@ -28,6 +28,7 @@ class ExplorerConfig:
     aside: float = 2.0  # [mm] beyond an edge that leads only to known faces, where a narrow one is looked for
     overlap: float = 5.0  # [mm] of the pad that reaches back over the edge
     tries: int = 3  # at the same open thing
+    doubts: int = 10  # touches more on a face that is not known well
     beside: float = 8.0  # [mm] from a place that was tried before, where another way in is taken
     region: float = 40.0  # [mm] of open surface that is come at as one
     first_tries: int = 60  # touches after which an object that shows no face is given up

@@ -12,14 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
+from exploration.planning.felt_free import FeltFree
 from exploration.planning.touched import Touched
 from primitives.arrays import Bools, Floats, Ints
-from primitives.evidence import Contacts, EdgeTrace
+from primitives.evidence import EdgeTrace
 from primitives.fit import Fit
 from primitives.half_spaces import HalfSpaces
 from primitives.patch_graph import Face
-from primitives.residuals import Problem, linearize
 from primitives.shapes import Plane, Shape
+from primitives.shared_error import with_shared_error
+from primitives.surface_sigma import distance_sigma
 
 
 @dataclass(frozen=True)
@@ -30,9 +32,10 @@ class FrontierConfig:
     rim: float = 2.0  # [mm] a boundary point this near another face's surface is moved onto their edge
     traced: float = 3.0  # [mm] an edge point this near a trace is traced
     end: float = 3.0  # [mm] of an edge next to a third face that is not asked for
-    few: int = 25  # contacts, below which a face's certainty is looked at
     few_curved: int = 12  # contacts, below which the kind of a curved face is not settled
-    certain: float = 0.15  # [mm] standard deviation of the surface that is certain enough
+    certain: float = 0.1  # [mm] standard deviation of the surface that is certain enough
+    certain_edge: float = 0.08  # [mm] the same of an edge within its face
+    grazing: float = 0.05  # sine of the angle at which faces that are nearly tangent are taken to meet
     least_edge: float = 4.0  # [mm] of open edge worth a touch
 
 
@@ -64,6 +67,7 @@ class Frontier:
         self.config = config
         fits = [face.fit for face in self.faces if isinstance(face.fit, Fit)]
         shapes = [_outward(fit) for fit in fits]
+        self.index = {face.id: k for k, face in enumerate(self.faces)}
         self.body = HalfSpaces.of(shapes, [fit.convex or fit.kind == "plane" for fit in fits])
         self.box = box.reshape(2, 3)
         found = self.body.sample_boundary(self.box, config.spacing)
@@ -71,22 +75,53 @@ class Frontier:
         self.predicted = Predicted(found.points, found.normals, ids[found.face] if len(ids) else found.face)
 
     def untouched(self, touched: Touched, within: float) -> Predicted:
-        """The predicted points with nothing touched nearby, or where their face is not yet known well."""
-        p = self.predicted
-        keep = ~touched.covers(p.points, within) | self._doubtful()
-        return Predicted(p.points[keep], p.normals[keep], p.face[keep])
+        """The predicted points with nothing touched nearby."""
+        return self._those(~touched.covers(self.predicted.points, within))
 
-    def _doubtful(self) -> Bools:
-        """(n,) whether the surface at a predicted point is less certain than it should be."""
-        out = np.zeros(len(self.predicted.points), dtype=bool)
-        for face in self.faces:
-            mine = self.predicted.face == face.id
-            if not isinstance(face.fit, Fit) or len(face.contacts) >= self.config.few or not mine.any():
-                continue
-            if not isinstance(face.fit.shape, Plane) and len(face.contacts) < self.config.few_curved:
-                out[mine] = True
-            else:
-                out[mine] = distance_sigma(face.fit, self.predicted.points[mine]) > self.config.certain
+    def contradicted(self, free: FeltFree) -> Predicted:
+        """The predicted points beside places where the skin felt free space inside the predicted body."""
+        return self._those(free.opened(self.predicted.points, self.body))
+
+    def doubtful(self) -> Predicted:
+        """The predicted points where their face, or its edge there, is not known well; the worst first."""
+        excess = self._doubts()
+        order = np.argsort(-excess, kind="stable")
+        return self._those(order[excess[order] > 1.0])
+
+    def _those(self, rows: Bools | Ints) -> Predicted:
+        p = self.predicted
+        return Predicted(p.points[rows], p.normals[rows], p.face[rows])
+
+    def _doubts(self) -> Floats:
+        """(n,) deviation of the surface, or of the edge, at a predicted point, in units of what is certain enough.
+
+        Where two surfaces of deviations a and b meet at an angle t, their edge deviates along the first by
+        sqrt((a cos t)^2 + b^2) / sin t: a shallow edge is known worse than the faces beside it.  The doubt is
+        that of the face which is known less.
+        """
+        p, config = self.predicted, self.config
+        out: Floats = np.zeros(len(p.points))
+        if not len(out):
+            return out
+        sigma = np.zeros((len(out), len(self.faces)))
+        for k, face in enumerate(self.faces):
+            assert isinstance(face.fit, Fit)
+            sigma[:, k] = distance_sigma(with_shared_error(face.fit, face.contacts), p.points)
+            if not isinstance(face.fit.shape, Plane) and len(face.contacts) < config.few_curved:
+                out[p.face == face.id] = 2.0
+        rows, own = np.arange(len(out)), np.array([self.index[face] for face in p.face])
+        mine = sigma[rows, own]
+        out = np.maximum(out, mine / config.certain)
+        distances = self.body.distances(p.points)
+        distances[rows, own] = -np.inf
+        other = distances.argmax(axis=1)
+        near = (distances[rows, other] > -config.spacing) & (mine >= sigma[rows, other])
+        for k, shape in enumerate(self.body.shapes):
+            at = near & (other == k)
+            cosine = np.abs((shape.normals(p.points[at]) * p.normals[at]).sum(axis=1))
+            sine = np.sqrt(np.maximum(1.0 - cosine**2, config.grazing**2))
+            edge = np.hypot(mine[at], sigma[at, k] * cosine) / sine
+            out[at] = np.maximum(out[at], edge / config.certain_edge)
         return out
 
     def open_edges(self, traces: Sequence[EdgeTrace]) -> list[OpenEdge]:
@@ -155,14 +190,6 @@ class Frontier:
                 )
             )
         return runs
-
-
-def distance_sigma(fit: Fit, points: Floats) -> Floats:
-    """(n,) standard deviation [mm] of a fitted surface across itself at (n, 3) points."""
-    _, slope = linearize(fit.shape, Problem.of(Contacts.of(points, sigma=1.0)), 1.0)
-    scale = max(1.0, fit.chi2 / max(fit.dof, 1))
-    variance: Floats = scale * np.einsum("ni,ij,nj->n", slope, fit.covariance, slope)
-    return np.sqrt(np.maximum(variance, 0.0))
 
 
 def _outward(fit: Fit) -> Shape:

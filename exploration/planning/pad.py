@@ -12,14 +12,17 @@ import numpy as np
 
 from exploration.control.dwell import dwell
 from exploration.control.feel import feel
+from exploration.control.free_cells import free_cells
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
 from exploration.control.procedures.curvature import four_direction_curvature
 from exploration.control.procedures.land import land
+from exploration.control.procedures.look import look_closely
 from exploration.control.procedures.settle import SettleConfig
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_surface import Stroke, follow_surface, keep, touched_cells
-from exploration.devices.guard import Guard
+from exploration.devices.guard import Guard, Observation
+from exploration.planning.felt_free import FeltFree
 from exploration.planning.touched import Touched
 from exploration.planning.transit import Support, box_supports, way
 from exploration.sensing.lines.hough import find_lines
@@ -39,6 +42,7 @@ class PadConfig:
     averaged: int = 8  # frames of a place that is studied
     back: float = 12.0  # [mm] from a touch that met nothing
     lift: float = 8.0  # [mm] before any travel
+    watch: float = 3.0  # [mm] between looks for what the skin leaves free
     alike: float = 0.95  # cosine above which two supporting planes are one
 
 
@@ -50,6 +54,9 @@ class Pad:
     ) -> None:
         self.guard, self.box, self.announce, self.config = guard, box, announce, config
         self.covered = Touched()
+        self.free = FeltFree()
+        self._watched: Floats | None = None  # (3,) where the skin was last looked at for free space
+        guard.observers = (*guard.observers, self._watch)
         self.here = Support(np.array([0.0, 0.0, box[5]]), np.array([0.0, 0.0, 1.0]))
 
     @property
@@ -96,6 +103,8 @@ class Pad:
     def feel(self) -> Contacts:
         """Contacts of the place under the pad, from averaged frames."""
         seen = dwell(self.guard, self.config.averaged)
+        felt = feel(seen.image)
+        seen = look_closely(self.guard, seen, felt) if felt else seen
         kept: list[Contacts] = []
         self.guard.cost.strokes += 1
         keep(seen, self.guard.cost.touches, self.guard.cost.strokes, kept)
@@ -160,6 +169,16 @@ class Pad:
         if heading is not None and not any(-line.inward @ heading > 0.4 for line in lines):
             found.append(brink(seen, felt, heading))
         return found
+
+    def _watch(self, seen: Observation) -> None:
+        """Note what the skin leaves free, every few mm of whatever the pad does in contact."""
+        at = seen.world_from_sensor[:3, 3]
+        if self._watched is not None and float(np.linalg.norm(at - self._watched)) < self.config.watch:
+            return
+        felt = feel(seen.image) if touched(seen.image) else None
+        if felt:
+            self._watched = at
+            self.free.add(free_cells(seen, felt))
 
     def _supports(self) -> list[Support]:
         """One support for each face, which is enough to go round."""
