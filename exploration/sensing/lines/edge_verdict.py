@@ -68,6 +68,18 @@ def freed(
         rows[SAG, i] = sag * scale
 
 
+@numba.njit(cache=True, inline="always")
+def _quadratic_form(
+    d0: float, d1: float, d2: float, a: float, b: float, c: float, e: float, f: float, g: float
+) -> float:
+    """d^T M^-1 d of the symmetric M = [[a, b, c], [b, e, f], [c, f, g]]."""
+    m00, m01, m02 = e * g - f * f, c * f - b * g, b * f - c * e
+    m11, m12, m22 = a * g - c * c, b * c - a * f, a * e - b * b
+    determinant = a * m00 + b * m01 + c * m02
+    total = d0 * d0 * m00 + d1 * d1 * m11 + d2 * d2 * m22
+    return (total + 2.0 * (d0 * d1 * m01 + d0 * d2 * m02 + d1 * d2 * m12)) / determinant
+
+
 @numba.njit(cache=True, error_model="numpy")
 def rim_evidence(
     rows: Floats, p: Floats, side: float, middle: float, width: float, ground: float
@@ -81,23 +93,44 @@ def rim_evidence(
     ok, covariance = invert(normal)
     if not ok:
         return 0.0, 0.0, 0.0
-    step = covariance @ rhs
-    bent = step[BEND:] @ np.linalg.solve(covariance[BEND:, BEND:], step[BEND:])
+    step = np.zeros(m)
+    for i in range(m):
+        for j in range(m):
+            step[i] += covariance[i, j] * rhs[j]
+    bent = _quadratic_form(
+        step[BEND],
+        step[TWIST],
+        step[SAG],
+        covariance[BEND, BEND],
+        covariance[BEND, TWIST],
+        covariance[BEND, SAG],
+        covariance[TWIST, TWIST],
+        covariance[TWIST, SAG],
+        covariance[SAG, SAG],
+    )
     blurred = step[WIDTH] / np.sqrt(covariance[WIDTH, WIDTH])
     a = p[HEIGHT] + step[HEIGHT] + middle * (p[ALONG] + step[ALONG])
     b, k = p[RISE] + step[RISE], step[BEND]
+    of_a = covariance[HEIGHT] + middle * covariance[ALONG]
     least = np.inf
-    c = np.zeros((3, m))
-    d = np.zeros(3)
     for n in range(1, 25):
         delta = 0.2 * n * width
-        c[0, HEIGHT], c[0, ALONG], c[0, RISE], c[0, BEND] = 1.0, middle, -delta, 0.5 * delta * delta
-        c[1, WIDTH] = 1.0
-        c[2, OFFSET] = 1.0
-        d[0] = a - b * delta + 0.5 * k * delta * delta
-        d[1] = step[WIDTH] - delta * delta / (6.0 * width * width)
-        d[2] = step[OFFSET] + side * 0.5 * delta
-        least = min(least, float(d @ np.linalg.solve(c @ covariance @ c.T, d)))
+        half = 0.5 * delta * delta
+        row = of_a - delta * covariance[RISE] + half * covariance[BEND]
+        least = min(
+            least,
+            _quadratic_form(
+                a - b * delta + k * half,
+                step[WIDTH] - delta * delta / (6.0 * width * width),
+                step[OFFSET] + side * 0.5 * delta,
+                row[HEIGHT] + middle * row[ALONG] - delta * row[RISE] + half * row[BEND],
+                row[WIDTH],
+                row[OFFSET],
+                covariance[WIDTH, WIDTH],
+                covariance[WIDTH, OFFSET],
+                covariance[OFFSET, OFFSET],
+            ),
+        )
     return bent, blurred, least
 
 

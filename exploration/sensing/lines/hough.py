@@ -1,8 +1,8 @@
 """Lines of a frame: one straight edge at once, or the Modified Adaptive Hough Transform and a polish of its peaks.
 
 Most frames show one edge or none, and `single_edge` is sure of that in one kernel.  In the others, peaks of the
-votes (`hough_votes`) are extracted one after another, each taking its points away, and each is fitted to the sensor
-model with the surface around it (`line_fit`, `line_evidence`).
+votes (`hough_votes`) are extracted one after another, each taking its points away, and each is fitted to the
+sensor model with the surface around it (`line_fit`, `line_evidence`).
 
 A line is reported only where the depth drops below what the local surface predicts: a rim that a smooth paraboloid
 explains as well (sphere, cylinder, tilted face running out) is no edge.  "No line" is the usual answer.
