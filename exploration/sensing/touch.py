@@ -1,7 +1,6 @@
 """What one frame is: nothing, flat, edge, ridge, corner or curved; and the contacts it yields.
 
-The likeliest reading of the frame gets what the others leave: a line that is weak may be a curved rim, a surface
-sharper than `SHARP` is a ridge or a corner as far as its curvature is known (our choice of weights).
+The frame is read as a smooth surface and as one that its lines cut, and the likelier reading stands (`kinds`).
 
 A touched patch yields a few points whose information is that of the fit and no more (our derivation).  With C the
 covariance of (d0, gx, gy) and C^-1 = N [[1, c^t], [c, S + c c^t]], the four points c +- sqrt(2 l) e, (l, e) the
@@ -13,26 +12,43 @@ more and no oftener; whoever fits positions and normals of a flat patch at once 
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import exp, sin, sqrt
+from math import sqrt
 from types import MappingProxyType
 
 import numpy as np
-from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.kinds import (
+    KINDS,
+    LEAST,
+    Reading,
+    as_wall,
+    fewer,
+    probabilities,
+    reading_of_lines,
+    reading_of_outline,
+)
+from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.lines.line import Line
-from exploration.sensing.surfaces.local_surface import LocalSurface, NoSurface, fit_surface
+from exploration.sensing.lines.outline import find_outline
+from exploration.sensing.surfaces.footprint import Footprint
+from exploration.sensing.surfaces.local_surface import (
+    LocalSurface,
+    NoSurface,
+    fit_cut,
+    ordered_surface,
+    surface_of,
+)
+from exploration.sensing.surfaces.order import order_contact
 from exploration.sensing.surfaces.ridge_ends import DOUBTED, cut_at_ends
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, smooth_contact
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points
 
-SHARP = 0.3  # [1/mm] curvature from which a contact is a ridge or a corner
-PARALLEL = 0.3  # [sine of the angle] between the two edges of a ridge
-LEAST = 0.005  # of the probability, left to every kind
-
-KINDS = ("nothing", "flat", "edge", "ridge", "corner", "curved")
+UNREADABLE = "the frame holds values that are not finite, or no living taxel"
+UNEXPLAINED = 3.0  # [standard deviations of chi2] of misfit from which the whole outline is looked for
 
 
 @dataclass(frozen=True)
@@ -45,29 +61,75 @@ class Touch:
     surface: LocalSurface | NoSurface
     force: float  # [N]
     time: float  # [s]
+    arcs: tuple[Arc, ...] = ()
 
     def __bool__(self) -> bool:
         return self.kind != "nothing"
 
 
 def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
-    """Lines, local surface and kind of a frame."""
-    lines = find_lines(image, max_lines)
-    surface = fit_surface(image, lines)
-    if isinstance(surface, NoSurface) and lines:
-        lines = ()
-        surface = fit_surface(image)
-    if isinstance(surface, LocalSurface) and surface.chi2 > DOUBTED * surface.dof:
-        smooth = fit_surface(image) if lines else surface
-        ended = cut_at_ends(image, smooth) if isinstance(smooth, LocalSurface) else surface
+    """Lines, arcs, local surface and kind of a frame."""
+    contact = smooth_contact(image)
+    if contact is None:
+        return _nothing(UNREADABLE, image)
+    if not contact:
+        return _nothing("nothing is felt above the noise", image)
+    dome = fit_dome(contact)
+    if not dome.converged:
+        return _nothing("the fit of the sensor model did not converge", image)
+    ordered = order_contact(contact, dome)
+    smooth = ordered_surface(image, contact, ordered)
+    surface, lines = smooth, find_lines(image, max_lines)
+    arcs: tuple[Arc, ...] = ()
+    readings: list[Reading] = []
+    if lines:
+        surface, cut = _cut(image, contact, lines, smooth)
+        readings = [] if cut is None else [reading_of_lines(image, cut), *fewer(image, lines, cut)]
+    else:
+        wall = as_wall(image, ordered)
+        readings = [] if wall is None else [wall]
+    if surface.chi2 > DOUBTED * surface.dof:
+        ended = cut_at_ends(image, smooth)
         if ended.chi2 < surface.chi2 and ended is not smooth:
             lines, surface = (), ended
-    kinds = _kinds(lines, surface)
-    px, py = image.array.pitch
-    alive = np.isfinite(image.sigma)
-    force = image.stiffness * px * py * float(np.sum(image.depth[alive])) if surface else 0.0
+    if surface.chi2 > surface.dof + UNEXPLAINED * sqrt(2 * max(1, surface.dof)) or (lines and surface.curved):
+        outline = find_outline(image, max_lines)
+        if outline and outline.chi2 < surface.chi2:
+            lines, arcs = outline.lines, outline.arcs
+            if arcs:
+                readings.append(reading_of_outline(image, outline, ordered))
+            else:
+                surface, cut = _cut(image, contact, lines, smooth)
+                readings += [] if cut is None else [reading_of_lines(image, cut)]
+    kinds = probabilities(contact, ordered, smooth, readings)
     kind = max(KINDS, key=lambda name: kinds[name])
-    return Touch(kind, MappingProxyType(kinds), lines, surface, force, image.time)
+    if lines and kind in ("flat", "curved"):
+        lines, surface = (), smooth
+    return Touch(kind, MappingProxyType(kinds), lines, surface, _force(image, contact), image.time, arcs)
+
+
+def _nothing(reason: str, image: TactileImage) -> Touch:
+    return Touch("nothing", _NOTHING, (), NoSurface(reason), 0.0, image.time)
+
+
+_NOTHING = MappingProxyType({k: 1.0 - LEAST * (len(KINDS) - 1) if k == "nothing" else LEAST for k in KINDS})
+
+
+def _force(image: TactileImage, contact: SmoothContact) -> float:
+    px, py = image.array.pitch
+    return image.stiffness * px * py * float(np.sum(contact.depth))
+
+
+def _cut(
+    image: TactileImage, contact: SmoothContact, lines: tuple[Line, ...], smooth: LocalSurface
+) -> tuple[LocalSurface, Footprint | None]:
+    """The surface that lines cut; the smooth one where their fit fails."""
+    plane, dome, orders = fit_cut(image, lines)
+    curved = bool(orders[0] < 0.5)
+    fit = dome if curved else plane
+    if not fit.converged:
+        return smooth, None
+    return surface_of(image, contact.mask, fit, curved, orders), fit
 
 
 def contacts_of(
@@ -119,31 +181,3 @@ def _design(surface: LocalSurface, image: TactileImage) -> tuple[Floats, Floats,
     xy = center + np.concatenate([arms.T, -arms.T])
     normal = 2 * float(np.sqrt(np.mean(np.diag(surface.covariance)[1:3])))
     return xy, np.full(4, 2 / np.sqrt(count)), np.full(4, normal)
-
-
-def _kinds(lines: tuple[Line, ...], surface: LocalSurface | NoSurface) -> dict[str, float]:
-    share = dict.fromkeys(KINDS, LEAST)
-    if isinstance(surface, NoSurface):
-        share["nothing"] = 1.0
-    elif not lines:
-        sharp, both = _sharpness(surface)
-        share["ridge"] += sharp * (1.0 - both)
-        share["corner"] += sharp * both
-        share["curved" if surface.curved else "flat"] += 1.0 - sharp
-    else:
-        doubt = 0.5 * exp(-(lines[-1].strength - 5.0) / 5.0)
-        parallel = len(lines) > 1 and abs(sin(lines[0].angle - lines[1].angle)) < PARALLEL
-        many = "ridge" if parallel else "corner"
-        share["edge" if len(lines) == 1 else many] += 1.0 - doubt
-        share["curved" if len(lines) == 1 else "edge"] += doubt
-    total = sum(share.values())
-    return {kind: value / total for kind, value in share.items()}
-
-
-def _sharpness(surface: LocalSurface) -> tuple[float, float]:
-    """Probabilities that the greater, and the lesser, principal curvature is sharp."""
-    if not surface.curved:
-        return 0.0, 0.0
-    sigma = sqrt(float(surface.curvature_covariance[[0, 2], [0, 2]].max())) + 1e-6
-    greatest, least = surface.principal[0]
-    return float(ndtr((greatest - SHARP) / sigma)), float(ndtr((least - SHARP / 2) / sigma))

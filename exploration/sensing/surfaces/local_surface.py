@@ -16,7 +16,7 @@ import numpy as np
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.line import Line
 from exploration.sensing.surfaces.footprint import PLANE, Footprint, fit_footprint
-from exploration.sensing.surfaces.order import order_alone, order_contact
+from exploration.sensing.surfaces.order import Ordered, order_alone, order_contact
 from exploration.sensing.surfaces.pressed_field import dome_at
 from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, smooth_contact, start_dome
 from primitives.arrays import Bools, Floats, frozen
@@ -107,34 +107,41 @@ def fit_surface(image: TactileImage, lines: Sequence[Line] = ()) -> LocalSurface
         return NoSurface("nothing is felt above the noise")
     if lines:
         return _cut_surface(image, contact, lines)
-    return smooth_surface(image, contact, fit_dome(contact))
-
-
-def smooth_surface(image: TactileImage, contact: SmoothContact, dome: Footprint) -> LocalSurface | NoSurface:
-    """The surface of a fitted dome, as the order that it most likely has."""
+    dome = fit_dome(contact)
     if not dome.converged:
         return NoSurface("the fit of the sensor model did not converge")
-    found = order_contact(contact, dome)
+    return ordered_surface(image, contact, order_contact(contact, dome))
+
+
+def ordered_surface(image: TactileImage, contact: SmoothContact, found: Ordered) -> LocalSurface:
+    """A smooth surface of the order that it most likely has."""
     return surface_of(image, contact.mask, found.fit, found.curved, found.probability)
 
 
 def _cut_surface(
     image: TactileImage, contact: SmoothContact, lines: Sequence[Line]
 ) -> LocalSurface | NoSurface:
-    cuts = np.array([value for line in lines for value in (line.angle, line.offset)])
-    sides = np.array([line.material_side for line in lines], dtype=float)
-    level = np.zeros(6)
-    level[0] = float(lines[0].plateau)
-    plane = fit_footprint(image, np.concatenate([level, cuts]), sides, shape=PLANE)
-    dome = fit_footprint(image, plane.parameters if plane.converged else np.concatenate([level, cuts]), sides)
+    plane, dome, orders = fit_cut(image, lines)
     if not dome.converged and not plane.converged:
         return NoSurface("the fit of the sensor model did not converge")
+    curved = bool(orders[0] < 0.5)
+    return surface_of(image, contact.mask, dome if curved else plane, curved, orders)
+
+
+def fit_cut(image: TactileImage, lines: Sequence[Line]) -> tuple[Footprint, Footprint, Floats]:
+    """The best plane and the best dome that these lines cut, and the orders' probabilities."""
+    cuts = np.array([value for line in lines for value in (line.angle, line.offset)])
+    sides = np.array([line.material_side for line in lines], dtype=float)
+    level = np.concatenate([[float(lines[0].plateau)], np.zeros(5), cuts])
+    plane = fit_footprint(image, level, sides, shape=PLANE)
+    dome = fit_footprint(image, plane.parameters if plane.converged else level, sides)
     if not dome.converged:
-        return surface_of(image, contact.mask, plane, False, np.array([1.0, 0.0, 0.0, 0.0]))
+        return plane, dome, np.array([1.0, 0.0, 0.0, 0.0])
     inflation = max(1.0, dome.chi2 / max(1, dome.dof))
     orders = order_alone(dome.parameters[:6], dome.covariance[:6, :6] * inflation)
-    curved = bool(orders[0] < 0.5) or not plane.converged
-    return surface_of(image, contact.mask, dome if curved else plane, curved, orders)
+    if not plane.converged:
+        orders = np.array([0.0, *orders[1:]]) / max(1e-12, float(orders[1:].sum()))
+    return plane, dome, orders
 
 
 def fit_paraboloid(image: TactileImage, mask: Bools) -> Footprint:

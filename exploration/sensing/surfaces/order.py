@@ -53,6 +53,9 @@ class Ordered:
     probability: Floats  # (4,) of `primitives.curvature.ORDERS`
     shape: int  # of `fit`
     fit: Footprint
+    chi2: float  # of the dome
+    evidence: float  # log, of all orders together, on that chi2; the prior of each is in it
+    volume: float  # log, of what the frame leaves of depth and slopes
 
     @property
     def curved(self) -> bool:
@@ -68,12 +71,15 @@ def order_contact(contact: SmoothContact, dome: Footprint, config: OrderConfig =
     )
     fits = [dome, dome, dome, dome]
     best = float(logs.max())
+    plane = float(quadratic[0])
     for order, shape in enumerate(SHAPES[:3]):
         if logs[order] > best - config.open:
             limit = dome.chi2 + inflation * (quadratic[order] + 2.0 * config.open)
             fits[order] = fit_shape(contact, dome, shape, limit)
             logs[order] -= 0.5 * ((fits[order].chi2 - dome.chi2) / inflation - quadratic[order])
-    probability = np.exp(logs - logs.max())
+    top = float(logs.max())
+    probability = np.exp(logs - top)
+    evidence = top + float(np.log(probability.sum())) - 0.5 * plane
     probability /= probability.sum()
     curved = probability[1:]
     if probability[0] >= 0.5 and fits[0].converged and fits[0] is not dome:
@@ -82,7 +88,9 @@ def order_contact(contact: SmoothContact, dome: Footprint, config: OrderConfig =
         choice = 1 + int(curved.argmax())
         if curved[choice - 1] < config.sure * curved.sum() or not fits[choice].converged:
             choice = 3
-    return Ordered(frozen(probability), SHAPES[choice], fits[choice])
+    level = np.linalg.inv(dome.covariance)[:3, :3] / (2 * np.pi)
+    volume = -0.5 * float(np.log(np.linalg.det(level)))
+    return Ordered(frozen(probability), SHAPES[choice], fits[choice], dome.chi2, evidence, volume)
 
 
 def _prior(config: OrderConfig) -> tuple[float, tuple[float, float, float, float]]:
