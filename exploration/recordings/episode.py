@@ -41,10 +41,20 @@ def read_episode(path: Path, spec: SensorSpec | None = None) -> Recording:
             count[pad] += 1
 
     plain = [name for name, pad in pads.items() if pad.assumed_pitch]
-    told = (
-        f"{', '.join(plain)} is no built-in array: lengths in taxels, no force and no curvature; give --sensor",
-    )
-    return Recording(path, ",".join(names), tuple(pads.values()), replay, True, True, told if plain else ())
+    told = []
+    if plain:
+        told.append(
+            f"{', '.join(plain)} is no built-in array: pitch 1, no force, no curvature; give --sensor"
+        )
+    if not _ends_whole(path):
+        told.append("the recording was cut short; this is what is whole of it")
+    return Recording(path, ",".join(names), tuple(pads.values()), replay, True, True, tuple(told))
+
+
+def _ends_whole(path: Path) -> bool:
+    with opened(path) as file:
+        file.seek(-min(8, path.stat().st_size), 2)
+        return file.read() == b"\x89MCAP0\r\n"
 
 
 def _frames(path: Path) -> Iterator[RecordedFrame]:

@@ -8,10 +8,10 @@ taxel settles at is the zero.  One or two frames have no before: the median of t
 then the zero of all.
 
 Noise.  The second difference of three neighbors, x0 - 2 x1 + x2, is blind to steady change and has variance
-6 sigma^2; the median of its size is 0.6745 sqrt(6) sigma.  It is taken in time and along the rows; the less holds,
-because touches add to the one and unequal taxels to the other.  Taxels that a controller holds at zero until they
-pass its threshold show no noise, so where half of all differences are zero the others alone are taken.  Rounding
-to whole counts adds 1/12.
+6 sigma^2.  Its size is taken in time and along the rows, without what is far out; the less holds, because touches
+add to the one and unequal taxels to the other.  Taxels that a controller holds at zero until they
+pass its threshold show no noise, so where half of all differences are zero the others alone are taken.  It is
+at least that of rounding to whole counts.
 
 Gain.  Without a calibration gains are a data sheet's, or, of an array of which only the shape is known, such that
 the recording's own plateau is a nominal press: enough for lines and kinds, whose sigma carries `UNKNOWN_GAIN`.
@@ -37,6 +37,7 @@ _ENOUGH_STILL = 5  # frames
 _START = 50  # frames at the start among which the still ones are sought
 _KEPT = 300  # triples of successive frames kept for the noise
 _GAUSS = 0.6745  # median of |x| over sigma
+_OUT, _MEAN = 3.0, 0.791  # sigma from which |x| is left out, and the mean of what is left over sigma
 _ROUNDING = 1.0 / 12.0  # [counts^2]
 
 
@@ -128,7 +129,8 @@ def _zero_and_noise(pad: Pad, frames: Floats, noise: float) -> tuple[Floats, flo
     if len(frames) < 3:
         return np.full(pad.array.shape, np.quantile(frames[0][~pad.absent], 0.125) + 0.9 * noise), noise
     lowest = np.quantile(frames, 0.05, axis=0) + 1.64 * noise
-    return np.where((zero - lowest > STILL * noise) | (len(still) < 3), lowest, zero), noise
+    began_in_contact = bool((zero - lowest > STILL * noise).any())
+    return (lowest if began_in_contact or len(still) < 3 else zero), noise
 
 
 def _in_time(triples: Floats) -> float:
@@ -150,5 +152,9 @@ def _in_space(frames: Floats) -> float:
 
 
 def _sigma(jumps: Floats) -> float:
-    middle = float(np.median(jumps)) if jumps.size else 0.0
-    return float(np.sqrt((middle / (_GAUSS * np.sqrt(6.0))) ** 2 + _ROUNDING))
+    """[counts] behind second differences; the median starts, the mean of what is not far out is finer."""
+    if not jumps.size:
+        return sqrt(_ROUNDING)
+    start = max(float(np.median(jumps)) / _GAUSS, 1.0)
+    size = float(np.mean(jumps[jumps <= _OUT * start]))
+    return max(size / (_MEAN * sqrt(6.0)), sqrt(_ROUNDING))
