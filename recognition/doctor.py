@@ -55,6 +55,7 @@ def examine() -> Findings:
             *_dependencies(),
             *_collisions(),
             _ray_caster(),
+            _step_reader(),
             _step_writer(),
             _kernels(),
             *_serial_ports(),
@@ -78,7 +79,7 @@ def _dependencies() -> list[Finding]:
         name = requirement.strip()
         for sign in "<>=!~ [":
             name = name.partition(sign)[0]
-        if "extra" in marker or name == "embreex":
+        if "extra" in marker or name in ("embreex", "cascadio"):
             continue
         try:
             rows.append(Finding(name, "ok", version(name)))
@@ -112,6 +113,14 @@ def _ray_caster() -> Finding:
     if importlib.util.find_spec("embreex") is None:
         return Finding("embreex", "note", "missing: rays go through the slower portable caster")
     return Finding("embreex", "ok", version("embreex"))
+
+
+def _step_reader() -> Finding:
+    if importlib.util.find_spec("cascadio") is None:
+        return Finding(
+            "cascadio", "note", "missing: STEP files are not read; pip install cascadio, if it has a build"
+        )
+    return Finding("cascadio", "ok", version("cascadio"))
 
 
 def _step_writer() -> Finding:

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from models.formats.gltf_arrays import BROKEN, Gltf, Primitive
@@ -40,6 +41,11 @@ class StepConfig:
 
 def parse(data: bytes, name: str, config: StepConfig | None = None) -> list[LabeledMesh]:
     """The bodies of a file [mm], one mesh for each that the file names; a mesh may still hold several."""
+    if find_spec("cascadio") is None:
+        raise PalpateError(
+            f"reading {name} needs cascadio, which has no build for every system: pip install cascadio, "
+            "or export the part as STL"
+        )
     limits = config or StepConfig()
     glb = _converted(data, name, limits)
     try:
