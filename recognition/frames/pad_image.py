@@ -80,7 +80,7 @@ class PadImage:
             foot = ends[0] + share * (ends[1] - ends[0])
             tip = foot + line.inward * (2.2 * self._thick / self._scale)
             self._draw.line(
-                self._px(np.stack([foot, tip])), fill=(*color, _CLEAR), width=round(0.4 * self._thick)
+                self._px(np.stack([foot, tip])), fill=(*color, _CLEAR), width=round(0.6 * self._thick)
             )
 
     def _arc(self, arc: Arc) -> None:

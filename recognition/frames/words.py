@@ -2,6 +2,8 @@
 
 from math import degrees, isfinite, sqrt
 
+import numpy as np
+
 from exploration.recordings.recording import Pad
 from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.line import Line
@@ -53,7 +55,7 @@ def curvature_words(felt: Felt, pad: Pad) -> str:
         return "not known without gains"
     if not isinstance(surface, LocalSurface):
         return "none"
-    if not surface.curved:
+    if not surface.curved or np.abs(surface.curvature).max() < STRAIGHT:
         return "flat"
     return ", ".join(radius_words(float(value)) for value in surface.principal[0])
 
