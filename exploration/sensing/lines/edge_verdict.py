@@ -1,7 +1,7 @@
 """Whether one straight edge, and nothing else, explains a frame.
 
-An edge is sure when (our derivation) chi2 is that of noise; no 3 x 3 block of residuals stands out, and no two
-neighbors are taken for dead; the plateau need not curve; and the step is not the rim of a smooth surface.
+An edge is sure when (our derivation) chi2 is that of noise; no 3 x 3 block of residuals stands out, and few
+taxels are taken for dead; the plateau need not curve; and the step is not the rim of a smooth surface.
 
 Were it one, the surface a + b t - k t^2/2 would reach zero some delta outside: a = b delta + k delta^2/2.  Seen
 from the step, such a rim lies delta/2 further out and is delta^2/(6 w^2) wider than an edge, to first order.  Over
@@ -136,7 +136,10 @@ def rim_evidence(
 
 @numba.njit(cache=True, error_model="numpy")
 def explains(z: Floats, quiet: float, rows: Floats, height: int, columns: int) -> bool:
-    """Whether residuals stand alone: no block of them stands out, and few taxels, apart, are taken for dead."""
+    """Whether residuals stand alone: no block of them stands out, and few taxels are taken for dead.
+
+    Two neighbors both dead must read nothing and lie off the pad's rim, where a further edge would cut them off.
+    """
     trust, rest = rows[UNKNOWNS], rows[-1]
     dead = 0
     for i in range(height):
@@ -144,10 +147,11 @@ def explains(z: Floats, quiet: float, rows: Floats, height: int, columns: int) -
             k = i * columns + j
             if rows[BACKGROUND, k] > 0.0 and trust[k] < 0.5:
                 dead += 1
-                right = j + 1 < columns and trust[k + 1] < 0.5 and rows[BACKGROUND, k + 1] > 0.0
-                below = i + 1 < height and trust[k + columns] < 0.5 and rows[BACKGROUND, k + columns] > 0.0
-                if right or below or abs(z[k]) > UNTOUCHED * quiet:
-                    return False
+                for n, inside in ((k + 1, j + 1 < columns), (k + columns, i + 1 < height)):
+                    if inside and trust[n] < 0.5 and rows[BACKGROUND, n] > 0.0:
+                        rim = i == 0 or j == 0 or n // columns == height - 1 or n % columns == columns - 1
+                        if rim or max(abs(z[k]), abs(z[n])) > UNTOUCHED * quiet:
+                            return False
             total, count = 0.0, 0
             for a in range(max(0, i - 1), min(height, i + 2)):
                 for b in range(max(0, j - 1), min(columns, j + 2)):

@@ -1,8 +1,9 @@
 """Lines of a frame: one straight edge at once, or the Modified Adaptive Hough Transform and a polish of its peaks.
 
-Most frames show one edge or none, and `single_edge` is sure of that in one kernel.  In the others, peaks of the
-votes (`hough_votes`) are extracted one after another, each taking its points away, and each is fitted to the
-sensor model with the surface around it (`line_fit`, `line_evidence`).
+Most frames show one edge or none, and `single_edge` is sure of that in one kernel.  Most others show the outline
+of a flat face, several lines at once (`outline`).  In what is left, peaks of the votes (`hough_votes`) are
+extracted one after another, each taking its points away, and each is fitted to the sensor model with the surface
+around it (`line_fit`, `line_evidence`).
 
 A line is reported only where the depth drops below what the local surface predicts: a rim that a smooth paraboloid
 explains as well (sphere, cylinder, tilted face running out) is no edge.  "No line" is the usual answer.
@@ -27,6 +28,7 @@ from exploration.sensing.lines.line_evidence import (
     worth,
 )
 from exploration.sensing.lines.line_fit import LineFit, fit_line, softened
+from exploration.sensing.lines.outline import UNMISTAKABLE, find_outline
 from exploration.sensing.lines.single_edge import DOUBTFUL, single_edge
 from exploration.sensing.response import Response, response_of
 from exploration.sensing.surfaces.footprint import Footprint
@@ -73,13 +75,16 @@ def find_lines(
     verdict, line = single_edge(image, response, dihedral)
     if verdict != DOUBTFUL:
         return () if line is None else (line,)
+    outline = find_outline(image, max_lines, response, UNMISTAKABLE)
+    if outline.explains(config.greatest_misfit) and not outline.arcs:
+        return outline.lines
     return _searched(image, max_lines, response, config)
 
 
 def _searched(
     image: TactileImage, max_lines: int, response: Response, config: HoughConfig
 ) -> tuple[Line, ...]:
-    """The lines of a frame that is more than one clear edge."""
+    """The lines of a frame that no flat face's outline explains: rims, and edges of curved faces."""
     points = edge_points(image, response)
     found = candidates(points, image, max_lines, response, config)
     if not found:

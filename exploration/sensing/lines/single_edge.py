@@ -26,10 +26,14 @@ from primitives.arrays import Floats, Ints
 NOTHING, SURE, DOUBTFUL = 0, 1, 2  # verdicts
 
 MISFIT = 3.5  # [standard deviations of chi2]
-STRENGTH = 10.0  # [sigma] of the step's height
+STRENGTH, LEAST_STRENGTH = 10.0, 3.0  # [sigma] of the step's height, alone and beside a smooth rival
 HIGHEST = 1.25  # of the deepest taxel, that a plateau stands beside its edge
 RUN = 5.5  # [widths] from its edge, within which a plateau that runs out may be a ridge
-WORTH = 25.0  # [chi2] that an edge gains over a smooth surface
+STEP = 0.35  # of the deepest taxel, that a plateau stands at least where a smooth rival is near
+WORTH, ROUGH = (
+    6.0,
+    0.12,
+)  # [chi2] that an edge gains over a smooth rival, and per taxel, for that is approximate
 LENGTH = 1.6  # [taxels] seen
 BENT = 25.0  # [chi2] that three curvatures of the plateau gain
 BLURRED = 3.0  # [sigma] of the width
@@ -127,7 +131,7 @@ def _single_edge(
     inflation = max(1.0, chi2 / dof)
     plateau = p[HEIGHT] + middle * p[ALONG]
     strength = plateau / np.sqrt(spread * inflation)
-    if strength < STRENGTH:
+    if strength < LEAST_STRENGTH:
         return out
     width = np.sqrt(blurs[0, 0] * np.sin(p[0]) ** 2 + blurs[0, 1] * np.cos(p[0]) ** 2)
     if plateau > HIGHEST * calm.max() or plateau < -RUN * width * p[RISE]:
@@ -136,8 +140,10 @@ def _single_edge(
     bent, blurred, clear = rim_evidence(design, p, side, middle, width, 1.0 / (TARED * quiet) ** 2)
     if bent > BENT or abs(blurred) > BLURRED:
         return out
-    if clear < CLEAR or runs_out(p, side, 0.5 * columns * px, 0.5 * rows * py):
-        enough = chi2 + WORTH * inflation
+    if strength < STRENGTH or clear < CLEAR or runs_out(p, side, 0.5 * columns * px, 0.5 * rows * py):
+        if plateau < STEP * calm.max():
+            return out
+        enough = chi2 + (WORTH + ROUGH * count) * inflation
         rival = rival_chi2(z, calm, variance, gain, views, kinds, first, blurs, table, enough)
         if rival < enough:
             return out
