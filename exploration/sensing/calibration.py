@@ -38,6 +38,7 @@ class Calibration:
     stiffness_sigma: float = 0.0  # [N/mm^3]
     curve: Curve = STRAIGHT  # from signal to depth
     response: Response | None = None  # across an edge; None for rubber of `spread`
+    full_scale: float = inf  # [counts] that no reading exceeds
 
     @property
     def counts_per_depth(self) -> Floats:
@@ -68,6 +69,7 @@ class Calibration:
             spec.electronics.gain_spread,
             curve=curve,
             response=response,
+            full_scale=spec.electronics.full_scale,
         )
 
 

@@ -67,7 +67,7 @@ def _there(side: int) -> Bools:
 def _predict(seen: Floats, there: Bools) -> tuple[Floats, tuple[float, float]]:
     around, middle = seen[:, there], seen[:, 12]
     normal = around.T @ around / len(seen) + NOISE**2 * np.eye(around.shape[1])
-    weights: Floats = np.linalg.solve(normal, around.T @ middle / len(seen))
+    weights = np.asarray(np.linalg.solve(normal, around.T @ middle / len(seen)), dtype=np.float64)
     deepest = np.maximum(np.abs(around).max(axis=1), np.abs(middle))
     error = (middle - around @ weights) / np.maximum(deepest, FAINT)
     pressed = slice(None, -2 * PRESSES)
