@@ -23,6 +23,7 @@ from exploration.sensing.lines.peaks import peaks
 from exploration.sensing.lines.region import Region
 from exploration.sensing.lines.region_fit import RegionFit
 from exploration.sensing.lines.seen import seen_of_disc, seen_of_line
+from exploration.sensing.lines.short_skin import on_its_skin
 from exploration.sensing.response import Response, response_of
 from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.local_surface import fit_paraboloid
@@ -64,6 +65,7 @@ class Outline:
 
 
 NOTHING = Outline()
+UNMISTAKABLE = OutlineConfig(as_smooth=14.0)  # nothing that might as well be a smooth surface
 
 
 def find_outline(
@@ -79,7 +81,9 @@ def find_outline(
     response = response_of(image, response)
     points = edge_points(image, response)
     soft = softened(image)
-    best = search(Evidence(soft, response, points, peaks(points, image, max_lines, response)), config.search)
+    best = search(
+        Evidence(soft, response, points, peaks(points, image, max_lines, response), max_lines), config.search
+    )
     if best is None:
         return NOTHING
     if best.region == Region():
@@ -88,7 +92,9 @@ def find_outline(
     gain = smooth.chi2 - best.chi2 if smooth.converged else inf
     if gain < _asked(best, smooth, config):
         return Outline((), (), smooth.chi2, smooth.dof, gain)
-    return _report(soft, made_parallel(best), gain, config)
+    if soft is not image:
+        best = on_its_skin(image, best)
+    return _report(image, made_parallel(best), gain, config)
 
 
 def _asked(best: RegionFit, smooth: Footprint, config: OutlineConfig) -> float:
@@ -143,7 +149,11 @@ def _report(image: TactileImage, fit: RegionFit, gain: float, config: OutlineCon
 
 
 def _height(p: Floats, covariance: Floats, at: Floats) -> tuple[float, float]:
-    """Depth of the face [mm] at a point, and the same in standard deviations."""
+    """Depth of the face [mm] at a point, and the same in standard deviations, its outline being as it is.
+
+    A narrow face's height and width are known only together; that the face is there may be sure all the same.
+    """
     m = np.array([1.0, at[0], at[1]])
     height = float(m @ p[:3])
-    return height, height / sqrt(max(1e-18, float(m @ covariance[:3, :3] @ m)))
+    shape = covariance[:3, 3:] @ np.linalg.pinv(covariance[3:, 3:], 1e-12, True) @ covariance[3:, :3]
+    return height, height / sqrt(max(1e-18, float(m @ (covariance[:3, :3] - shape) @ m)))

@@ -3,14 +3,14 @@
 Every line and arc that a hypothesis adds has a price in chi2: above Schwarz's, the logarithm of the number of
 taxels for each of its numbers, where it is nested in another, for many starts are tried; near it where it is not.
 Starts come from the Hough transform's peaks, from edge points split by their normals, from circles through them,
-from the moments of a small contact, and from what the best hypothesis so far leaves unexplained.  Each start takes
-one step, and the best of each kind all steps.
+from the moments of a small contact, and from what the best hypothesis so far leaves unexplained.  The starts that
+fit best as they are take all steps.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
-from math import inf
+from math import dist, inf
 
 import numpy as np
 
@@ -24,13 +24,14 @@ from exploration.sensing.lines.outline_starts import (
     split_lines,
     tangents,
 )
-from exploration.sensing.lines.region import NO_TERMS, ONE, THREE, TWO, WHOLE, Region
+from exploration.sensing.lines.region import NO_TERMS, ONE, THREE, TWO, WHOLE, Region, Terms
 from exploration.sensing.lines.region_fit import RegionFit, fit_region, unexplained
 from exploration.sensing.lines.residual_starts import blob, dip, trough
 from exploration.sensing.lines.seen import seen_of_disc
 from exploration.sensing.response import Response
 
 Start = tuple[Region, list[float]]
+SAME = 1.0  # [mm] between circles that are not worth a try each
 
 
 @dataclass(frozen=True)
@@ -40,8 +41,7 @@ class SearchConfig:
     lines: tuple[float, ...] = (0.0, 20.0, 37.0, 50.0)  # [chi2] so many
     arc: float = 29.0  # [chi2]
     longest: float = 300.0  # [mm] radius from which an arc is a line
-    glance: int = 1  # steps of each start, after which
-    polished: int = 2  # of each kind are taken to the end
+    polished: int = 2  # starts of each number of unknowns, at most
     settled: float = 0.5  # [standard deviations of chi2] within which, and with
     structure: float = 3.2  # [sigma] no patch of residuals greater than this, the search ends
     open_arc: float = 3.0  # [rad] seen, up to which an arc may be lines
@@ -57,12 +57,13 @@ class Evidence:
     response: Response
     points: EdgePoints
     peaks: tuple[Straight, ...]  # of the Hough transform, most votes first
+    most: int = 3  # lines
 
 
 def search(evidence: Evidence, config: SearchConfig) -> RegionFit | None:
     """The hypothesis of the least price; None where nothing can be fitted."""
     best = fit_region(evidence.image, evidence.response, Region(), [])
-    for stage in (_lone, _arcs, _joined, _dips):
+    for stage in (_lone, _arcs, _pairs, _triples, _dips):
         if stage is _arcs or not _done(best, config):
             best = _likeliest(evidence, list(stage(evidence, best, config)), best, config)
     return best if best.converged else None
@@ -88,9 +89,7 @@ def _likeliest(evidence: Evidence, starts: list[Start], best: RegionFit, config:
     image, response = evidence.image, evidence.response
     glances: dict[int, list[RegionFit]] = {}
     for region, shape in starts:
-        glances.setdefault(region.unknowns, []).append(
-            fit_region(image, response, region, shape, config.glance)
-        )
+        glances.setdefault(region.unknowns, []).append(fit_region(image, response, region, shape, 0))
     for _, fits in sorted(glances.items()):
         if _done(best, config):
             break
@@ -98,6 +97,8 @@ def _likeliest(evidence: Evidence, starts: list[Start], best: RegionFit, config:
             fit = fit_region(image, response, glance.region, glance.parameters[3:])
             if price(fit, config) < price(best, config):
                 best = fit
+            if fit.settled(config.settled, config.structure):
+                break
     return best
 
 
@@ -119,7 +120,7 @@ def _arcs(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable
     circles = [circle_through(points, m, config.longest) for m in (everything, *pieces[:2])]
     tried: list[Circle] = []
     for circle in circles:
-        if circle is not None and not any(np.allclose(circle, other, atol=0.5) for other in tried):
+        if circle is not None and all(dist(circle, other) > SAME for other in tried):
             tried.append(circle)
             yield _arc(circle), list(circle[:3])
     outer = [c for c in circles[1:] if c is not None and c[3] > 0]
@@ -132,25 +133,32 @@ def _arc(circle: Circle) -> Region:
     return Region((), NO_TERMS if circle[3] > 0 else WHOLE, (circle[3],))
 
 
-def _joined(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
-    """Two and three lines joined: told apart by normals, by the Hough transform, or in an arc's stead."""
-    bow: tuple[Circle, float, float] | None = None
+def _pairs(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
+    return _joined(evidence, best, 2, TWO, config) if evidence.most > 1 else ()
+
+
+def _triples(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
+    return _joined(evidence, best, 3, THREE[:2], config) if evidence.most > 2 else ()
+
+
+def _joined(
+    evidence: Evidence, best: RegionFit, count: int, ways: tuple[Terms, ...], config: SearchConfig
+) -> Iterable[Start]:
+    """So many lines joined: told apart by normals, by the Hough transform, or in an arc's stead."""
+    sets = [split_lines(evidence.points, count, evidence.response.mean_width)]
+    sets.extend(list(chosen) for chosen in combinations(evidence.peaks, count))
     if _lone_arc(best):
         disc = best.parameters[3:6]
         turn, step = seen_of_disc(best.region, best.parameters, disc, evidence.image.array.size)
         if len(turn) and step * len(turn) < config.open_arc:
             x, y, radius = disc.tolist()
-            bow = (x, y, radius, best.region.signs[0]), float(turn[0]), float(turn[-1])
-    for count, ways in ((2, TWO), (3, THREE[:2])):
-        sets = [split_lines(evidence.points, count, evidence.response.mean_width)]
-        sets.extend(list(chosen) for chosen in combinations(evidence.peaks, count))
-        if bow is not None:
-            sets.append(tangents(*bow, count))
-        for lines in sets:
-            if len(lines) == count:
-                shape = [value for line in lines for value in line[:2]]
-                for terms in ways:
-                    yield Region(tuple(line[2] for line in lines), terms), shape
+            bow = (x, y, radius, best.region.signs[0])
+            sets.append(tangents(bow, float(turn[0]), float(turn[-1]), count))
+    for lines in sets:
+        if len(lines) == count:
+            shape = [value for line in lines for value in line[:2]]
+            for terms in ways:
+                yield Region(tuple(line[2] for line in lines), terms), shape
 
 
 def _dips(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:

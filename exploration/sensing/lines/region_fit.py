@@ -54,7 +54,10 @@ class RegionFit:
 def fit_region(
     image: TactileImage, response: Response, region: Region, shape: ArrayLike, steps: int = STEPS
 ) -> RegionFit:
-    """Fit from `shape` (unknowns - 3,), the lines' and discs' numbers; the plane needs no start."""
+    """Fit from `shape` (unknowns - 3,), the lines' and discs' numbers; the plane needs no start.
+
+    Without steps, only the plane is fitted, and chi2 is what that makes of it.
+    """
     parameters, covariance, chi2, count, converged, structure = _fit(
         image.depth,
         image.sigma,
@@ -145,10 +148,13 @@ def _fit(
     if not ok:
         return p, covariance, chi2, count, False, np.inf
     p[:3] += inverse @ rhs[:3]
+    if steps == 0:
+        return p, covariance, chi2 - rhs[:3] @ inverse @ rhs[:3], count, False, np.inf
     evaluate(x, y, variance, p, sides, terms, signs, model)
     chi2, count = _normal_equations(depth, sigma, p, model, normal, rhs)
     damping = 1e-3
     converged = False
+    current = True
     for _ in range(steps):
         damped = normal.copy()
         for a in range(m):
@@ -174,7 +180,8 @@ def _fit(
             continue
         evaluate(x, y, variance, trial, sides, terms, signs, model)
         new, count = _normal_equations(depth, sigma, trial, model, new_normal, new_rhs)
-        if new < chi2:
+        current = new < chi2
+        if current:
             gained = chi2 - new
             p = trial
             chi2 = new
@@ -192,7 +199,8 @@ def _fit(
             if damping > 1e8:
                 break
     ok, covariance = invert(normal)
-    evaluate(x, y, variance, p, sides, terms, signs, model)
+    if not current:
+        evaluate(x, y, variance, p, sides, terms, signs, model)
     return p, covariance, chi2, count, converged and ok, _structure(depth, sigma, model[0])
 
 

@@ -117,7 +117,7 @@ def evaluate(
             for i in range(n):
                 t[i] = normals[i, 0] * px + normals[i, 1] * py - shift[i]
                 near = abs(t[i]) < FAR
-                f[i] = chance(t[i]) if near else (1.0 if t[i] > 0.0 else 0.0)
+                f[i] = chance(t[i])
                 phi[i] = density(t[i]) if near else 0.0
                 total += single[i] * f[i]
                 s1[i] = single[i] * phi[i]
