@@ -78,6 +78,8 @@ def reading_of_lines(image: TactileImage, fit: Footprint) -> Reading:
 
 def _volume(covariance: Floats) -> float:
     """Log of what a frame leaves of its unknowns, slopes (second and third) held by their prior."""
+    if not np.linalg.slogdet(covariance)[0] > 0:
+        return -inf
     precision = np.linalg.inv(covariance)
     precision[[1, 2], [1, 2]] += SLOPE**-2
     return -0.5 * float(np.linalg.slogdet(precision / (2 * pi))[1])
