@@ -48,13 +48,15 @@ def erf_fit(image: TactileImage, most: int = 1, config: ErfConfig = STEP) -> tup
     free = 5 if config.slopes else 3
     w = float(np.sqrt(image.spread**2 + px * py / 12))
     inverse = np.where(np.isfinite(image.sigma), 1 / image.sigma, 0.0).ravel()
-    for _ in range(config.steps):
-        model, jacobian = _model(p, x, y, w, free)
-        jacobian *= inverse
-        try:
-            p[:free] += np.linalg.solve(jacobian @ jacobian.T, jacobian @ ((depth.ravel() - model) * inverse))
-        except np.linalg.LinAlgError:
-            return ()
+    with np.errstate(over="ignore", invalid="ignore"):  # a fit that runs away ends as no line
+        for _ in range(config.steps):
+            model, jacobian = _model(p, x, y, w, free)
+            jacobian *= inverse
+            misfit = (depth.ravel() - model) * inverse
+            try:
+                p[:free] += np.linalg.solve(jacobian @ jacobian.T, jacobian @ misfit)
+            except np.linalg.LinAlgError:
+                return ()
     if not np.isfinite(p).all():
         return ()
     line = line_at(image, float(p[0]), float(p[1]), float(abs(p[2]) * inverse.max()))
