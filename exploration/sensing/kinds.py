@@ -22,8 +22,11 @@ import numpy as np
 from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.edges import edge_points
+from exploration.sensing.lines.hough import DEFAULT, candidates
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.outline import Outline
+from exploration.sensing.response import response_of
 from exploration.sensing.surfaces.footprint import PLANE as FLAT_CUT
 from exploration.sensing.surfaces.footprint import Footprint, fit_footprint
 from exploration.sensing.surfaces.local_surface import LocalSurface
@@ -40,7 +43,8 @@ SLOPE = 0.1  # standard deviation of a pad's slope on a face before touch
 TURNED = 0.25  # sqrt(2 pi) of that: what a density of 1 / TURNED is even over
 BENT_FACE = 0.2  # probability that a face with edges under the pad is curved
 NARROW = 0.7  # [pad's short side] a ridge narrower than this may be a wall with two edges
-HOPELESS = 600.0  # [chi2] that ten steps of a wall's fit do not gain
+CERTAIN = 1.0 - LEAST  # probability of a plane that nothing rivals, from which no other kind is weighed
+SETTLED = 30.0  # [chi2] by which a reading behind the best is out of the question
 ASKEW = 0.01  # [rad] by which the edges of a wall are not parallel
 
 
@@ -113,6 +117,22 @@ def fewer(image: TactileImage, lines: Sequence[Line], fit: Footprint) -> list[Re
     return out
 
 
+def rivals(image: TactileImage, level: float, limit: float) -> list[Reading]:
+    """What the two strongest straight rims of a frame, as an edge each and as a corner, may say against a dome."""
+    response = response_of(image)
+    found = candidates(edge_points(image, response), image, 2, response, DEFAULT)
+    out = []
+    for chosen in ((0,), (1,), (0, 1)):
+        if chosen[-1] < len(found):
+            cuts = [value for k in chosen for value in found[k][:2]]
+            start = np.array([level, 0.0, 0.0, 0.0, 0.0, 0.0, *cuts])
+            sides = np.array([float(found[k][2]) for k in chosen])
+            fit = fit_footprint(image, start, sides, shape=FLAT_CUT, limit=limit)
+            if fit.converged and fit.chi2 < limit:
+                out.append(reading_of_lines(image, fit))
+    return out
+
+
 def as_wall(image: TactileImage, ordered: Ordered) -> Reading | None:
     """A narrow ridge read as a flat wall between two parallel edges; none where it is not narrow."""
     if ordered.shape != RIDGE:
@@ -132,9 +152,7 @@ def as_wall(image: TactileImage, ordered: Ordered) -> Reading | None:
     along = p[1:3] - slope * normal
     angle = across - pi / 2  # of a line whose positive offset is along `normal`
     start = np.array([0.8 * top, *along, 0.0, 0.0, 0.0, angle, middle - half, angle, middle + half])
-    if fit_footprint(image, start, _WALL, shape=FLAT_CUT, steps=0).chi2 > ordered.chi2 + HOPELESS:
-        return None
-    fit = fit_footprint(image, start, _WALL, shape=FLAT_CUT, steps=10)
+    fit = fit_footprint(image, start, _WALL, shape=FLAT_CUT, steps=10, limit=ordered.chi2 + SETTLED)
     return reading_of_lines(image, fit) if fit.converged else None
 
 
@@ -146,6 +164,8 @@ def probabilities(
     contact: SmoothContact, ordered: Ordered, smooth: LocalSurface, readings: Sequence[Reading]
 ) -> dict[str, float]:
     """(`KINDS`) of a frame whose smooth reading is `ordered`, beside those with lines."""
+    if not readings and ordered.probability[0] > CERTAIN:
+        return only("flat")
     empty = float(np.sum((contact.depth * contact.precision) ** 2))
     best = min([(smooth.chi2, smooth.dof), *((r.chi2, r.dof) for r in readings)])
     scale = max(1.0, best[0] / max(1, best[1]))
@@ -174,6 +194,11 @@ def probabilities(
     odds: Floats = np.exp(np.array([logs[kind] - top for kind in KINDS]))
     share_of = LEAST + (1.0 - LEAST * len(KINDS)) * odds / odds.sum()
     return dict(zip(KINDS, share_of.tolist(), strict=True))
+
+
+def only(kind: str) -> dict[str, float]:
+    """All that is left to a kind which nothing rivals."""
+    return {name: 1.0 - LEAST * (len(KINDS) - 1) if name == kind else LEAST for name in KINDS}
 
 
 def sharpness(surface: LocalSurface) -> tuple[float, float]:

@@ -20,19 +20,24 @@ import numpy as np
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.kinds import (
     KINDS,
-    LEAST,
+    SETTLED,
     Reading,
     as_wall,
     fewer,
+    only,
     probabilities,
     reading_of_lines,
     reading_of_outline,
+    rivals,
 )
 from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.outline import find_outline
-from exploration.sensing.surfaces.footprint import Footprint
+from exploration.sensing.lines.single_edge import NOTHING as NO_EDGE
+from exploration.sensing.lines.single_edge import single_edge
+from exploration.sensing.response import response_of
+from exploration.sensing.surfaces.footprint import PLANE, Footprint, fit_footprint
 from exploration.sensing.surfaces.local_surface import (
     LocalSurface,
     NoSurface,
@@ -40,10 +45,10 @@ from exploration.sensing.surfaces.local_surface import (
     ordered_surface,
     surface_of,
 )
-from exploration.sensing.surfaces.order import order_contact
+from exploration.sensing.surfaces.order import Ordered, order_contact
 from exploration.sensing.surfaces.ridge_ends import DOUBTED, cut_at_ends
 from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, smooth_contact
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points
 
@@ -74,11 +79,29 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
         return _nothing(UNREADABLE, image)
     if not contact:
         return _nothing("nothing is felt above the noise", image)
+    verdict, line = single_edge(image, response_of(image))
+    if line is not None and (face := _sure_face(image, contact, line)) is not None:
+        return _touch(image, contact, only("edge"), (line,), face)
     dome = fit_dome(contact)
     if not dome.converged:
         return _nothing("the fit of the sensor model did not converge", image)
     ordered = order_contact(contact, dome)
     smooth = ordered_surface(image, contact, ordered)
+    if verdict == NO_EDGE or _explained(smooth):
+        edges, wall = [], None
+        if verdict != NO_EDGE:
+            edges = rivals(image, float(image.depth[contact.mask].mean()), ordered.chi2 + SETTLED)
+            wall = as_wall(image, ordered)
+        kinds = probabilities(contact, ordered, smooth, edges if wall is None else [*edges, wall])
+        if kinds["edge"] + kinds["corner"] < 0.5 or not edges:
+            return _touch(image, contact, kinds, (), smooth)
+    return _with_outline(image, max_lines, contact, ordered, smooth)
+
+
+def _with_outline(
+    image: TactileImage, max_lines: int, contact: SmoothContact, ordered: Ordered, smooth: LocalSurface
+) -> Touch:
+    """A frame that no smooth surface explains, or that edges explain as well."""
     surface, lines = smooth, find_lines(image, max_lines)
     arcs: tuple[Arc, ...] = ()
     readings: list[Reading] = []
@@ -92,7 +115,7 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
         ended = cut_at_ends(image, smooth)
         if ended.chi2 < surface.chi2 and ended is not smooth:
             lines, surface = (), ended
-    if surface.chi2 > surface.dof + UNEXPLAINED * sqrt(2 * max(1, surface.dof)) or (lines and surface.curved):
+    if not _explained(surface) or (lines and surface.curved):
         outline = find_outline(image, max_lines)
         if outline and outline.chi2 < surface.chi2:
             lines, arcs = outline.lines, outline.arcs
@@ -102,22 +125,45 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
                 surface, cut = _cut(image, contact, lines, smooth)
                 readings += [] if cut is None else [reading_of_lines(image, cut)]
     kinds = probabilities(contact, ordered, smooth, readings)
-    kind = max(KINDS, key=lambda name: kinds[name])
-    if lines and kind in ("flat", "curved"):
+    if lines and max(kinds, key=lambda name: kinds[name]) in ("flat", "curved"):
         lines, surface = (), smooth
-    return Touch(kind, MappingProxyType(kinds), lines, surface, _force(image, contact), image.time, arcs)
+    return _touch(image, contact, kinds, lines, surface, arcs)
+
+
+def _touch(
+    image: TactileImage,
+    contact: SmoothContact,
+    kinds: dict[str, float],
+    lines: tuple[Line, ...],
+    surface: LocalSurface,
+    arcs: tuple[Arc, ...] = (),
+) -> Touch:
+    kind = max(KINDS, key=lambda name: kinds[name])
+    px, py = image.array.pitch
+    force = image.stiffness * px * py * float(np.sum(contact.depth))
+    return Touch(kind, MappingProxyType(kinds), lines, surface, force, image.time, arcs)
+
+
+def _explained(surface: LocalSurface) -> bool:
+    return surface.chi2 < surface.dof + UNEXPLAINED * sqrt(2 * surface.dof)
+
+
+def _sure_face(image: TactileImage, contact: SmoothContact, line: Line) -> LocalSurface | None:
+    """The flat face beside the only edge of a frame; none where it is not flat after all."""
+    start = np.array([line.plateau, 0.0, 0.0, 0.0, 0.0, 0.0, line.angle, line.offset])
+    plane = fit_footprint(image, start, np.array([float(line.material_side)]), shape=PLANE)
+    face = surface_of(image, contact.mask, plane, False, _FLAT)
+    return face if plane.converged and _explained(face) else None
+
+
+_FLAT = frozen([1.0, 0.0, 0.0, 0.0])
 
 
 def _nothing(reason: str, image: TactileImage) -> Touch:
     return Touch("nothing", _NOTHING, (), NoSurface(reason), 0.0, image.time)
 
 
-_NOTHING = MappingProxyType({k: 1.0 - LEAST * (len(KINDS) - 1) if k == "nothing" else LEAST for k in KINDS})
-
-
-def _force(image: TactileImage, contact: SmoothContact) -> float:
-    px, py = image.array.pitch
-    return image.stiffness * px * py * float(np.sum(contact.depth))
+_NOTHING = MappingProxyType(only("nothing"))
 
 
 def _cut(

@@ -89,13 +89,13 @@ def fit_lines(image: TactileImage, cuts: Sequence[tuple[float, float, int]], sur
     best = JointFit(fit_paraboloid(image, mask), np.empty(0), ())
     plane = start_of(image, mask, False)
     for k in range(len(cuts)):
-        trial = _best_trial(image, plane, cuts, (*best.chosen, k))
+        trial = _best_trial(image, plane, cuts, (*best.chosen, k), best.fit.chi2)
         curved = bool(np.any(trial.fit.parameters[3:6]))
         needed = _worth(best.fit) if sure and not best and not curved else WORTH
         if _gain(best, trial) > needed:
             best = trial
     if not best and len(cuts) > 1:
-        pair = _best_trial(image, plane, cuts, (0, 1))
+        pair = _best_trial(image, plane, cuts, (0, 1), best.fit.chi2)
         best = pair if _gain(best, pair) > WORTH else best
     return best
 
@@ -105,9 +105,13 @@ def _gain(old: JointFit, new: JointFit) -> float:
 
 
 def _best_trial(
-    image: TactileImage, plane: Floats, cuts: Sequence[tuple[float, float, int]], chosen: tuple[int, ...]
+    image: TactileImage,
+    plane: Floats,
+    cuts: Sequence[tuple[float, float, int]],
+    chosen: tuple[int, ...],
+    limit: float,
 ) -> JointFit:
-    trials = [_trial(image, plane, cuts, chosen, union) for union in (False, True)[: len(chosen)]]
+    trials = [_trial(image, plane, cuts, chosen, union, limit) for union in (False, True)[: len(chosen)]]
     return min(trials, key=lambda trial: trial.fit.chi2)
 
 
@@ -117,12 +121,14 @@ def _trial(
     cuts: Sequence[tuple[float, float, int]],
     chosen: tuple[int, ...],
     union: bool,
+    limit: float,
 ) -> JointFit:
+    """The fit of these lines, given up where chi2 will not come below `limit`."""
     sides = np.array([cuts[k][2] for k in chosen], dtype=float)
     start = np.concatenate([plane, *([cuts[k][0], cuts[k][1]] for k in chosen)])
-    fit = fit_footprint(image, start, sides, union=union, shape=PLANE)
+    fit = fit_footprint(image, start, sides, union=union, shape=PLANE, limit=limit)
     if fit.chi2 > fit.dof + CURVED * np.sqrt(2 * fit.dof):
-        curved = fit_footprint(image, fit.parameters, sides, union=union)
+        curved = fit_footprint(image, fit.parameters, sides, union=union, limit=limit)
         if fit.chi2 - curved.chi2 > WORTH and curved.converged:
             fit = curved
     return JointFit(fit, sides, chosen)

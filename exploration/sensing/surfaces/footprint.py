@@ -24,6 +24,7 @@ HUBER = 3.0  # [sigma]
 CURVATURE = 0.3  # [1/mm] standard deviation of the prior: sharper than most that a pad can read
 STEPS = 30
 FINE = 0.03  # [deepest taxel] noise below which the model's own error at edges would show: half as wide cells
+HOPE = 8.0  # times what a step promises, that all further steps together may gain
 GAINED = 0.02  # [chi2] a step that gains less is the last
 PLANE, ROUND, PARABOLOID = "plane", "round", "paraboloid"
 
@@ -48,10 +49,12 @@ def fit_footprint(
     shape: str = PARABOLOID,
     free_lines: bool = True,
     steps: int = STEPS,
+    limit: float = np.inf,
 ) -> Footprint:
     """Fit from `start` (6 + 2 n,); `sides` (n,) is +1 where the material is on a line's positive side.
 
-    `shape` is PLANE (curvature held), ROUND (kxx = kyy, kxy = 0) or PARABOLOID.
+    `shape` is PLANE (curvature held), ROUND (kxx = kyy, kxy = 0) or PARABOLOID.  A fit is given up, unconverged,
+    once its steps promise too little for chi2 to come below `limit`.
     """
     fine = len(sides) > 0 and float(image.sigma.min()) < FINE * float(image.depth.max())
     array = image.array
@@ -66,6 +69,7 @@ def fit_footprint(
         unknown,
         union,
         steps,
+        limit,
     )
     return Footprint(p, covariance, chi2, count - int(unknown.max()) - 1, converged, residual)
 
@@ -144,6 +148,7 @@ def _fit(
     unknown: Ints,
     union: bool,
     steps: int,
+    limit: float,
 ) -> tuple[Floats, Floats, float, int, bool, Floats]:
     m = unknown.max() + 1
     total = len(start)
@@ -168,6 +173,8 @@ def _fit(
                 break
             continue
         step = inverse @ rhs
+        if damping < 1.0 and chi2 - HOPE * np.dot(step, rhs) > limit:
+            break
         trial = p.copy()
         for k in range(total):
             if unknown[k] >= 0:

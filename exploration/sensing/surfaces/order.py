@@ -70,10 +70,11 @@ def order_contact(contact: SmoothContact, dome: Footprint, config: OrderConfig =
         dome.parameters, dome.covariance, inflation, config.floor, config.share, *_prior(config)
     )
     fits = [dome, dome, dome, dome]
+    covered = bool(contact.mask.all())  # then depth is linear in the coefficients, and chi2 quadratic
     best = float(logs.max())
     plane = float(quadratic[0])
     for order, shape in enumerate(SHAPES[:3]):
-        if logs[order] > best - config.open:
+        if logs[order] > best - (1.0 if covered else config.open):
             limit = dome.chi2 + inflation * (quadratic[order] + 2.0 * config.open)
             fits[order] = fit_shape(contact, dome, shape, limit)
             logs[order] -= 0.5 * ((fits[order].chi2 - dome.chi2) / inflation - quadratic[order])
@@ -88,6 +89,7 @@ def order_contact(contact: SmoothContact, dome: Footprint, config: OrderConfig =
         choice = 1 + int(curved.argmax())
         if curved[choice - 1] < config.sure * curved.sum() or not fits[choice].converged:
             choice = 3
+        choice = 3 if fits[choice] is dome else choice
     level = np.linalg.inv(dome.covariance)[:3, :3] / (2 * np.pi)
     volume = -0.5 * float(np.log(np.linalg.det(level)))
     return Ordered(frozen(probability), SHAPES[choice], fits[choice], dome.chi2, evidence, volume)
