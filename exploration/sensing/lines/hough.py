@@ -33,6 +33,7 @@ from exploration.sensing.lines.single_edge import DOUBTFUL, single_edge
 from exploration.sensing.response import Response, response_of
 from exploration.sensing.surfaces.footprint import Footprint
 from primitives.arrays import Bools, Floats
+from primitives.errors import PalpateError
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,11 @@ def find_lines(
     z0 tan(dihedral - pi/2) / 2 too far outside, 0.14 or 0.43 mm at 0.5 mm.
     """
     config = config or DEFAULT
+    if image.depth.shape != image.array.shape or image.sigma.shape != image.array.shape:
+        raise PalpateError(
+            f"image of {image.depth.shape} taxels and {image.sigma.shape} sigmas on array {image.array.name} "
+            f"{image.array.shape}: make it by `correct` with the array's own calibration"
+        )
     if not usable(image):
         return ()
     response = response_of(image, response)

@@ -58,14 +58,15 @@ def _axis(count: int, pitch: float, skin: float, variance: float) -> list[list[V
     x = (np.arange(count) - (count - 1) / 2) * pitch
     width, end = float(np.sqrt(variance)), count * pitch / 2 + skin
     parts = PARTS + (count <= SMALL)
-    half = [_views(float(c), end, width, parts) for c in x[: (count + 1) // 2]]
+    half = [
+        _views(float(c), end, width, parts) if end - abs(c) < ENDLESS * width else [(float(c), variance, 1.0)]
+        for c in x[: (count + 1) // 2]
+    ]
     return half + [[(-at, v, c) for at, v, c in reversed(views)] for views in half[: count // 2][::-1]]
 
 
 def _views(x: float, end: float, width: float, parts: int) -> list[View]:
     """Of one taxel, on a skin that ends at -end and end."""
-    if end - abs(x) > ENDLESS * width:
-        return [(x, width**2, 1.0)]
     fine = np.linspace(-end, end, 401)
     images = np.array([x, 2 * end - x, -2 * end - x])[:, None]
     weights = np.exp(-(((fine - images) / width) ** 2) / 2).sum(axis=0)
