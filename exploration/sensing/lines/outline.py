@@ -140,12 +140,26 @@ def _report(image: TactileImage, fit: RegionFit, gain: float, config: OutlineCon
         rim = np.stack([np.cos(turn), np.sin(turn)], axis=1)
         height, strength = _height(p, covariance, (p[rows][:2] + p[rows][2] * rim).mean(axis=0))
         shared = frozen(covariance[rows, rows])
-        center, radius = frozen(p[rows][:2]), float(p[rows][2])
+        center, radius = _unbent(p[rows], shared)
         if strength > config.strength:
             arcs.append(Arc(center, radius, shared, sign > 0, step * len(turn), strength, height))
     lines.sort(key=lambda line: -line.strength)
     arcs.sort(key=lambda arc: -arc.strength)
     return Outline(tuple(lines), tuple(arcs), fit.chi2, fit.dof, gain)
+
+
+def _unbent(disc: Floats, covariance: Floats) -> tuple[Floats, float]:
+    """Center and radius (2,), [mm]; the rim's point that is nearest the pad's center stays where it is.
+
+    What a short arc tells is its curvature k, within normal errors; the mean of 1/k is R (1 + sigma_R^2/R^2) to
+    second order, and that much is taken back.
+    """
+    radius = float(disc[2])
+    away = float(np.hypot(disc[0], disc[1]))
+    less = radius - radius / (1.0 + float(covariance[2, 2]) / radius**2)
+    if away < radius / 2:
+        return frozen(disc[:2]), radius
+    return frozen(disc[:2] * (1.0 - less / away)), radius - less
 
 
 def _height(p: Floats, covariance: Floats, at: Floats) -> tuple[float, float]:

@@ -10,7 +10,7 @@ fit best as they are take all steps.
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
-from math import dist, inf
+from math import atan2, dist, inf
 
 import numpy as np
 
@@ -40,7 +40,8 @@ class SearchConfig:
 
     lines: tuple[float, ...] = (0.0, 20.0, 37.0, 50.0)  # [chi2] so many
     arc: float = 29.0  # [chi2]
-    longest: float = 300.0  # [mm] radius from which an arc is a line
+    longest: float = 300.0  # [mm] radius from which an arc is a line, and
+    nearly: float = 50.0  # [mm] from which it may be one
     polished: int = 2  # starts of each number of unknowns, at most
     settled: float = 0.5  # [standard deviations of chi2] within which, and with
     structure: float = 3.2  # [sigma] no patch of residuals greater than this, the search ends
@@ -66,6 +67,7 @@ def search(evidence: Evidence, config: SearchConfig) -> RegionFit | None:
     for stage in (_lone, _arcs, _pairs, _triples, _dips):
         if stage is _arcs or not _done(best, config):
             best = _likeliest(evidence, list(stage(evidence, best, config)), best, config)
+    best = _likeliest(evidence, list(_straightened(best, config)), best, config, True)
     return best if best.converged else None
 
 
@@ -84,14 +86,16 @@ def _lone_arc(best: RegionFit) -> bool:
     return len(best.region.signs) == 1 and not best.region.sides
 
 
-def _likeliest(evidence: Evidence, starts: list[Start], best: RegionFit, config: SearchConfig) -> RegionFit:
-    """The best of a stage: of each number of unknowns the starts that are best after a step, to the end."""
+def _likeliest(
+    evidence: Evidence, starts: list[Start], best: RegionFit, config: SearchConfig, always: bool = False
+) -> RegionFit:
+    """The best of a stage: of each number of unknowns the starts that fit best as they are, to the end."""
     image, response = evidence.image, evidence.response
     glances: dict[int, list[RegionFit]] = {}
     for region, shape in starts:
         glances.setdefault(region.unknowns, []).append(fit_region(image, response, region, shape, 0))
     for _, fits in sorted(glances.items()):
-        if _done(best, config):
+        if _done(best, config) and not always:
             break
         for glance in sorted(fits, key=lambda fit: fit.chi2)[: config.polished]:
             fit = fit_region(image, response, glance.region, glance.parameters[3:])
@@ -175,3 +179,17 @@ def _dips(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable
         slot = trough(left, array.x, array.y, height, array.size)
         if slot:
             yield Region((slot[0][2], slot[1][2]), TWO[1]), [*slot[0][:2], *slot[1][:2]]
+
+
+def _straightened(best: RegionFit, config: SearchConfig) -> Iterable[Start]:
+    """A line in the stead of each arc that is nearly straight, beside holes."""
+    signs, p = best.region.signs, best.parameters
+    for k, sign in enumerate(signs):
+        others = [i for i in range(len(signs)) if i != k]
+        if best.region.sides or p[5 + 3 * k] < config.nearly or any(signs[i] > 0 for i in others):
+            continue
+        x, y, radius = p[3 + 3 * k : 6 + 3 * k].tolist()
+        toward = atan2(-y, -x)
+        ((angle, offset, side),) = tangents((x, y, radius, sign), toward, toward, 1)
+        rest = [value for i in others for value in p[3 + 3 * i : 6 + 3 * i]]
+        yield Region((side,), ONE[0], tuple(signs[i] for i in others)), [angle, offset, *rest]

@@ -89,4 +89,7 @@ def _difference(scene: Scene, name: str) -> Floats:
 
 def _turn(scene: Scene, name: str) -> Floats:
     h = _half(scene, name)
-    return (scene.moved(**{name: h}).found - scene.moved(**{name: -h}).found) / (2 * h)
+    change = scene.moved(**{name: h}).found - scene.moved(**{name: -h}).found
+    if change.shape[1] == 2:  # an angle that passed half a turn between the two
+        change[:, 0] -= 2 * np.pi * np.round(change[:, 0] / (2 * np.pi))
+    return change / (2 * h)
