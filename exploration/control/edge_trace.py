@@ -2,75 +2,171 @@
 
 Every tick yields one point of the edge, its direction and the face's normal, with the frame's noise and the
 pose's.  Along the travel s each coordinate is smoothed by a cubic spline (scipy's `make_smoothing_spline`), as
-stiff as cross-validation allows: of the splines through every other reading the one that misses the readings
-between them least, or any stiffer one that misses them no more than noise explains.  A straight edge becomes a
-straight line of all its ticks, a bent one keeps its bends.
+stiff as cross-validation allows: of the splines through every other reading, the one that misses the readings
+between them least.  A straight edge becomes a straight line of all its ticks, a bent one keeps its bends.
+
+While tracking, the bend of an edge is filtered from what lies behind, and lags where it changes.  Afterwards it is
+smoothed from both sides (Rauch, Tung and Striebel, for a random walk); every frame is fitted once more with it, and
+over less of the edge where it changes: a change of c [1/mm] within a reach r moves the fit by up to c r^2 / 6.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import make_smoothing_spline
+from scipy.interpolate import BSpline, make_smoothing_spline
 
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
+from exploration.sensing.response import Response
 from primitives.arrays import Floats, frozen
 from primitives.evidence import EdgeTrace
 
 LEAST = 8  # ticks of a trace
 SPACING = 1.0  # [mm] between the points of a trace
 KNOTS = 240  # readings that the spline is fitted to; more are averaged in groups
-STIFFNESSES = np.geomspace(1e-1, 1e8, 19)  # [mm^3] of the smoothing spline
+STIFFNESSES = np.geomspace(1e-2, 1e8, 11)  # [mm^3] of the smoothing spline
+SLACK = 0.002  # share by which a stiffer spline may miss more
+BEND_SIGMA = 0.002  # [1/mm] least to which a smoothed bend is known
+MOVED = 0.03  # [mm] by which a changing bend may move a fit
+NEAREST = 4.0  # [mm] of the edge, either way, that a fit needs
 
 
 @dataclass(frozen=True)
 class EdgeTick:
-    """The edge as one tick saw it, in the world."""
+    """The edge as one tick saw it."""
 
-    point: Floats  # (3,) [mm] beside the pad's center
-    tangent: Floats  # (3,) unit direction of travel
-    inward: Floats  # (3,) unit direction in the face, into the material
-    normal: Floats  # (3,) outward normal of the face
-    bend: float  # [1/mm]
-    sigma: float  # [mm] across the edge
+    edge: Followed
+    image: TactileImage  # as it was fitted
+    world_from_sensor: Floats  # (4, 4)
+    force: float  # [N]
+
+    @property
+    def point(self) -> Floats:
+        """(3,) [mm] of the edge beside the pad's center."""
+        local = np.array([*self.edge.foot, -self.edge.plateau])
+        point: Floats = self.world_from_sensor[:3, :3] @ local + self.world_from_sensor[:3, 3]
+        return point
+
+    @property
+    def tangent(self) -> Floats:
+        """(3,) unit direction of travel."""
+        tangent: Floats = self.world_from_sensor[:3, :2] @ self.edge.direction
+        return tangent
+
+    @property
+    def inward(self) -> Floats:
+        """(3,) unit direction in the face, into the material."""
+        inward: Floats = self.world_from_sensor[:3, :2] @ self.edge.inward
+        return inward
+
+    @property
+    def normal(self) -> Floats:
+        """(3,) outward normal of the face."""
+        tilt = self.world_from_sensor[:3, :3] @ np.array([-self.edge.slope[0], -self.edge.slope[1], -1.0])
+        normal: Floats = tilt / np.linalg.norm(tilt)
+        return normal
 
 
-def smoothed(ticks: list[EdgeTick], closed: bool, touch: int, stroke: int) -> EdgeTrace | None:
-    """The trace through all ticks; None where they are too few."""
+@dataclass(frozen=True)
+class _Run:
+    """The splines through a run of ticks."""
+
+    travel: Floats  # (n,) [mm] of each tick
+    splines: tuple[BSpline, BSpline, BSpline]
+    spread: float  # [mm] of the readings about them
+
+    def at(self, s: Floats, order: int = 0) -> Floats:
+        """(n, 3) the run, or a derivative of it, at travels s."""
+        return np.stack([spline(s, order) for spline in self.splines], axis=1)
+
+
+def smoothed(
+    ticks: list[EdgeTick],
+    closed: bool,
+    touch: int,
+    stroke: int,
+    response: Response,
+    reach: float,
+    drift: float,
+) -> EdgeTrace | None:
+    """The trace through all ticks; None where they are too few.
+
+    `reach` [mm] of the edge, either way, are fitted in a frame; its bend changes by `drift` [1/mm] within a mm.
+    """
+    ticks = _fitted_again(ticks, response, reach, drift)
+    run = _drawn(ticks)
+    if run is None:
+        return None
+    first, last = float(run.travel.min()), float(run.travel.max())
+    at = np.linspace(first, last, max(2, int(np.ceil((last - first) / SPACING)) + 1))
+    along = run.at(at, 1)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    normals = np.array([tick.normal for tick in ticks])
+    order = np.argsort(run.travel)
+    turned = np.stack([np.interp(at, run.travel[order], column[order]) for column in normals.T], axis=1)
+    turned -= np.sum(turned * along, axis=1, keepdims=True) * along
+    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+    per_point = max(1.0, len(ticks) * SPACING / max(last - first, SPACING))
+    sigma = np.full(len(at), run.spread / np.sqrt(per_point))
+    return EdgeTrace(frozen(run.at(at)), frozen(along), frozen(turned), frozen(sigma), closed, touch, stroke)
+
+
+def _drawn(ticks: list[EdgeTick]) -> _Run | None:
+    """Splines through the ticks' points."""
     if len(ticks) < LEAST:
         return None
     points = np.array([tick.point for tick in ticks])
-    normals = np.array([tick.normal for tick in ticks])
-    sigma = np.array([tick.sigma for tick in ticks])
-    s = _travel(points, np.array([tick.tangent for tick in ticks]))
-    order = np.argsort(s, kind="stable")
-    s, points, normals, sigma = s[order], points[order], normals[order], sigma[order]
-    size = max(1, int(np.ceil(len(s) / KNOTS)))
-    s, points, normals, sigma = (_grouped(v, size) for v in (s, points, normals, sigma))
+    sigma = np.sqrt([tick.edge.covariance[1, 1] for tick in ticks])
+    travel = _travel(points, np.array([tick.tangent for tick in ticks]))
+    order = np.argsort(travel, kind="stable")
+    size = max(1, int(np.ceil(len(ticks) / KNOTS)))
+    s, through, weight = (
+        _grouped(v[order], size) for v in (travel, points, 1.0 / np.maximum(sigma, 0.01) ** 2)
+    )
     apart = np.concatenate([[True], np.diff(s) > 1e-6])
-    s, points, normals, sigma = s[apart], points[apart], normals[apart], sigma[apart]
+    s, through, weight = s[apart], through[apart], weight[apart] / weight[apart].mean()
     if len(s) < LEAST:
         return None
-    weight = 1.0 / np.maximum(sigma, 1e-4) ** 2
-    weight /= weight.mean()
-    stiffness = _stiffness(s, points, weight)
-    splines = [make_smoothing_spline(s, column, weight, stiffness) for column in points.T]
-    at = np.linspace(s[0], s[-1], max(2, int(np.ceil((s[-1] - s[0]) / SPACING)) + 1))
-    run = np.stack([spline(at) for spline in splines], axis=1)
-    along = np.stack([spline.derivative()(at) for spline in splines], axis=1)
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
-    turned = np.stack([np.interp(at, s, column) for column in normals.T], axis=1)
-    turned -= np.sum(turned * along, axis=1, keepdims=True) * along
-    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-    spread = np.std(points - np.stack([spline(s) for spline in splines], axis=1), axis=0).max()
-    per_point = max(1.0, len(s) * SPACING / max(s[-1] - s[0], SPACING))
-    return EdgeTrace(
-        frozen(run),
-        frozen(along),
-        frozen(turned),
-        frozen(np.full(len(at), float(spread / np.sqrt(per_point)))),
-        closed,
-        touch,
-        stroke,
-    )
+    stiffness = _stiffness(s, through, weight)
+    x, y, z = (make_smoothing_spline(s, column, weight, stiffness) for column in through.T)
+    off = points - np.stack([spline(travel) for spline in (x, y, z)], axis=1)
+    return _Run(travel, (x, y, z), float(off.std(axis=0).max()))
+
+
+def _fitted_again(ticks: list[EdgeTick], response: Response, reach: float, drift: float) -> list[EdgeTick]:
+    """Every frame's edge once more, its bend smoothed; ticks that no longer fit drop out."""
+    if len(ticks) < LEAST:
+        return ticks
+    travel, bends, sigmas = _bends(ticks, drift)
+    again = []
+    for tick, s, bend, sigma in zip(ticks, travel, bends, sigmas, strict=True):
+        edge = tick.edge
+        within = bends[np.abs(travel - s) < reach]
+        change = max(0.0, float(np.ptp(within)) - 2.0 * BEND_SIGMA)
+        near = min(reach, max(NEAREST, np.sqrt(6.0 * MOVED / max(change, 1e-9))))
+        near = min(near, 0.8 / max(abs(bend), 1e-6))
+        expected = Expected(
+            edge.angle, edge.offset, edge.side, bend, max(sigma, BEND_SIGMA, change / 4.0), float(near)
+        )
+        fit = follow_line(tick.image, response, expected)
+        if fit:
+            again.append(replace(tick, edge=fit))
+    return again
+
+
+def _bends(ticks: list[EdgeTick], drift: float) -> tuple[Floats, Floats, Floats]:
+    """Travel [mm], bend and its standard deviation [1/mm] at every tick, from the ticks before and behind."""
+    points = np.array([tick.point for tick in ticks])
+    travel = _travel(points, np.array([tick.tangent for tick in ticks]))
+    steps = np.maximum(np.diff(travel), 0.0)
+    bends = [tick.edge.bend for tick in ticks]
+    variances = [float(tick.edge.covariance[5, 5]) for tick in ticks]
+    for k in range(len(ticks) - 2, -1, -1):
+        predicted = variances[k] + drift**2 * float(steps[k])
+        gain = variances[k] / max(predicted, 1e-12)
+        bends[k] += gain * (bends[k + 1] - bends[k])
+        variances[k] += gain**2 * (variances[k + 1] - predicted)
+    return travel, np.array(bends), np.sqrt(np.maximum(variances, 0.0))
 
 
 def _stiffness(s: Floats, points: Floats, weight: Floats) -> float:
@@ -79,16 +175,14 @@ def _stiffness(s: Floats, points: Floats, weight: Floats) -> float:
         return STIFFNESSES[-1]
     missed = []
     for stiffness in STIFFNESSES:
-        squares = []
+        total = 0.0
         for used, held in ((slice(0, None, 2), slice(1, -1, 2)), (slice(1, None, 2), slice(2, -1, 2))):
             for column in points.T:
                 spline = make_smoothing_spline(s[used], column[used], weight[used], stiffness)
-                squares.append(weight[held] * (spline(s[held]) - column[held]) ** 2)
-        missed.append(np.concatenate(squares))
-    means = np.array([m.mean() for m in missed])
-    best = int(np.argmin(means))
-    allowed = means[best] + missed[best].std() / np.sqrt(len(missed[best]))
-    return float(STIFFNESSES[int(np.flatnonzero(means <= allowed).max())])
+                total += float(np.sum(weight[held] * (spline(s[held]) - column[held]) ** 2))
+        missed.append(total)
+    best = np.flatnonzero(np.array(missed) <= (1.0 + SLACK) * min(missed))
+    return float(STIFFNESSES[best.max()])
 
 
 def _travel(points: Floats, tangents: Floats) -> Floats:

@@ -20,10 +20,13 @@ from exploration.control.edge_trace import EdgeTick, smoothed
 from exploration.control.hybrid import HybridGains, HybridState, hybrid
 from exploration.control.servo import ServoGains
 from exploration.devices.guard import Guard, Observation
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.line_fit import softened
+from exploration.sensing.lines.outline import find_outline
 from exploration.sensing.response import rubber
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
@@ -41,7 +44,7 @@ class EdgeConfig:
     gain_angle: float = 6.0  # [1/s]
     turn: float = 1.6  # [rad/s] at most
     reach: float = 10.0  # [mm] of the edge, either way, that one frame is fitted to
-    bend_drift: float = 0.01  # [1/mm] by which the bend may change within a mm
+    bend_drift: float = 0.02  # [1/mm] by which the bend may change within a mm
     sharpest: float = 0.8  # [rad] of a bent edge that one frame is fitted to, either way
     corner: float = 2.5  # [mm] ahead of the center, at which an end of the face is the corner
     confirm: int = 3  # ticks in a row that must show the corner
@@ -63,7 +66,6 @@ class Tracked:
     trace: EdgeTrace | None
     ended: Ended
     travel: float  # [mm]
-    ticks: tuple[EdgeTick, ...] = ()
     forces: tuple[float, ...] = ()  # [N] at every tick
     force: float = 0.0  # [N] the set point
     last: Followed | None = None  # the edge as last seen
@@ -77,8 +79,6 @@ class _Run:
     """What outlives a tick."""
 
     ticks: list[EdgeTick] = field(default_factory=list)
-    poses: list[Floats] = field(default_factory=list)
-    forces: list[float] = field(default_factory=list)
     law: HybridState = field(default_factory=HybridState)
     travel: float = 0.0
     set_force: float = 0.0
@@ -105,7 +105,8 @@ def follow_edge(
     last: Followed | None = None
     ended: Ended = "length"
     while run.travel < length:
-        edge = follow_line(softened(seen.image), response, expected) if expected else None
+        image = softened(seen.image)
+        edge = follow_line(image, response, expected) if expected else None
         if not edge or edge.misfit > config.misfit * max(1.0, run.misfit):
             missed += 1
             if missed > config.patience:
@@ -117,7 +118,7 @@ def follow_edge(
             seen = guard.hold()
             continue
         missed, last = 0, edge
-        _note(run, seen, edge, gains)
+        _note(run, seen, image, edge, gains)
         if (why := _over(run, edge, config)) is not None:
             ended = why
             break
@@ -126,17 +127,39 @@ def follow_edge(
         seen = guard.move(twist)
         run.travel += max(0.0, float((seen.world_from_sensor[:3, 3] - before[:3, 3]) @ run.ticks[-1].tangent))
         expected = _moved(edge, before, seen.world_from_sensor, config, guard.period)
-    trace = smoothed(run.ticks, ended == "closed", touch, stroke)
-    return Tracked(trace, ended, run.travel, tuple(run.ticks), tuple(run.forces), run.set_force, last)
+    trace = smoothed(run.ticks, ended == "closed", touch, stroke, response, config.reach, config.bend_drift)
+    return Tracked(trace, ended, run.travel, tuple(t.force for t in run.ticks), run.set_force, last)
 
 
 def _first(seen: Observation, along: Floats, config: EdgeConfig) -> Expected | None:
-    """The line that runs most nearly along a (3,) world direction and under the pad's middle."""
+    """The line or arc that runs most nearly along a (3,) world direction and under the pad's middle."""
     heading = seen.world_from_sensor[:3, :2].T @ along
     heading = heading / max(float(np.linalg.norm(heading)), 1e-9)
-    fitting = [line for line in find_lines(seen.image, 3) if abs(float(line.direction @ heading)) > 0.7]
-    line = min(fitting, key=lambda found: abs(found.offset), default=None)
-    return None if line is None else expected_of(line, heading, config)
+    outline = find_outline(seen.image, 3)
+    found = [expected_of(line, heading, config) for line in (*outline.lines, *find_lines(seen.image, 3))]
+    found += [expected_on(arc, heading, config) for arc in outline.arcs]
+    fitting = [e for e in found if np.cos(e.angle) * heading[0] + np.sin(e.angle) * heading[1] > 0.7]
+    return min(fitting, key=lambda e: abs(e.offset), default=None)
+
+
+def expected_on(arc: Arc, heading: Floats, config: EdgeConfig) -> Expected:
+    """An arc beside the pad's center, directed the way of a (2,) heading."""
+    away = -arc.center / max(
+        float(np.linalg.norm(arc.center)), 1e-9
+    )  # from the center of the arc to the pad's
+    foot = arc.center + arc.radius * away
+    direction = np.array([-away[1], away[0]])
+    direction = direction * (1.0 if direction @ heading > 0 else -1.0)
+    normal = np.array([-direction[1], direction[0]])
+    inward = -away if arc.material_inside else away
+    return Expected(
+        float(np.arctan2(direction[1], direction[0])),
+        float(foot @ normal),
+        1 if float(inward @ normal) > 0 else -1,
+        bend=(1.0 if arc.material_inside else -1.0) / arc.radius,
+        bend_sigma=0.02,
+        reach=min(config.reach, config.sharpest * arc.radius),
+    )
 
 
 def expected_of(line: Line, heading: Floats, config: EdgeConfig) -> Expected:
@@ -151,22 +174,9 @@ def expected_of(line: Line, heading: Floats, config: EdgeConfig) -> Expected:
     )
 
 
-def _note(run: _Run, seen: Observation, edge: Followed, gains: ServoGains) -> None:
+def _note(run: _Run, seen: Observation, image: TactileImage, edge: Followed, gains: ServoGains) -> None:
     """Take down what this tick saw; the force at the nominal press becomes the set point."""
-    turn = seen.world_from_sensor[:3, :3]
-    tilt = turn @ np.array([-edge.slope[0], -edge.slope[1], -1.0])
-    run.ticks.append(
-        EdgeTick(
-            point=turn @ np.array([*edge.foot, -edge.plateau]) + seen.world_from_sensor[:3, 3],
-            tangent=turn[:, :2] @ edge.direction,
-            inward=turn[:, :2] @ edge.inward,
-            normal=tilt / np.linalg.norm(tilt),
-            bend=edge.bend,
-            sigma=float(np.sqrt(edge.covariance[1, 1])),
-        )
-    )
-    run.poses.append(seen.world_from_sensor)
-    run.forces.append(seen.force)
+    run.ticks.append(EdgeTick(edge, image, seen.world_from_sensor, seen.force))
     run.misfit += (edge.misfit - run.misfit) / min(len(run.ticks), 50)
     if len(run.ticks) <= 10:
         wanted = gains.press * seen.image.stiffness * edge.area
@@ -236,9 +246,8 @@ def _moved(edge: Followed, before: Floats, after: Floats, config: EdgeConfig, pe
 def _gone_back(guard: Guard, run: _Run, config: EdgeConfig) -> Expected | None:
     """Back to where the edge was last seen well, and look for it there."""
     steps = max(1, round(config.back / (config.speed * guard.period)))
-    pose = run.poses[max(0, len(run.poses) - 1 - steps)]
-    tangent = run.ticks[max(0, len(run.ticks) - 1 - steps)].tangent
-    guard.go_to(pose)
+    tick = run.ticks[max(0, len(run.ticks) - 1 - steps)]
+    guard.go_to(tick.world_from_sensor)
     run.law = HybridState()
-    found = _first(dwell(guard, 4), tangent, config)
-    return None if found is None else replace(found, bend=run.ticks[-1].bend)
+    found = _first(dwell(guard, 4), tick.tangent, config)
+    return None if found is None else replace(found, bend=tick.edge.bend)
