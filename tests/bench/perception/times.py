@@ -14,12 +14,12 @@ from perception.noise import Noise
 from perception.presses import edge
 from perception.score import row
 
+from exploration.control.feel import feel
 from exploration.sensing.baselines.erf_fit import erf_fit
 from exploration.sensing.baselines.opencv_lines import PLAIN
 from exploration.sensing.baselines.picture import picture
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import find_lines
-from exploration.sensing.surfaces.slope import contact_slope
 from exploration.sensing.touch import perceive
 
 try:
@@ -33,7 +33,7 @@ def time_rows(noise: Noise, frames: int) -> list[dict[str, Any]]:
     work: dict[str, Callable[[TactileImage], Any]] = {
         "lines": find_lines,
         "erf": erf_fit,
-        "slope": contact_slope,
+        "slope": feel,
         "touch": perceive,
     }
     if cv2 is not None:
