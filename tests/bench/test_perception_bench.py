@@ -97,3 +97,11 @@ def test_a_line_found_once_stands_for_one_true_line_only():
 
     errors = paired((Said(),), scene.found, np.ones((2, 2)), 1.8)
     assert [e is None for e in errors] == [False, True]
+
+
+@pytest.mark.parametrize("maker", MAKERS)
+def test_the_bound_does_not_depend_on_where_angles_are_counted_from(maker):
+    scene = maker(np.random.default_rng(5))
+    seam = np.pi - scene.numbers["turn"]
+    here, there = (fisher(scene.moved(turn=seam + d), Noise()).variances() for d in (-0.0001, 0.0001))
+    np.testing.assert_allclose(here, there, rtol=0.05)

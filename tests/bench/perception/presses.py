@@ -155,10 +155,14 @@ def _meeting(rng: np.random.Generator, spec: SensorSpec) -> dict[str, float]:
 
 
 def _through(n: Numbers, pairs: list[tuple[tuple[float, float], tuple[float, float]]]) -> Floats:
-    """(m, 2) angle and offset, as the pad sees them, of lines through pairs of points of the part's face."""
+    """(m, 2) angle and offset, as the pad sees them, of lines through pairs of points of the part's face.
+
+    Angles are counted from `turn`, so that they change smoothly with it and never jump by a whole turn.
+    """
     ends = seen(n, np.array(pairs, dtype=float))
     along = ends[:, 1] - ends[:, 0]
-    angle = np.arctan2(along[:, 1], along[:, 0])
+    c, s = np.cos(n["turn"]), np.sin(n["turn"])
+    angle = n["turn"] + np.arctan2(along @ [-s, c], along @ [c, s])
     offset = ends[:, 0, 1] * np.cos(angle) - ends[:, 0, 0] * np.sin(angle)
     return np.stack([angle, offset], axis=1)
 
