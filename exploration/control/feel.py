@@ -14,7 +14,7 @@ import numba
 import numpy as np
 from scipy.ndimage import uniform_filter
 
-from exploration.sensing.frame import TactileImage
+from exploration.sensing.frame import TactileImage, TaxelArray
 from primitives.arrays import Bools, Floats
 
 
@@ -24,7 +24,7 @@ class FeelConfig:
 
     sigmas: float = 4.0  # standard deviations that a touched taxel stands out of the noise
     share: float = 0.35  # of the peak, below which a taxel counts as untouched
-    rim: int = 2  # taxels left out along the contact's end inside the pad
+    rim: float = 2.0  # [spreads of the rubber] left out along the contact's end inside the pad
     enough: int = 15  # taxels that must remain for the rim to be left out
     prior_curvature: float = 0.03  # [1/mm] of what is too small to be seen whole
     prior_sigma: float = 0.03  # [1/mm]
@@ -67,7 +67,7 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         image.sigma,
         array.x,
         array.y,
-        (config.sigmas, config.share, config.rim, config.enough),
+        (config.sigmas, config.share, _taxels(config.rim * image.spread, array), config.enough),
         (config.prior_curvature, config.prior_sigma),
     )
     if not touching:
@@ -84,6 +84,11 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         mask=mask,
         inner=inner,
     )
+
+
+def _taxels(length: float, array: TaxelArray) -> int:
+    """How many taxels, at least one, reach so far [mm]."""
+    return max(1, int(np.ceil(length / max(array.pitch) - 1e-6)))
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -41,7 +41,8 @@ class StrokeConfig:
     closing: float = 3.0  # [mm] from its start, a stroke has gone round
     least_round: float = 25.0  # [mm] of travel before that can be
     lost: int = 12  # frames without contact
-    every: int = 10  # ticks between looks for an edge
+    looks: float = 2.0  # [mm] between looks for an edge
+    tick: float = 0.3  # [taxels] of travel in one, at most
     recede: float = 0.5  # share of its farthest reach ahead, at which a contact is ending
     curving: float = 0.008  # [1/mm] a surface this curved along the heading ends its contact by itself
     sharp: float = 0.16  # [1/mm] a contact this curved is going over an edge
@@ -54,8 +55,8 @@ class TrustConfig:
 
     misfit: float = 1.8  # chi2 per degree of freedom of a flat patch
     curved_misfit: float = 4.0  # of a curved one
-    taxels: int = 8  # in contact
-    flat_taxels: int = 20  # in contact, where the surface is taken for flat
+    area: float = 15.0  # [response widths^2] in contact
+    flat_area: float = 38.0  # [response widths^2] in contact, where the surface is taken for flat
     curvature: float = 0.4  # [1/mm] beyond which the rubber blurs too much
     sure: float = 0.08  # of a curvature beyond `narrow`, its greatest relative deviation
     doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
@@ -101,6 +102,8 @@ def follow_surface(
     at, travel, since, missing, confirmed, ticks = start, 0.0, np.inf, 0, 0, 0
     farthest, ending, over = 0.0, 0, 0
     sharp: float | None = None
+    fastest = min(config.speed, config.tick * min(guard.sensor.array.pitch) / guard.period)
+    every = max(1, round(config.looks / (fastest * guard.period)))
     half = 0.5 * float(np.abs(heading) @ np.asarray(guard.sensor.array.size))
     ended: Ended = "length"
     seen = guard.hold()
@@ -114,7 +117,7 @@ def follow_surface(
             seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
             continue
         missing = 0
-        looks = ticks % config.every == 0 or confirmed
+        looks = ticks % every == 0 or confirmed
         if looks and contact_front(felt, seen, heading) < half - 1.5 * max(seen.image.array.pitch):
             near = edge_near(find_lines(seen.image, 3), heading, seen.image, config)
             confirmed = confirmed + 1 if near else 0
@@ -141,7 +144,7 @@ def follow_surface(
             ended = "closed"
             break
         bend = max(float(heading @ felt.hessian @ heading), 1e-6)
-        speed = min(config.speed * (0.5 if confirmed else 1.0), config.roll / bend)
+        speed = min(fastest * (0.5 if confirmed else 1.0), config.roll / bend)
         seen = guard.move(hybrid_twist(felt.depth, felt.slope, felt.centroid, heading * speed, gains=gains))
         step = float(np.linalg.norm(seen.world_from_sensor[:3, 3] - at[:3, 3]))
         at, travel, since = seen.world_from_sensor, travel + step, since + step
@@ -206,7 +209,7 @@ def touched_cells(seen: Observation, felt: Felt) -> Floats:
 
 
 def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> bool:
-    taxels = int(surface.mask.sum())
+    area = float(surface.mask.sum()) / _taxels_of_a_width(image)
     if surface.curved:
         most = float(np.abs(surface.principal[0]).max())
         doubt = float(np.sqrt(surface.curvature_covariance[[0, 2], [0, 2]].max()))
@@ -214,8 +217,14 @@ def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> 
         px, py = image.array.pitch
         room = np.array([image.array.x[-1] - trust.border * px, image.array.y[-1] - trust.border * py])
         inside = bool((np.abs(surface.point[:2]) < room).all())
-        return inside and not sharp and _misfit(surface) < trust.curved_misfit and taxels >= trust.taxels
-    return _misfit(surface) < trust.misfit and taxels >= trust.flat_taxels
+        return inside and not sharp and _misfit(surface) < trust.curved_misfit and area >= trust.area
+    return _misfit(surface) < trust.misfit and area >= trust.flat_area
+
+
+def _taxels_of_a_width(image: TactileImage) -> float:
+    """How many taxels lie in the square of the width over which the skin blurs a step."""
+    px, py = image.array.pitch
+    return (image.spread**2 + (px**2 + py**2) / 24.0) / (px * py)
 
 
 def _misfit(surface: LocalSurface) -> float:

@@ -43,8 +43,8 @@ class Crossing:
         angle = np.radians(self.config.roll[tried])
         normal = np.cos(angle) * sighting.normal + np.sin(angle) * sighting.outward
         down = np.cos(angle) * sighting.outward - np.sin(angle) * sighting.normal
-        reach = 0.5 * pad.size[1] - self.config.overlap
-        target = se3.pose(se3.frame_along(-normal, sighting.tangent), sighting.point + max(reach, 0.0) * down)
+        reach = 0.5 * min(pad.size) - self.config.overlap
+        target = se3.pose(pad.attitude(normal, sighting.tangent), sighting.point + max(reach, 0.0) * down)
         pad.travel(target, Support(sighting.point, sighting.normal), standoff=10.0)
         if not pad.touch(target, standoff=10.0, overtravel=16.0):
             return None, "crossed an edge and met nothing"
@@ -65,7 +65,7 @@ class Crossing:
             normal = normal / np.linalg.norm(normal)
         down = np.cross(sighting.tangent, normal)
         down = down * -np.sign(down @ sighting.normal)
-        attitude = se3.frame_along(-normal, sighting.tangent)
+        attitude = self.study.pad.attitude(normal, sighting.tangent)
         target = se3.pose(attitude, sighting.point + self.config.aside * down)
         self.study.pad.travel(target, Support(sighting.point, sighting.normal), standoff=10.0)
         if not self.study.pad.touch(target, standoff=10.0, overtravel=16.0, settling=SettleConfig(shifts=0)):

@@ -64,6 +64,11 @@ class Pad:
         """Of the array along its x and y [mm]."""
         return self.guard.sensor.array.size
 
+    def attitude(self, normal: Floats, along: Floats) -> Floats:
+        """(3, 3) of the pad lying on a surface of (3,) outward `normal`, its longer side along a (3,) direction."""
+        x, y = self.size
+        return se3.frame_along(-normal, along if x >= y else np.cross(normal, along))
+
     def come_down(self, direction: Floats, distance: float, speed: float | None = None) -> bool:
         """Advance from where the pad is, along a (3,) direction, and settle; one touch, hit or miss."""
         self.guard.cost.touches += 1

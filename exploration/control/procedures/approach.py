@@ -18,6 +18,7 @@ class ApproachConfig:
     """When a frame counts as contact, and how fast the pad may close in."""
 
     speed: float = 25.0  # [mm/s] the stage must stop within the rubber
+    tick: float = 0.6  # [mm] of travel in one, at most, however slow the array is read
     search_speed: float = 50.0  # [mm/s] through space that has not been seen yet
     sigmas: float = 6.0  # a taxel is touched above this many standard deviations of its noise
     taxels: int = 2  # as many neighbors must be touched, so that noise alone starts nothing
@@ -48,6 +49,7 @@ def advance(
 ) -> Observation | None:
     """Move at most `distance` [mm] along a (3,) world direction, attitude held; the observation that touched."""
     start = guard.world_from_sensor[:3, 3]
+    speed = min(speed, config.tick / guard.period)
     while True:
         here = guard.world_from_sensor
         if float((here[:3, 3] - start) @ direction) >= distance:
