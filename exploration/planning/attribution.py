@@ -74,11 +74,11 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
     home = int(np.bincount(owner[owner >= 0]).argmax()) if (owner >= 0).any() else None
     rest, gone = contacts.select(owner < 0), dict[int, int]()
     loose = Contacts.concatenate([loose, rest])
-    if len(rest) < max(config.least_contacts, config.least_share * len(contacts)):
-        rest = _beside(loose, rest, config)
-    for lot in (rest, _beside(rest, rest, config)):
+    enough = len(rest) >= config.least_share * len(contacts)
+    alone = (rest, _beside(rest, rest, config)) if enough else ()
+    for lot in (*alone, _beside(loose, rest, config)):
         if len(lot) < config.least_contacts or _hearsay(lot, config):
-            break
+            continue
         grown, opened = graph.add_stroke(lot)
         accepted = _sound(grown, opened, config)
         if accepted is not None:

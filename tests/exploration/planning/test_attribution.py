@@ -61,3 +61,21 @@ def test_a_face_is_known_again_by_its_place_and_its_facing(corner):
     turned = Contacts.of(turned.points, np.eye(3)[[1] * 5], sigma=0.01, normal_sigma=0.005)
     assert known_face(corner, turned, CONFIG) is None
     assert known_face(corner, NONE, CONFIG) is None
+
+
+def test_poor_contacts_of_one_touch_make_no_face(corner):
+    rim = side(1, 1.0, n=6, seed=30, reach=3.0)
+    rim = Contacts.of(rim.points, rim.normals, sigma=0.06, normal_sigma=0.1, touch=30)
+    once = take_in(corner, NONE, rim, CONFIG)
+    assert (len(once.graph.faces), len(once.loose)) == (2, 6)
+    again = Contacts.of(
+        rim.points + np.array([0.0, 0.0, 1.0]), rim.normals, sigma=0.06, normal_sigma=0.1, touch=31
+    )
+    assert len(take_in(once.graph, once.loose, again, CONFIG).graph.faces) == 3
+
+
+def test_contacts_of_a_face_that_goes_are_not_lost(corner):
+    beyond = side(2, 1.0, n=12, seed=40, half=14.0, reach=4.0)
+    taken = take_in(corner, NONE, beyond, CONFIG)
+    held = sum(len(face.contacts) for face in taken.graph.faces) + len(taken.loose)
+    assert held == 30 + 30 + 12
