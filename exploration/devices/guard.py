@@ -145,6 +145,12 @@ class Guard:
 
     def observe(self) -> Observation:
         """Read the next frame, count its cost, show it around, and enforce the limits."""
+        seen = self._read()
+        self._enforce(seen, np.isfinite(seen.image.sigma))
+        return seen
+
+    def _read(self) -> Observation:
+        """The next frame, counted and shown around; no limit is looked at."""
         frame = self.sensor.read()
         image = correct(frame, self.calibrations[self.active], self.sensor.array)
         area = self.sensor.array.pitch[0] * self.sensor.array.pitch[1]
@@ -154,7 +160,6 @@ class Guard:
         self._count(seen)
         for observer in self.observers:
             observer(seen)
-        self._enforce(seen, live)
         return seen
 
     def _count(self, seen: Observation) -> None:
@@ -194,7 +199,7 @@ class Guard:
         for world_from_sensor in [*way_back, (way_back[-1] if way_back else self.world_from_sensor) @ lift]:
             self.stage.go_to(world_from_sensor @ se3.inverse(self.sensor.flange_from_sensor))
             while self.stage.moving:
-                self.sensor.read()
+                self._read()
         self._trail.clear()
         self.stage.events()
 

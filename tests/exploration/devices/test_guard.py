@@ -63,3 +63,14 @@ def test_a_sensor_twist_moves_the_sensor_however_it_is_mounted():
         guard.move(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.4]))
     np.testing.assert_allclose(guard.world_from_sensor[:3, 3], before[:3, 3], atol=0.5)
     assert guard.world_from_sensor[:3, 0] @ before[:3, 0] < np.cos(0.3)
+
+
+def test_frames_read_while_backing_off_are_counted_and_shown():
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 22.0]))
+    shown = []
+    guard.observers = (shown.append,)
+    with pytest.raises(Fault):
+        keep_moving(guard, 10.0)
+    assert shown[-1].world_from_sensor[2, 3] > shown[-2].world_from_sensor[2, 3] - 1e-9
+    assert shown[-1].world_from_sensor[2, 3] > 20.0
+    assert guard.cost.frames == len(shown)
