@@ -77,7 +77,9 @@ def fault_of(summary: Mapping[str, Any]) -> str:
 def truth_json(truth: Truth, has_faces: bool) -> dict[str, Any]:
     """The comparison; a mesh has no faces of known shape to compare with."""
     told = truth.as_dict()
-    return told if has_faces else told | {"face_shape_accuracy": None, "missed_faces": None}
+    return (
+        told if has_faces else told | {"face_shape_accuracy": None, "missed_faces": None, "extra_faces": None}
+    )
 
 
 def _unmet(world: World) -> dict[str, Any]:

@@ -5,7 +5,8 @@ With a the distances from model to truth and b those back (Aspert, Santa-Cruz an
 
     hausdorff = max(max a, max b),   rms = sqrt((mean a^2 + mean b^2) / 2),   mean = (mean a + mean b) / 2.
 
-A face of the truth is matched to the face of the model on which most of its samples land.
+A face of the truth is matched to the face of the model on which most of its samples land; faces of the model that
+no face of the truth is matched to are extra, and count as wrong.
 """
 
 from __future__ import annotations
@@ -38,9 +39,10 @@ class Truth:
     hausdorff: float  # [mm]
     surface_rms: float  # [mm]
     surface_mean: float  # [mm]
-    face_shape_accuracy: float  # share of the truth's area whose face in the model has the right shape
+    face_shape_accuracy: float  # share of the area, of the truth and of extra faces, with the right shape
     extent_errors: tuple[float, ...]  # [mm] two for each face of the truth with a match of the same shape
     missed_faces: int  # faces of the truth whose match in the model has another shape, or that have none
+    extra_faces: int  # faces of the model that are no face's match
     world_from_part: Floats  # (4, 4)
 
     def as_dict(self) -> dict[str, Any]:
@@ -53,6 +55,7 @@ class Truth:
             "surface_mean_mm": self.surface_mean,
             "face_shape_accuracy": self.face_shape_accuracy,
             "missed_faces": self.missed_faces,
+            "extra_faces": self.extra_faces,
             "extent_error_mm": {
                 "median": float(np.median(errors)) if errors else None,
                 "max": max(errors) if errors else None,
@@ -99,15 +102,18 @@ def evaluate(
     matches = _matches(of_truth, mine.of_triangle[landed], len(wanted.faces), len(mine.faces))
     pairs = [(face, mine.faces[m]) for face, m in zip(wanted.faces, matches, strict=True)]
     right = [(face, match) for face, match in pairs if _alike(face, match)]
+    extra = [face for k, face in enumerate(mine.faces) if k not in set(matches.tolist())]
+    judged = sum(face.area for face in (*wanted.faces, *extra))
     errors = [abs(s - t) for face, match in right for s, t in zip(match.extent, face.extent, strict=True)]
     return Truth(
         iou(model, truth),
         float(max(a.max(), b.max())),
         float(np.sqrt(0.5 * (on_model.mean(a**2) + on_truth.mean(b**2)))),
         float(0.5 * (on_model.mean(a) + on_truth.mean(b))),
-        sum(face.area for face, _ in right) / sum(face.area for face in wanted.faces),
+        sum(face.area for face, _ in right) / judged,
         tuple(errors),
         len(pairs) - len(right),
+        len(extra),
         truth.pose,
     )
 

@@ -70,3 +70,12 @@ def test_a_mesh_without_labels_is_compared_by_distance_and_matches_no_shape():
     assert found.iou == pytest.approx(1.0)
     assert found.face_shape_accuracy == 0.0
     assert found.as_dict()["extent_error_mm"]["median"] is None
+
+
+def test_a_face_that_the_truth_lacks_costs_its_share_too():
+    truth = Cube((40.0, 30.0, 20.0))
+    bevel = Cube((80.0, 80.0, 80.0)).turned("y", np.pi / 4).at(-37.0, 0.0, -37.0 + 10.0)
+    found = evaluate(solid(truth & bevel), solid(truth), FEW)
+    assert found.missed_faces == 0
+    assert found.extra_faces == 1
+    assert 0.9 < found.face_shape_accuracy < 1.0
