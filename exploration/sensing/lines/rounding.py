@@ -7,12 +7,12 @@ sharp edge would hold the same volume (our derivation: the blur's first moment),
     volume = r (z0 - r) + pi r^2 / 4          for z0 > r,
     volume = (r^2 asin(a/r) - a (r - z0)) / 2   otherwise,
 
-so it lies r - volume/z0 inside the plane of the side face; 0.11, 0.39, 1.09, 1.88 and 3.53 mm for r of 0.5, 1, 2, 3
-and 5 mm at 0.5 mm.
+so it lies r - volume/z0 inside the plane of the side face; 0.11, 0.39, 1.09, 1.88 and 3.53 mm for r of 0.5, 1, 2,
+3 and 5 mm at 0.5 mm, right to 0.1 mm.
 
 A cylinder of radius R on its side is felt over 2 sqrt(2 R z0 - z0^2), and indents the skin by a parabola, whose
-variance is 3/5 of that of a wall as wide.  Where the blur hides which of the two it is, its two lines are sqrt(3/5)
-of that width apart, evenly about the axis.
+variance is 3/5 of that of a wall as wide.  Where the blur hides which of the two it is, its two lines are
+sqrt(3/5) of that width apart, evenly about the axis.
 """
 
 from math import asin, pi, sqrt
