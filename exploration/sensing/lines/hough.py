@@ -45,6 +45,7 @@ class HoughConfig:
     least_votes: float = 2.0  # sum of weights
     least_length: float = 1.6  # [taxels] seen
     least_strength: float = 5.0  # [sigma] of the step's height
+    least_share: float = 0.1  # of the deepest taxel, at the edge: a plane that runs out ends in less
     least_step: float = 0.6  # of the deepest taxel, at the edge, for a line to need no comparison
     many: int = 7  # edge points on a line that is compared with a straight rim
     plenty: int = 9  # edge points on a line that needs no comparison with a paraboloid
@@ -144,7 +145,12 @@ def _joined(
         lines.append(
             _line(image, points, members, side, angle, offset, covariance, height, variance, inflation)
         )
-    strong = [line for line in lines if line.strength > config.least_strength and line.length >= least]
+    low = config.least_share * float(image.depth.max())
+    strong = [
+        line
+        for line in lines
+        if line.strength > config.least_strength and line.length >= least and line.plateau > low
+    ]
     return tuple(sorted(strong, key=lambda line: -line.strength))
 
 

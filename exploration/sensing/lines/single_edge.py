@@ -26,6 +26,7 @@ from primitives.arrays import Floats, Ints
 NOTHING, SURE, DOUBTFUL = 0, 1, 2  # verdicts
 
 MISFIT = 3.5  # [standard deviations of chi2]
+SMOOTH = 1.5  # the same, within which a smooth surface leaves nothing to find
 STRENGTH, LEAST_STRENGTH = 10.0, 3.0  # [sigma] of the step's height, alone and beside a smooth rival
 HIGHEST = 1.25  # of the deepest taxel, that a plateau stands beside its edge
 RUN = 5.5  # [widths] from its edge, within which a plateau that runs out may be a ridge
@@ -46,7 +47,7 @@ def single_edge(image: TactileImage, response: Response, dihedral: float = pi / 
     vx, vy = response.variance
     pad = skin_views(array.rows, array.columns, array.pitch, image.margin, (float(vx), float(vy)))
     px, py = array.pitch
-    found = _single_edge(
+    found = _looked(
         image.depth,
         image.sigma,
         image.gain_sigma,
@@ -104,7 +105,7 @@ def _single_edge(
     chi2, dof = plane_chi2(z, variance, gain, columns, px, py)
     if dof < UNKNOWNS or chi2 < dof + MISFIT * np.sqrt(2.0 * dof):
         return out
-    out[0] = DOUBTFUL
+    out[0], out[1] = DOUBTFUL, np.inf
     p = np.zeros(UNKNOWNS)
     calm = without_outliers(z, variance, rows, columns)
     side = first_edge(calm, variance, rows, columns, px, py, blurs[0], p)
@@ -133,6 +134,9 @@ def _single_edge(
     strength = plateau / np.sqrt(spread * inflation)
     if strength < LEAST_STRENGTH:
         return out
+    low_step = plateau < STEP * calm.max()
+    if not low_step:
+        out[1] = chi2
     width = np.sqrt(blurs[0, 0] * np.sin(p[0]) ** 2 + blurs[0, 1] * np.cos(p[0]) ** 2)
     if plateau > HIGHEST * calm.max() or plateau < -RUN * width * p[RISE]:
         return out
@@ -141,7 +145,7 @@ def _single_edge(
     if bent > BENT or abs(blurred) > BLURRED:
         return out
     if strength < STRENGTH or clear < CLEAR or runs_out(p, side, 0.5 * columns * px, 0.5 * rows * py):
-        if plateau < STEP * calm.max():
+        if low_step:
             return out
         enough = chi2 + (WORTH + ROUGH * count) * inflation
         rival = rival_chi2(z, calm, variance, gain, views, kinds, first, blurs, table, enough)
@@ -149,6 +153,37 @@ def _single_edge(
             return out
     out[0] = SURE
     write_line(out, p, side, low, high, strength, plateau, covariance, inflation)
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _looked(
+    depth: Floats,
+    sigma: Floats,
+    gain: float,
+    px: float,
+    py: float,
+    views: Floats,
+    kinds: Ints,
+    first: Ints,
+    blurs: Floats,
+    table: Floats,
+    fall: float,
+) -> Floats:
+    """`_single_edge`; nothing where an edge is doubtful and a smooth surface explains the frame as well."""
+    out: Floats = _single_edge(depth, sigma, gain, px, py, views, kinds, first, blurs, table, fall)
+    if out[0] != DOUBTFUL:
+        return out
+    rows, columns = depth.shape
+    z = depth.copy().reshape(depth.size)
+    variance = np.empty(depth.size)
+    quiet_variance(z, sigma, gain, variance)
+    calm = without_outliers(z, variance, rows, columns)
+    dof = np.isfinite(variance).sum() - UNKNOWNS
+    enough = dof + SMOOTH * np.sqrt(2.0 * max(1, dof))
+    rival = rival_chi2(z, calm, variance, gain, views, kinds, first, blurs, table, enough)
+    if rival < min(enough, out[1]):
+        out[0] = NOTHING
     return out
 
 
