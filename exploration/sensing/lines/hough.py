@@ -85,7 +85,8 @@ def find_lines(
     outline = find_outline(image, max_lines, response, UNMISTAKABLE)
     if outline.explains(config.greatest_misfit) and not outline.arcs:
         return outline.lines
-    return _searched(image, max_lines, response, config)
+    low = config.least_share * float(image.depth.max())
+    return tuple(line for line in _searched(image, max_lines, response, config) if line.plateau > low)
 
 
 def _searched(
@@ -145,12 +146,7 @@ def _joined(
         lines.append(
             _line(image, points, members, side, angle, offset, covariance, height, variance, inflation)
         )
-    low = config.least_share * float(image.depth.max())
-    strong = [
-        line
-        for line in lines
-        if line.strength > config.least_strength and line.length >= least and line.plateau > low
-    ]
+    strong = [line for line in lines if line.strength > config.least_strength and line.length >= least]
     return tuple(sorted(strong, key=lambda line: -line.strength))
 
 
