@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.surfaces.inner_taxels import inner_taxels
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats
 from primitives.evidence import Contacts
@@ -38,22 +39,17 @@ def domed_patch(
     config: DomedPatchConfig = DomedPatchConfig(),
 ) -> Contacts:
     """Five contacts on the dome under the (rows, columns) `inner` taxels; none where there is none."""
-    inner = inner & np.isfinite(image.sigma)
-    rows, columns = np.nonzero(inner)
     none = Contacts.of(np.empty((0, 3)))
-    if len(rows) < config.taxels:
+    taxels = inner_taxels(image, inner, config.taxels, config.spread)
+    if taxels is None:
         return none
-    xy = np.stack([image.array.x[columns], image.array.y[rows]], axis=1)
-    center = xy.mean(axis=0)
-    values, vectors = np.linalg.eigh(np.cov((xy - center).T))
-    if values[0] < config.spread**2:
-        return none
-    basis = _monomials(xy - center)
-    depth, sigma = image.depth[rows, columns], image.sigma[rows, columns]
+    center, values, vectors = taxels.center, taxels.variances, taxels.axes
+    depth, sigma = taxels.depth, taxels.sigma
+    basis = _monomials(taxels.offsets)
     information = (basis / sigma[:, None] ** 2).T @ basis
     covariance = np.linalg.inv(information)
     c: Floats = covariance @ (basis.T @ (depth / sigma**2))
-    misfit = float((((depth - basis @ c) / sigma) ** 2).sum()) / (len(rows) - 6)
+    misfit = float((((depth - basis @ c) / sigma) ** 2).sum()) / (len(depth) - 6)
     hessian = np.array([[c[3], c[4]], [c[4], c[5]]])
     if misfit > config.misfit or float(np.abs(np.linalg.eigvalsh(hessian)).max()) > config.sharpest:
         return none

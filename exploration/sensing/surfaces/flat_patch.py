@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.surfaces.inner_taxels import inner_taxels
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats
 from primitives.evidence import Contacts
@@ -34,26 +35,22 @@ def flat_patch(
     config: FlatPatchConfig = FlatPatchConfig(),
 ) -> Contacts:
     """Four contacts on the plane under the (rows, columns) `inner` taxels; none where they are not flat."""
-    rows, columns = np.nonzero(inner)
     none = Contacts.of(np.empty((0, 3)))
-    if len(rows) < config.taxels:
+    taxels = inner_taxels(image, inner, config.taxels, config.spread)
+    if taxels is None:
         return none
-    xy = np.stack([image.array.x[columns], image.array.y[rows]], axis=1)
-    center = xy.mean(axis=0)
-    values, vectors = np.linalg.eigh(np.cov((xy - center).T))
-    if values[0] < config.spread**2:
-        return none
-    basis = np.column_stack([np.ones(len(xy)), xy - center])
-    depth, sigma = image.depth[rows, columns], image.sigma[rows, columns]
+    center, values, vectors = taxels.center, taxels.variances, taxels.axes
+    depth, sigma = taxels.depth, taxels.sigma
+    basis = np.column_stack([np.ones(len(depth)), taxels.offsets])
     plane, *_ = np.linalg.lstsq(basis / sigma[:, None], depth / sigma, rcond=None)
-    misfit = float((((depth - basis @ plane) / sigma) ** 2).sum()) / (len(rows) - 3)
+    misfit = float((((depth - basis @ plane) / sigma) ** 2).sum()) / (len(depth) - 3)
     if misfit > config.misfit:
         return none
     arms = np.sqrt(2.0 * values) * vectors
     at = np.concatenate([arms.T, -arms.T])
     local = np.column_stack([center + at, -(plane[0] + at @ plane[1:])])
     outward = np.array([-plane[1], -plane[2], -1.0]) / np.sqrt(1.0 + plane[1] ** 2 + plane[2] ** 2)
-    each = float(np.median(sigma)) * 2.0 / np.sqrt(len(rows))
+    each = float(np.median(sigma)) * 2.0 / np.sqrt(len(depth))
     return Contacts.of(
         se3.transform_points(world_from_sensor, local),
         np.tile(world_from_sensor[:3, :3] @ outward, (4, 1)),
