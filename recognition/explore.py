@@ -32,6 +32,7 @@ from recognition.logbook import Logbook
 from recognition.patience import Patience
 from recognition.progress import Progress
 from recognition.reconstruct import Reconstruction, reconstruct
+from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
 from recognition.run_folder import RunFolder
@@ -179,8 +180,9 @@ def _report(
     frames: ReportFrames,
 ) -> RunReport:
     assembly, boundary = made.assembly, made.boundary
-    model = None
-    if not isinstance(assembly, NotClosed) and boundary is not None:
+    if isinstance(assembly, NotClosed) or boundary is None:
+        model = felt_faces(made.faces, made.contacts.points, made.face_of_contact)
+    else:
         model = _drawn(assembly.solid, boundary.of_triangle)
     return RunReport(
         summary=summary,

@@ -60,7 +60,8 @@ class Reconstruction:
     def brep_json(self) -> dict[str, Any]:
         """`brep.json`: the summary's faces and edges with loops, curves and vertices."""
         if self.boundary is None:
-            return {"faces": self.faces, "edges": self.edges, "vertices_mm": []}
+            faces = [face | {"loops": []} for face in self.faces]  # no rim is known
+            return {"faces": faces, "edges": self.edges, "vertices_mm": [], "closed": False}
         whole = self.boundary.brep.as_json()
         for kind, rows in (("faces", self.faces), ("edges", self.edges)):
             whole[kind] = [geometry | told for geometry, told in zip(whole[kind], rows, strict=True)]

@@ -55,8 +55,10 @@ function start() {
   };
   force.addEventListener("pointerdown", (e) => { force.setPointerCapture(e.pointerId); scrub(e); });
   force.addEventListener("pointermove", (e) => { if (e.buttons) scrub(e); });
-  for (const box of document.querySelectorAll("[data-layer]"))
+  for (const box of document.querySelectorAll("[data-layer]")) {
+    scene.shown[box.dataset.layer] = box.checked;
     box.addEventListener("change", () => { scene.shown[box.dataset.layer] = box.checked; scene.draw(); });
+  }
   element("home").addEventListener("click", () => { scene.home(); scene.draw(); });
   markFacesOnHover(scene);
   document.addEventListener("keydown", (e) => {

@@ -23,6 +23,7 @@ _LAYERS = (
     ("traces", "Traces"),
     ("pad", "Pad"),
 )
+_FELT = "Felt faces"  # in the model's place where there is none
 
 
 def write_report(path: Path, report: RunReport) -> None:
@@ -33,6 +34,7 @@ def write_report(path: Path, report: RunReport) -> None:
 def report_html(report: RunReport) -> str:
     """The page as text."""
     summary = report.summary
+    opened = tables.without_body(summary)
     present = {
         "model": report.model is not None,
         "truth": report.truth is not None,
@@ -45,7 +47,11 @@ def report_html(report: RunReport) -> str:
         "style": resource("style.css"),
         "lede": tables.lede(summary),
         "figures": tables.figures(summary),
-        "layers": "".join(_layer(name, label) for name, label in _LAYERS if present[name]),
+        "layers": "".join(
+            _layer(name, _FELT if name == "model" and opened else label, name != "truth" or opened)
+            for name, label in _LAYERS
+            if present[name]
+        ),
         "legend": tables.legend(summary, present["traces"]),
         "sections": tables.sections(summary, report.settings, left_out(report)),
         "footer": escape(
@@ -57,8 +63,8 @@ def report_html(report: RunReport) -> str:
     return re.sub(r"\{\{(\w+)\}\}", lambda place: places[place[1]], resource("page.html"))
 
 
-def _layer(name: str, label: str) -> str:
-    checked = "" if name == "truth" else " checked"
+def _layer(name: str, label: str, shown: bool) -> str:
+    checked = " checked" if shown else ""
     return f'<label><input type="checkbox" data-layer="{name}"{checked}>{label}</label>'
 
 

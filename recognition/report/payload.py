@@ -11,6 +11,7 @@ import numpy as np
 
 from primitives.arrays import Floats, Ints
 from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
+from recognition.report.tables import without_body
 
 
 @dataclass(frozen=True)
@@ -127,8 +128,9 @@ def _trace_segments(report: RunReport, limits: PayloadLimits) -> Floats:
 
 
 def _bounds(report: RunReport) -> dict[str, Any]:
-    """The ball that the camera looks at: the model, or what was touched, or the pad's way."""
-    clouds = [report.model.vertices if report.model is not None else report.contacts, report.contacts]
+    """The ball that the camera looks at: what is drawn, and what was touched, or the pad's way."""
+    drawn = report.truth if without_body(report.summary) else report.model
+    clouds = [drawn.vertices if drawn is not None else report.contacts, report.contacts]
     points = np.concatenate([cloud for cloud in clouds if len(cloud)] or [report.frames.poses[:, :3, 3]])
     if not len(points):
         return {"center": [0.0, 0.0, 0.0], "radius": 50.0}

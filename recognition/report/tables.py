@@ -39,14 +39,23 @@ def figure_cells(cells: Iterable[tuple[str, Any, str]]) -> str:
     return f'<dl class="figures">{"".join(shown)}</dl>'
 
 
+def without_body(summary: Json) -> bool:
+    """Whether the run found no closed body."""
+    return not summary.get("closed") and summary.get("csg") is None
+
+
 def lede(summary: Json) -> str:
-    """One sentence: how it ended."""
+    """How it ended, and why there is no body where there is none."""
     state = "closed" if summary.get("closed") else "open"
     ended = str(summary.get("ended") or state)
     tail = "" if ended == state else f" Exploration ended: {escape(ended)}."
+    if without_body(summary):
+        told = [str(w) for w in summary.get("warnings") or [] if str(w).startswith("no closed body")]
+        tail += "".join(f" There is {escape(text)}." for text in told[:1])
     faces, edges = summary.get("faces") or [], summary.get("edges") or []
+    counted = f"{_many(len(faces), 'face')}, {_many(len(edges), 'edge')}"
     return (
-        f'Boundary <span class="state {state}">{state}</span>: {len(faces)} faces, {len(edges)} edges, '
+        f'Boundary <span class="state {state}">{state}</span>: {counted}, '
         f"felt with {escape(str(summary.get('sensor', 'a tactile array')))}.{tail}"
     )
 
@@ -173,6 +182,11 @@ def _with_sigma(row: Row, key: str, digits: int) -> str:
     return f"{value:.{digits}f}" + (f" <small>± {sigma:.2g}</small>" if sigma is not None else "")
 
 
+def _sigma(row: Row, key: str) -> str:
+    sigma = (row.get("sigma") or {}).get(key)
+    return "" if sigma is None else f"{sigma:.2g}"
+
+
 def _vector(values: Any, digits: int) -> str:
     return ", ".join(f"{x:.{digits}f}" for x in values or [])
 
@@ -187,6 +201,8 @@ FACES: tuple[Column, ...] = (
     ("Shape", False, lambda f: swatch(str(f["shape"])) + escape(str(f["shape"]))),
     ("Status", False, _state),
     ("Extent, mm", True, lambda f: _lengths(f.get("extent_mm"))),
+    ("Place ±, mm", True, lambda f: _sigma(f, "origin_mm")),
+    ("Axis ±, °", True, lambda f: _sigma(f, "axis_deg")),
     ("Radius, mm", True, lambda f: _with_sigma(f, "radius_mm", 3)),
     ("Semi-angle, °", True, lambda f: _with_sigma(f, "semi_angle_deg", 2)),
     ("Axis", True, lambda f: _vector((f.get("parameters") or {}).get("axis"), 3)),
