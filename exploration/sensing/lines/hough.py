@@ -83,10 +83,10 @@ def find_lines(
     if verdict != DOUBTFUL:
         return () if line is None else (line,)
     outline = find_outline(image, max_lines, response, UNMISTAKABLE)
-    if outline.explains(config.greatest_misfit) and not outline.arcs:
-        return outline.lines
+    explained = outline.explains(config.greatest_misfit) and not outline.arcs
+    lines = outline.lines if explained else _searched(image, max_lines, response, config)
     low = config.least_share * float(image.depth.max())
-    return tuple(line for line in _searched(image, max_lines, response, config) if line.plateau > low)
+    return tuple(line for line in lines if line.plateau > low)
 
 
 def _searched(
