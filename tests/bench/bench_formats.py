@@ -30,10 +30,11 @@ from models.solid import TOLERANCE, Solid, iou
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(os.environ.get("PALPATE_DATA", ROOT.parent / "shared")) / "parts"
+_PATIENT = 600  # [s] that the reader may take, else it gives coarse facets
 FINENESS = (  # of the file's facets, and of the tree's [mm]
     (StepConfig(), TOLERANCE),
-    (StepConfig(tolerance=0.002, angle=0.05), 0.0007),
-    (StepConfig(tolerance=0.001, angle=0.05), 0.0005),
+    (StepConfig(tolerance=0.002, angle=0.05, seconds=_PATIENT), 0.0007),
+    (StepConfig(tolerance=0.001, angle=0.05, seconds=_PATIENT, most=150_000_000), 0.0005),
 )
 ASKED = 0.9999  # IoU
 COST = """
