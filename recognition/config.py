@@ -115,9 +115,14 @@ def parse_numbers(text: str, count: int, flag: str, form: str) -> tuple[float, .
     return numbers
 
 
-def to_toml(options: ExploreOptions, version: str, resolved: Mapping[str, object] | None = None) -> str:
+def to_toml(
+    options: ExploreOptions,
+    version: str,
+    resolved: Mapping[str, object] | None = None,
+    command: str = "explore",
+) -> str:
     """`config.toml`: the settings, and under `[resolved]` what they came to (sensor presets, drawn poses)."""
-    head = toml_lines({"version": version, "command": "explore"})
+    head = toml_lines({"version": version, "command": command})
     lines = [*head, "", "[settings]", *toml_lines(settings(options))]
     if resolved:
         lines += ["", "[resolved]", *toml_lines(resolved)]

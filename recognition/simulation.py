@@ -21,6 +21,7 @@ from models.solid import Solid
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
+from primitives.surface import Surface
 from recognition.config import ExploreOptions
 
 
@@ -86,13 +87,29 @@ def random_pose(solid: Solid, box: Floats, rng: np.random.Generator, config: Wor
     return se3.pose(turn, center - turn @ middle)
 
 
-def guarded(world: World, options: ExploreOptions, observer: Callable[[Guard, Observation], None]) -> Guard:
-    """The array over the object, behind a guard that shows every observation to `observer`."""
+def guarded(
+    world: World,
+    options: ExploreOptions,
+    observer: Callable[[Guard, Observation], None],
+    surface: Surface | None = None,
+    latency: float = 0.0,
+) -> Guard:
+    """The array over the object, behind a guard that shows every observation to `observer`.
+
+    `surface` stands for the object where that is made of something; the stage obeys `latency` [s] late.
+    """
     low, high = world.box
     x, y = (low + high)[:2] / 2.0
     above = se3.pose(np.diag([1.0, -1.0, -1.0]), [x, y, high[2] + world.config.start])
     rng = np.random.default_rng(options.seed)
-    stage, arrays = simulate(world.solid, [world.spec], rng, pose_noise=options.pose_noise, start_pose=above)
+    stage, arrays = simulate(
+        surface or world.solid,
+        [world.spec],
+        rng,
+        pose_noise=options.pose_noise,
+        start_pose=above,
+        latency=latency,
+    )
     reach = (*(low - world.config.reach), *(high + world.config.reach))
     guard = Guard(
         stage, arrays, [Calibration.nominal(world.spec)], GuardLimits(reach=tuple(map(float, reach)))
