@@ -65,7 +65,7 @@ class Pad:
         return self.guard.sensor.array.size
 
     def attitude(self, normal: Floats, along: Floats) -> Floats:
-        """(3, 3) of the pad lying on a surface of (3,) outward `normal`, its longer side along a (3,) direction."""
+        """(3, 3) of the pad on a surface of (3,) outward `normal`, its longer side along a (3,) direction."""
         x, y = self.size
         return se3.frame_along(-normal, along if x >= y else np.cross(normal, along))
 

@@ -1,72 +1,55 @@
-"""Explore every convex built-in part at several poses, and hold the result against the truth.
+"""Explore every convex built-in part at several poses, as `palpate explore` does, and hold it against the truth.
 
 Asked: closed, right shapes, mean surface deviation at most 0.1 mm, every extent within 0.3 mm, at 5 % noise.
 """
 
 import os
-import time
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from exploration.devices.guard import Guard
-from exploration.devices.simulated import simulate
-from exploration.planning.explorer import Explorer, ExplorerConfig
-from exploration.sensing.calibration import Calibration
-from exploration.sensing.spec import load_sensor
 from models import parts
-from models.solid import Solid
-from primitives import pose as se3
-from primitives.fit import Fit
-from recognition.assembly.assemble import assemble
-from recognition.truth import evaluate
+from recognition.config import ExploreOptions
+from recognition.explore import run as explore
 
 POSES = int(os.environ.get("PALPATE_BENCH_POSES", "5"))
-BOX = np.array([-300.0, -300.0, -300.0, 300.0, 300.0, 300.0])
+_TOUCHES = 150
 
 
-def explore_once(name: str, seed: int) -> dict[str, Any]:
+def explore_once(name: str, seed: int, sensor: str = "lts210", noise: float | None = 0.05) -> dict[str, Any]:
     """One exploration and what came of it."""
-    rng = np.random.default_rng(seed)
-    world_from_part = se3.pose(se3.random_rotation(rng), rng.uniform(-35.0, 35.0, 3))
-    truth = Solid.from_csg(parts.build(name)).placed(world_from_part)
-    above = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 300.0])
-    stage, arrays = simulate(truth, [load_sensor("lts210")], rng, noise=0.05, start_pose=above)
-    guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
-    explorer = Explorer(guard, BOX, ExplorerConfig(max_touches=150))
-    began = time.perf_counter()
-    for _ in explorer.run():
-        pass
-    wall = time.perf_counter() - began
-    faces = [face for face in explorer.found.graph.faces if isinstance(face.fit, Fit)]
-    row: dict[str, Any] = {
+    with tempfile.TemporaryDirectory() as folder:
+        options = ExploreOptions(
+            name, seed=seed, sensors=(sensor,), noise=noise, max_touches=_TOUCHES, out=Path(folder) / "run"
+        )
+        told: dict[str, Any] = explore(options, lambda _: None)
+    truth = told["truth"]
+    row = {
         "part": name,
         "seed": seed,
-        "ended": explorer.found.ended,
-        "touches": guard.cost.touches,
-        "travel": guard.cost.travel,
-        "device": guard.cost.seconds,
-        "wall": wall,
+        "sensor": told["sensor"],
+        "ended": told["ended"],
+        "touches": told["touches"],
+        "travel": told["travel_mm"],
+        "device": told["device_seconds"],
+        "wall": told["wall_seconds"],
         "good": False,
     }
-    built = assemble(faces, BOX.reshape(2, 3))  # type: ignore[arg-type]
-    if not built:
-        return row | {"note": f"not closed: {built.reason[:60]}"}
-    found = evaluate(built.solid, truth)
-    worst = max(found.extent_errors, default=float("inf"))
-    good = (
-        row["ended"] == "closed"
-        and found.face_shape_accuracy > 0.999
-        and found.surface_mean <= 0.1
-        and worst <= 0.3
-    )
+    if truth["iou"] is None:
+        return row
+    worst = truth["extent_error_mm"]["max"]
+    worst = float("inf") if worst is None else worst
+    mean, shapes = truth["surface_mean_mm"], truth["face_shape_accuracy"]
+    good = told["closed"] and shapes > 0.999 and mean <= 0.1 and worst <= 0.3
     return row | {
-        "good": good,
-        "mean": found.surface_mean,
+        "good": bool(good),
+        "mean": mean,
         "extent": worst,
-        "iou": found.iou,
-        "shapes": found.face_shape_accuracy,
-        "leaves": len(list(built.tree.leaves())),
+        "iou": truth["iou"],
+        "shapes": shapes,
+        "leaves": told["csg"]["leaves"],
     }
 
 

@@ -15,11 +15,12 @@ from recognition.assembly.assemble import assemble
 BOX = np.array([-200.0, -200.0, -200.0, 200.0, 200.0, 200.0])
 
 
-def explorer_over(tree, seed, **config):
+def explorer_over(tree, seed, sensor="lts210", **config):
     rng = np.random.default_rng(seed)
     solid = Solid.from_csg(tree).placed(se3.pose(se3.random_rotation(rng), rng.uniform(-20.0, 20.0, 3)))
     above = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 200.0])
-    stage, arrays = simulate(solid, [load_sensor("lts210")], rng, noise=0.05, start_pose=above)
+    noise = 0.05 if sensor == "lts210" else None  # else as its preset says
+    stage, arrays = simulate(solid, [load_sensor(sensor)], rng, noise=noise, start_pose=above)
     guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
     return Explorer(guard, BOX, ExplorerConfig(**config)), solid
 
@@ -28,6 +29,18 @@ def explorer_over(tree, seed, **config):
 @pytest.mark.parametrize("name", ["block", "cylinder", "sphere"])
 def test_a_convex_part_is_explored_until_closed_and_rebuilt(name):
     explorer, solid = explorer_over(parts.build(name), seed=1, max_touches=120)
+    for _ in explorer.run():
+        pass
+    built = assemble([face for face in explorer.found.graph.faces if face.fit], BOX.reshape(2, 3))
+    assert explorer.found.ended == "closed"
+    assert built
+    assert iou(built.solid, solid) > 0.99
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sensor", ["dsa", "optical"])
+def test_a_coarse_slow_array_and_a_fine_one_close_a_block_too(sensor):
+    explorer, solid = explorer_over(parts.build("block"), seed=1, sensor=sensor, max_touches=120)
     for _ in explorer.run():
         pass
     built = assemble([face for face in explorer.found.graph.faces if face.fit], BOX.reshape(2, 3))
