@@ -61,3 +61,16 @@ class TriangleSurface(Surface, Protocol):
     ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
         """The fast path: distance (n,) and triangle (n,), or inf and -1, of (n, 3) contiguous rays."""
         ...
+
+
+@runtime_checkable
+class MaterialSurface(Surface, Protocol):
+    """A surface that yields under pressure, or is rough; one that is neither costs a simulator nothing."""
+
+    def materials_at(self, points: Floats) -> tuple[Floats, Floats]:
+        """Of the faces nearest to (n, 3) points: stiffness (n,) [N/mm^3], inf where rigid; roughness (n,) [mm]."""
+        ...
+
+    def grain_at(self, points: Floats) -> Floats:
+        """(n,) heights of unit root mean square at (n, 3) points, the same whenever they are asked for."""
+        ...

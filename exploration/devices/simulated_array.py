@@ -15,9 +15,10 @@ from exploration.sensing.physics.electronics import Memory, draw_unit, read_out
 from exploration.sensing.physics.gap import gap
 from exploration.sensing.physics.housing import HousingWatch
 from exploration.sensing.physics.skin import skin_of
+from exploration.sensing.physics.touched_material import TouchedMaterial
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats, frozen
-from primitives.surface import Surface
+from primitives.surface import MaterialSurface, Surface
 
 
 class SimulatedArray:
@@ -38,6 +39,9 @@ class SimulatedArray:
             transducer(spec),
             HousingWatch(surface, spec),
         )
+        self._material: TouchedMaterial | None = None
+        if isinstance(surface, MaterialSurface):
+            self._material = TouchedMaterial(surface, skin_of(spec), spec.elastomer.stiffness)
         self._far = FreeSpaceBound(surface, spec, stage.limits)
         self._nothing = frozen(np.zeros(spec.array.shape))
         self._unit = draw_unit(spec, rng)
@@ -77,7 +81,11 @@ class SimulatedArray:
         if self._far.holds(stage._true @ self._mount):
             pressed, self._touching = self._nothing, False
         else:
-            self._watch(end, self._gap.feel(self._poses(begin, end)))
+            poses = self._poses(begin, end)
+            deepest = self._gap.feel(poses)
+            if self._material is not None:
+                deepest = self._material.give_way(poses, self._gap.modes, self._gap.partial, deepest)
+            self._watch(end, deepest)
             pressed = self._taxels.press(self._gap.modes, self._gap.partial)
         counts, self._memory = read_out(pressed, spec, self._unit, self._memory, end - self._last, self._rng)
         self._last = end
