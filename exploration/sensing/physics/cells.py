@@ -69,7 +69,8 @@ def integrate(
                     continue
             states[r, c] = judge(r, c, corners, kinds, hits, hx, hy, vertices, triangles)
             if states[r, c] == SIMPLE:
-                partial[r, c] = simple_cell(r, c, corners, hx, hy, a, b, found)
+                simple_cell(r, c, corners, hx, hy, a, b, found)
+                partial[r, c] = found[0] > 0.0
                 for m in range(6):
                     modes[m, r, c] = found[m]
             elif states[r, c] == COVER:

@@ -193,8 +193,8 @@ def _narrow(vertices: Floats, triangles: Ints, t: int) -> float:
 @njit(cache=True, error_model="numpy")
 def simple_cell(
     r: int, c: int, corners: Floats, hx: float, hy: float, a: Floats, b: Floats, modes: Floats
-) -> bool:
-    """Integrate the quadratic through the corners; whether the cell is partly out of contact."""
+) -> None:
+    """Integrate the quadratic through the corners, as far as it is in contact."""
     d00, d01 = -corners[0, r, c], -corners[0, r, c + 1]
     d10, d11 = -corners[0, r + 1, c], -corners[0, r + 1, c + 1]
     gx0 = corners[1, r, c] + corners[1, r + 1, c]
@@ -206,7 +206,7 @@ def simple_cell(
     slack = 1.5 * (abs(bend_x) + abs(bend_y))
     if most + slack <= 0.0:
         modes[:] = 0.0
-        return False
+        return
     modes[0] = 0.25 * (d00 + d01 + d10 + d11) - bend_x - bend_y
     modes[1] = 0.25 * (d01 + d11 - d00 - d10)
     modes[2] = 0.25 * (d10 + d11 - d00 - d01)
@@ -214,7 +214,7 @@ def simple_cell(
     modes[4] = 0.25 * (d00 + d11 - d01 - d10)
     modes[5] = bend_y
     if least - slack >= 0.0:
-        return False
+        return
     if slack < 1e-6 and abs(modes[4]) < 1e-6:
         a[0, 0], a[0, 1], a[0, 2] = -1.0, -1.0, -d00
         a[1, 0], a[1, 1], a[1, 2] = 1.0, -1.0, -d01
@@ -223,9 +223,8 @@ def simple_cell(
         count = clip_to_contact(a, b, 4)
         modes[:] = 0.0
         add_polygon(a, count, modes)
-        return True
+        return
     _sample(modes)
-    return True
 
 
 @njit(cache=True, error_model="numpy")

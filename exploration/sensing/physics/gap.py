@@ -23,9 +23,7 @@ class Indentation:
     """How deep an object indents each cell of the skin."""
 
     modes: Floats  # (..., 6, R, C) [mm] Legendre coefficients, in the order of `skin.MODES`
-    partial: (
-        Bools  # (..., R, C) where a cell is partly out of contact, so that its modes above the mean matter
-    )
+    partial: Bools  # (..., R, C) where the modes above the mean matter: partly out of contact, or not flat
     deepest: Floats  # (...) [mm] greatest depth that a ray met; 0 out of contact
 
     @property

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.ndimage import gaussian_filter
 
 from exploration.sensing.physics.elastomer import pressure, wrench
 from exploration.sensing.physics.gap import SampledGap, gap, indentation
@@ -207,3 +208,18 @@ def test_a_small_boss_of_many_sides_presses_like_the_polygon_it_is(sections):
     felt = indentation(boss, pose(DOWN, [0.3, 0.2, 9.5]), LTS)
     area = sections / 2 * np.sin(2 * np.pi / sections)
     assert (felt.depth * skin_of(LTS).areas).sum() == pytest.approx(0.5 * area, rel=1e-6)
+
+
+@pytest.mark.parametrize(("subdivisions", "radius"), [(6, 15.0), (7, 40.0)])
+def test_a_ball_is_felt_as_its_dome_blurred(subdivisions, radius):
+    """Cells inside the contact are not flat: as steps they would blur the dome by a taxel's width more."""
+    ball, step, at = solid(trimesh.creation.icosphere(subdivisions, radius)), 0.1, np.array([0.4, -0.3])
+    where = pose(DOWN, [-at[0], at[1], radius - 0.5])
+    felt = pressure(indentation(ball, where, LTS), LTS) / LTS.elastomer.stiffness
+    fine = (np.arange(480) + 0.5) * step - 24.0
+    away = np.hypot(fine[:, None] - at[1], fine - at[0])
+    dome = np.maximum(0.0, 0.5 - radius + np.sqrt(np.maximum(0.0, radius**2 - away**2)))
+    blurred = gaussian_filter(dome, LTS.elastomer.spread / step, truncate=5)
+    first = [np.rint((line - 0.9 + 24.0) / step).astype(int) for line in (LTS.array.y, LTS.array.x)]
+    exact = np.array([[blurred[i : i + 18, j : j + 18].mean() for j in first[1]] for i in first[0]])
+    np.testing.assert_allclose(felt, exact, atol=0.002)
