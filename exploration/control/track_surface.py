@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from exploration.control.feel import Felt, feel
+from exploration.control.feel import FeelConfig, Felt, feel
 from exploration.control.procedures.look import look_closely
 from exploration.control.servo import ServoGains, hybrid_twist
 from exploration.control.sighting import Sighting, contact_front, reach_along, sight
@@ -72,6 +72,10 @@ class TrustConfig:
     narrow: float = 0.1  # [1/mm] a contact this curved may be a flat strip of two or three taxels
     narrow_floor: float = 0.06  # [mm]
     narrow_normal_floor: float = 0.1  # [rad]
+    rims: tuple[float, ...] = (
+        3.0,
+        2.0,
+    )  # [spreads] along a contact's end, that a patch of any outline leaves out
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
 
@@ -191,13 +195,23 @@ def keep(
             if float(surface.principal[0][0]) > trust.narrow:
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
-        felt = feel(seen.image)
-        found = flat_patch(seen.image, felt.inner, *where) if felt else Contacts.of([])
-        if felt and not len(found):
-            found = domed_patch(seen.image, felt.inner, *where)
+        found = _patch(seen, where, trust)
     if len(found):
         sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
         kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
+
+
+def _patch(seen: Observation, where: tuple[Floats, int, int, int], trust: TrustConfig) -> Contacts:
+    """Contacts of a face of any outline, as far inside its rim as it is wide enough for."""
+    found = Contacts.of([])
+    for rim in trust.rims:
+        felt = feel(seen.image, FeelConfig(rim=rim))
+        found = flat_patch(seen.image, felt.inner, *where) if felt else found
+        if felt and not len(found):
+            found = domed_patch(seen.image, felt.inner, *where)
+        if len(found):
+            break
+    return found
 
 
 def touched_cells(seen: Observation, felt: Felt) -> Floats:

@@ -38,9 +38,9 @@ def test_a_convex_part_is_explored_until_closed_and_rebuilt(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sensor", ["dsa", "optical"])
-def test_a_coarse_slow_array_and_a_fine_one_close_a_block_too(sensor):
-    explorer, solid = explorer_over(parts.build("block"), seed=1, sensor=sensor, max_touches=120)
+@pytest.mark.parametrize(("sensor", "name"), [("dsa", "cylinder"), ("optical", "block")])
+def test_a_coarse_slow_array_and_a_fine_one_close_a_part_too(sensor, name):
+    explorer, solid = explorer_over(parts.build(name), seed=1, sensor=sensor, max_touches=120)
     for _ in explorer.run():
         pass
     built = assemble([face for face in explorer.found.graph.faces if face.fit], BOX.reshape(2, 3))
