@@ -6,8 +6,8 @@ stiff as cross-validation allows: of the splines through every other reading, th
 between them least.  A straight edge becomes a straight line of all its ticks, a bent one keeps its bends.
 
 While tracking, the bend of an edge is filtered from what lies behind, and lags where it changes.  Afterwards it is
-smoothed from both sides (Rauch, Tung and Striebel, for a random walk); every frame is fitted once more with it, and
-over less of the edge where it changes: a change of c [1/mm] within a reach r moves the fit by up to c r^2 / 6.
+smoothed from both sides (Rauch, Tung and Striebel, for a random walk); every frame is fitted once more with it,
+and over less of the edge where it changes: a change of c [1/mm] within a reach r moves the fit by up to c r^2 / 6.
 """
 
 from dataclasses import dataclass, replace
@@ -172,7 +172,7 @@ def _bends(ticks: list[EdgeTick], drift: float) -> tuple[Floats, Floats, Floats]
 def _stiffness(s: Floats, points: Floats, weight: Floats) -> float:
     """The stiffness that predicts readings which it has not seen."""
     if len(s) < 4 * LEAST:
-        return STIFFNESSES[-1]
+        return float(STIFFNESSES[-1])
     missed = []
     for stiffness in STIFFNESSES:
         total = 0.0
@@ -182,7 +182,7 @@ def _stiffness(s: Floats, points: Floats, weight: Floats) -> float:
                 total += float(np.sum(weight[held] * (spline(s[held]) - column[held]) ** 2))
         missed.append(total)
     best = np.flatnonzero(np.array(missed) <= (1.0 + SLACK) * min(missed))
-    return float(STIFFNESSES[best.max()])
+    return float(STIFFNESSES[int(best.max())])
 
 
 def _travel(points: Floats, tangents: Floats) -> Floats:

@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from exploration.control.corners import CornerConfig, Meeting, agreed, meeting
 from exploration.control.dwell import dwell
 from exploration.control.edge_trace import EdgeTick, smoothed
 from exploration.control.hybrid import HybridGains, HybridState, hybrid
@@ -47,16 +48,28 @@ class EdgeConfig:
     bend_drift: float = 0.02  # [1/mm] by which the bend may change within a mm
     sharpest: float = 0.8  # [rad] of a bent edge that one frame is fitted to, either way
     corner: float = 2.5  # [mm] ahead of the center, at which an end of the face is the corner
+    clear: float = 4.0  # [mm] from a corner, at which an edge is not read
     confirm: int = 3  # ticks in a row that must show the corner
+    bent: float = 9.0  # [mm] the same, of a blunt one
+    blunt: float = 0.03  # [1/mm] bend from which it may be a corner
+    look: float = 1.0  # [mm] between looks for one
+    corners: CornerConfig = field(default_factory=CornerConfig)
     patience: int = 6  # ticks without the line
     back: float = 4.0  # [mm] that a lost edge is gone back for
     retries: int = 2
     closing: float = 2.0  # [mm]
     overlap: float = 3.0  # [mm] past its start that a closed edge is followed
     least_loop: float = 25.0  # [mm]
-    deepest: float = 1.4  # of the nominal press, where the face is too narrow for the force
     misfit: float = 3.0  # times what is usual, from which a fit is not the edge
     level_sigma: float = 0.03  # slope known worse than this levels nothing
+
+
+@dataclass(frozen=True)
+class Home:
+    """Where an outline began."""
+
+    point: Floats  # (3,) [mm]
+    tangent: Floats  # (3,) unit direction of travel
 
 
 @dataclass(frozen=True)
@@ -67,8 +80,9 @@ class Tracked:
     ended: Ended
     travel: float  # [mm]
     forces: tuple[float, ...] = ()  # [N] at every tick
-    force: float = 0.0  # [N] the set point
+    set_points: tuple[float, ...] = ()  # [N] that were wanted: the nominal pressure on the area in contact
     last: Followed | None = None  # the edge as last seen
+    corner: Meeting | None = None  # that ended it, where it was seen coming
 
     def __bool__(self) -> bool:
         return self.trace is not None
@@ -81,8 +95,10 @@ class _Run:
     ticks: list[EdgeTick] = field(default_factory=list)
     law: HybridState = field(default_factory=HybridState)
     travel: float = 0.0
-    set_force: float = 0.0
+    wanted: list[float] = field(default_factory=list)  # [N]
     cornering: int = 0
+    met: list[Meeting] = field(default_factory=list)  # corners seen, one after another
+    looked: float = 0.0  # [mm] of travel when corners were last looked for
     misfit: float = 20.0  # chi2 per degree of freedom, as is usual
 
 
@@ -94,8 +110,12 @@ def follow_edge(
     stroke: int,
     gains: ServoGains = ServoGains(),
     config: EdgeConfig = EdgeConfig(),
+    home: Home | None = None,
 ) -> Tracked:
-    """Track the edge under the pad, the way of the (3,) world direction `along`, up to `length` [mm]."""
+    """Track the edge under the pad, the way of the (3,) world direction `along`, up to `length` [mm].
+
+    The edge is closed where it comes by `home`, or else by its own start.
+    """
     response = rubber(guard.calibrations[guard.active].spread, guard.sensor.array.pitch)
     law = HybridGains.for_delay(guard.period, guard.pending.latency)
     run, missed, retries = _Run(), 0, 0
@@ -103,6 +123,7 @@ def follow_edge(
     expected = _first(seen, along, config)
     rest = None if expected is None else 0.0 if np.cos(expected.angle) >= 0 else np.pi
     last: Followed | None = None
+    corner: Meeting | None = None
     ended: Ended = "length"
     while run.travel < length:
         image = softened(seen.image)
@@ -119,16 +140,37 @@ def follow_edge(
             continue
         missed, last = 0, edge
         _note(run, seen, image, edge, gains)
-        if (why := _over(run, edge, config)) is not None:
+        if (why := _over(run, edge, config, home)) is not None:
             ended = why
+            break
+        if (corner := _breaks(run, seen, edge, config)) is not None:
+            ended = "corner"
             break
         twist = _command(run, edge, seen, guard, law, gains, config, rest or 0.0)
         before = seen.world_from_sensor
         seen = guard.move(twist)
         run.travel += max(0.0, float((seen.world_from_sensor[:3, 3] - before[:3, 3]) @ run.ticks[-1].tangent))
         expected = _moved(edge, before, seen.world_from_sensor, config, guard.period)
-    trace = smoothed(run.ticks, ended == "closed", touch, stroke, response, config.reach, config.bend_drift)
-    return Tracked(trace, ended, run.travel, tuple(t.force for t in run.ticks), run.set_force, last)
+    trace = smoothed(
+        _clear(run.ticks, corner, config),
+        ended == "closed",
+        touch,
+        stroke,
+        response,
+        config.reach,
+        config.bend_drift,
+    )
+    return Tracked(
+        trace, ended, run.travel, tuple(t.force for t in run.ticks), tuple(run.wanted), last, corner
+    )
+
+
+def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) -> list[EdgeTick]:
+    """The ticks in which no corner is near."""
+    clear = [tick for tick in ticks if min(tick.edge.ahead, tick.edge.behind) > config.clear]
+    if corner is None:
+        return clear
+    return [t for t in clear if float(np.linalg.norm(t.point - corner.point)) > config.bent]
 
 
 def _first(seen: Observation, along: Floats, config: EdgeConfig) -> Expected | None:
@@ -175,28 +217,38 @@ def expected_of(line: Line, heading: Floats, config: EdgeConfig) -> Expected:
 
 
 def _note(run: _Run, seen: Observation, image: TactileImage, edge: Followed, gains: ServoGains) -> None:
-    """Take down what this tick saw; the force at the nominal press becomes the set point."""
+    """Take down what this tick saw, and the force that the nominal pressure makes on what is in contact."""
     run.ticks.append(EdgeTick(edge, image, seen.world_from_sensor, seen.force))
-    run.misfit += (edge.misfit - run.misfit) / min(len(run.ticks), 50)
-    if len(run.ticks) <= 10:
-        wanted = gains.press * seen.image.stiffness * edge.area
-        run.set_force += (wanted - run.set_force) / len(run.ticks)
+    run.misfit += (edge.misfit - run.misfit) / min(len(run.ticks), 100)
+    run.wanted.append(gains.press * seen.image.stiffness * edge.area)
 
 
-def _over(run: _Run, edge: Followed, config: EdgeConfig) -> Ended | None:
+def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> Ended | None:
     """Whether the edge is at a corner, or has come round."""
     run.cornering = run.cornering + 1 if min(edge.ahead, edge.opens) < config.corner else 0
     if run.cornering >= config.confirm:
         return "corner"
-    if run.travel > config.least_loop:
-        first, last = run.ticks[0], run.ticks[-1]
-        gap = last.point - first.point
-        past = float(gap @ first.tangent)
-        aside = float(np.linalg.norm(gap - past * first.tangent))
-        there = config.overlap < past < 3.0 * config.overlap and aside < config.closing
-        if there and first.tangent @ last.tangent > 0.8:
-            return "closed"
-    return None
+    if home is None and run.travel < config.least_loop:
+        return None
+    start = home or Home(run.ticks[0].point, run.ticks[0].tangent)
+    gap = run.ticks[-1].point - start.point
+    past = float(gap @ start.tangent)
+    aside = float(np.linalg.norm(gap - past * start.tangent))
+    there = config.overlap < past < 3.0 * config.overlap and aside < config.closing
+    return "closed" if there and start.tangent @ run.ticks[-1].tangent > 0.8 else None
+
+
+def _breaks(run: _Run, seen: Observation, edge: Followed, config: EdgeConfig) -> Meeting | None:
+    """The blunt corner that looks like a sharp bend, once the pad is there."""
+    if abs(edge.bend) < config.blunt or run.travel < run.looked + config.look:
+        return None
+    run.looked = run.travel
+    met = meeting(seen, edge, config.corners)
+    if met is None:
+        run.met.clear()
+        return None
+    run.met.append(met)
+    return met if agreed(run.met, config.corners) and abs(met.ahead) < config.corner else None
 
 
 def _command(
@@ -217,8 +269,7 @@ def _command(
     slope = turn @ edge.slope + np.array([-soon[0, 2], -soon[1, 2]])
     if edge.covariance[3, 3] > config.level_sigma**2 or edge.covariance[4, 4] > config.level_sigma**2:
         slope = np.zeros(2)
-    press = (run.set_force - seen.force) / (seen.image.stiffness * max(edge.area, 20.0)) - soon[2, 3]
-    press = min(press, config.deepest * gains.press - edge.plateau)
+    press = (run.wanted[-1] - seen.force) / (seen.image.stiffness * max(edge.area, 20.0)) - soon[2, 3]
     angle = (np.arctan2(direction[1], direction[0]) - rest + np.pi) % (2.0 * np.pi) - np.pi
     speed = min(config.speed, 0.75 * config.turn / max(abs(edge.bend), 1e-3))
     aside = np.clip(config.gain_offset * (config.inside + float(foot @ inward)), -speed, speed)

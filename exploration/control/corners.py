@@ -1,0 +1,86 @@
+"""Corners of an outline: two straight edges that meet in one place, however the pad moves.
+
+A frame at a rounded bend may be explained by two lines as well, but where they meet wanders along the bend while
+the pad goes by.  A corner is where the same meeting is seen from several places.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.devices.guard import Observation
+from exploration.sensing.lines.follow_line import Followed
+from exploration.sensing.lines.line import Line
+from exploration.sensing.lines.outline import find_outline
+from primitives.arrays import Floats
+
+
+@dataclass(frozen=True)
+class CornerConfig:
+    """When two lines are a corner."""
+
+    turns: float = 0.2  # |sine| of the angle between two edges, from which they are two
+    length: float = 4.0  # [mm] of a line that is an edge
+    sure: float = 3.0  # [standard deviations of chi2] within which the lines must explain the frame
+    looks: int = 5  # that must agree
+    apart: float = 0.45  # [mm] by which meetings may differ
+    turned: float = 0.06  # [rad] by which their angles may
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Two edges that meet: the way the material's hand is kept, from one to the other."""
+
+    point: Floats  # (3,) [mm] in the world
+    inward: Floats  # (3,) unit direction into the material from the edge ahead
+    along: Floats  # (3,) unit direction of travel on the edge ahead
+    angle: float  # [rad] between the two
+    ahead: float  # [mm] from the pad's center, along the edge behind
+
+
+def meeting(
+    seen: Observation, edge: Followed, config: CornerConfig, lines: tuple[Line, ...] = ()
+) -> Meeting | None:
+    """The meeting of the two edges under the pad; None where the frame shows no two, or is not explained by them.
+
+    `lines` are taken as they are instead of being looked for.
+    """
+    if not lines:
+        outline = find_outline(seen.image, 3)
+        if outline.arcs or not outline.explains(config.sure):
+            return None
+        lines = outline.lines
+    found: list[Meeting] = []
+    long = [line for line in lines if line.length > config.length]
+    for behind in long:
+        for ahead in long:
+            sine = float(behind.direction @ ahead.inward)
+            if abs(sine) < config.turns:
+                continue
+            foot = ahead.offset * ahead.normal
+            share = float((behind.offset * behind.normal - foot) @ behind.inward)
+            corner = foot + share / float(ahead.direction @ behind.inward) * ahead.direction
+            come = edge.side * np.array([behind.inward[1], -behind.inward[0]])
+            go = edge.side * np.array([ahead.inward[1], -ahead.inward[0]])
+            came = float((0.5 * (behind.start + behind.end) - corner) @ come) < 0.0
+            goes = float((0.5 * (ahead.start + ahead.end) - corner) @ go) > 0.0
+            if came and goes and come @ edge.direction > 0.3:
+                found.append(_in_world(seen, corner, ahead.inward, go, come))
+    return min(found, key=lambda m: abs(m.ahead), default=None)
+
+
+def agreed(meetings: list[Meeting], config: CornerConfig) -> bool:
+    """Whether the last meetings are one corner."""
+    last = meetings[-config.looks :]
+    if len(last) < config.looks:
+        return False
+    points = np.array([m.point for m in last])
+    angles = np.array([m.angle for m in last])
+    spread = float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
+    return spread < config.apart and float(np.ptp(angles)) < config.turned
+
+
+def _in_world(seen: Observation, corner: Floats, inward: Floats, go: Floats, come: Floats) -> Meeting:
+    turn, at = seen.world_from_sensor[:3, :2], seen.world_from_sensor[:3, 3]
+    angle = float(np.arccos(np.clip(go @ come, -1.0, 1.0)))
+    return Meeting(turn @ corner + at, turn @ inward, turn @ go, angle, float(corner @ come))
