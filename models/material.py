@@ -2,6 +2,7 @@
 
     stiffness_n_mm3 = 0.3          # of the whole body; without it the body is rigid
     roughness_mm = 0.02            # root mean square height; without it the body is smooth
+    temperature_c = 45.0           # of the whole body; without it that of the air
 
     [faces.4]                      # as `palpate library show` counts them
     roughness_mm = 0.08
@@ -48,6 +49,7 @@ class Material:
 
 
 RIGID = Material()
+AIR = 20.0  # [deg C]
 
 
 @dataclass(frozen=True)
@@ -57,9 +59,11 @@ class Materials:
     whole: Material = RIGID
     faces: Mapping[int, Material] = field(default_factory=dict)
     grain: float = 1.0  # [mm] over which heights are alike
+    temperature: float = AIR  # [deg C]
 
     def __bool__(self) -> bool:
-        return any(material != RIGID for material in (self.whole, *self.faces.values()))
+        special = any(material != RIGID for material in (self.whole, *self.faces.values()))
+        return special or self.temperature != AIR
 
     @staticmethod
     def from_toml(path: Path) -> Materials:
@@ -74,9 +78,12 @@ class Materials:
             raise PalpateError(f"{path}: faces must be tables [faces.ID]")
         if not isinstance(grain, int | float) or not 0.05 <= grain <= 20.0:
             raise PalpateError(f"{path}: grain_mm must be from 0.05 to 20, not {grain!r}")
+        temperature = table.pop("temperature_c", AIR)
+        if not isinstance(temperature, int | float) or not isfinite(temperature):
+            raise PalpateError(f"{path}: temperature_c must be a number, not {temperature!r}")
         whole = _material(table, RIGID, str(path))
         told = {_face_id(key, path): _material(t, whole, f"{path} [faces.{key}]") for key, t in faces.items()}
-        return Materials(whole, told, float(grain))
+        return Materials(whole, told, float(grain), float(temperature))
 
 
 def _face_id(key: str, path: Path) -> int:
@@ -129,6 +136,11 @@ class MadeOf:
     def grain_at(self, points: Floats) -> Floats:
         """See `MaterialSurface`."""
         return self._grain.at(transform_points(self._part_from_world, points))
+
+    @property
+    def temperature(self) -> float:
+        """[deg C]."""
+        return self.materials.temperature
 
     @property
     def vertices(self) -> Floats:

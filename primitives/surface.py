@@ -74,3 +74,13 @@ class MaterialSurface(Surface, Protocol):
     def grain_at(self, points: Floats) -> Floats:
         """(n,) heights of unit root mean square at (n, 3) points, the same whenever they are asked for."""
         ...
+
+
+@runtime_checkable
+class WarmSurface(Surface, Protocol):
+    """A surface that is not as warm as the air."""
+
+    @property
+    def temperature(self) -> float:
+        """[deg C]."""
+        ...

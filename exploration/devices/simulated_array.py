@@ -16,6 +16,7 @@ from exploration.sensing.physics.gap import gap
 from exploration.sensing.physics.housing import HousingWatch
 from exploration.sensing.physics.skin import skin_of
 from exploration.sensing.physics.touched_material import TouchedMaterial
+from exploration.sensing.physics.warmth import Warmth
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats, frozen
 from primitives.surface import MaterialSurface, Surface
@@ -50,6 +51,9 @@ class SimulatedArray:
         self._due = 0
         self._last = 0.0
         self._touching = False
+        self._warmth: Warmth | None = None
+        if spec.thermal is not None:
+            self._warmth = Warmth(spec.thermal, surface, rng)
 
     @property
     def array(self) -> TaxelArray:
@@ -88,8 +92,11 @@ class SimulatedArray:
             self._watch(end, deepest)
             pressed = self._taxels.press(self._gap.modes, self._gap.partial)
         counts, self._memory = read_out(pressed, spec, self._unit, self._memory, end - self._last, self._rng)
+        felt = None
+        if self._warmth is not None:
+            felt = self._warmth.felt(end - self._last, self._touching)
         self._last = end
-        frame = TaxelFrame(frozen(counts), begin, self._index)
+        frame = TaxelFrame(frozen(counts), begin, self._index, felt)
         self._index += 1
         return frame
 

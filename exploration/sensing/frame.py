@@ -52,6 +52,7 @@ class TaxelFrame:
     counts: Floats  # (rows, columns) raw counts, whole numbers after quantization
     time: float  # [s] on the device's clock, when the scan of the first row began
     index: int  # frames since the device was opened
+    temperature: float | None = None  # [deg C] of the skin, where the array has a thermal layer
 
 
 @dataclass(frozen=True)

@@ -68,6 +68,15 @@ class Capacitor:
 
 
 @dataclass(frozen=True)
+class Thermal:
+    """A layer of the skin that feels temperature: it follows what it touches with one time constant."""
+
+    time_constant: float  # [s] in contact
+    ambient: float = 20.0  # [deg C] of the air, and of an object of which nothing else is said
+    noise: float = 0.0  # [deg C] 1 sigma of a reading
+
+
+@dataclass(frozen=True)
 class SensorSpec:
     """A whole sensor."""
 
@@ -79,6 +88,7 @@ class SensorSpec:
     period: float = 0.005  # [s] between frames
     press_depth: float = 0.5  # [mm] nominal indentation
     capacitor: Capacitor | None = None  # taxels that measure a gap; None: they measure pressure
+    thermal: Thermal | None = None  # None: the array feels no temperature
 
     @property
     def name(self) -> str:
@@ -137,6 +147,7 @@ def sensor_from_toml(source: str, name: str) -> SensorSpec:
         capacitor=_build(Capacitor, table["capacitor"], f"sensor {name} [capacitor]")
         if "capacitor" in table
         else None,
+        thermal=_build(Thermal, table["thermal"], f"sensor {name} [thermal]") if "thermal" in table else None,
         **_values(
             SensorSpec, {k: table[k] for k in ("technology", "period", "press_depth") if k in table}, name
         ),
@@ -216,6 +227,8 @@ def _refuse_nonsense(spec: SensorSpec) -> None:
         "capacitor.gap must be greater than elastomer.thickness, and the rubber must spread": spec.capacitor
         is None
         or (spec.capacitor.gap > r.thickness and spec.capacitor.fringe >= 0 and r.spread > 0),
+        "thermal.time_constant must be positive, and thermal.noise not negative": spec.thermal is None
+        or (spec.thermal.time_constant > 0 and spec.thermal.noise >= 0),
         f"technology must be one of {', '.join(TECHNOLOGIES)}": spec.technology in TECHNOLOGIES,
     }
     for rule, kept in rules.items():
