@@ -17,25 +17,23 @@ from types import MappingProxyType
 
 import numpy as np
 
-from exploration.sensing.frame import TactileImage
-from exploration.sensing.kinds import (
-    KINDS,
+from exploration.sensing.cut_readings import (
     SETTLED,
     Reading,
     as_wall,
-    fewer,
-    only,
-    probabilities,
     reading_of_lines,
-    reading_of_outline,
+    readings_of_outline,
     rivals,
 )
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.kinds import KINDS, only, probabilities
 from exploration.sensing.lines.arc import Arc
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import voted_lines
 from exploration.sensing.lines.line import Line
-from exploration.sensing.lines.outline import find_outline
+from exploration.sensing.lines.outline import Outline, find_outline, outline_of
+from exploration.sensing.lines.region_fit import RegionFit
 from exploration.sensing.lines.single_edge import NOTHING as NO_EDGE
-from exploration.sensing.lines.single_edge import single_edge
+from exploration.sensing.lines.single_edge import SMOOTH, first_look
 from exploration.sensing.response import response_of
 from exploration.sensing.surfaces.footprint import PLANE, Footprint, fit_footprint
 from exploration.sensing.surfaces.local_surface import (
@@ -47,12 +45,13 @@ from exploration.sensing.surfaces.local_surface import (
 )
 from exploration.sensing.surfaces.order import Ordered, order_contact
 from exploration.sensing.surfaces.ridge_ends import DOUBTED, cut_at_ends
-from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, smooth_contact
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, held, smooth_contact
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points
 
 UNREADABLE = "the frame holds values that are not finite, or no living taxel"
+LIKELY = 0.5  # probability of a reading from which its lines are told
 UNEXPLAINED = 3.0  # [standard deviations of chi2] of misfit from which the whole outline is looked for
 
 
@@ -79,35 +78,69 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
         return _nothing(UNREADABLE, image)
     if not contact:
         return _nothing("nothing is felt above the noise", image)
-    verdict, line = single_edge(image, response_of(image))
+    verdict, line, edge_chi2 = first_look(image, response_of(image))
     if line is not None and (face := _sure_face(image, contact, line)) is not None:
         return _touch(image, contact, only("edge"), (line,), face)
     dome = fit_dome(contact)
     if not dome.converged:
-        return _nothing("the fit of the sensor model did not converge", image)
+        dome = held(contact, dome)
     ordered = order_contact(contact, dome)
     smooth = ordered_surface(image, contact, ordered)
-    if verdict == NO_EDGE or _explained(smooth):
-        edges, wall = [], None
-        if verdict != NO_EDGE:
-            edges = rivals(image, float(image.depth[contact.mask].mean()), ordered.chi2 + SETTLED)
-            wall = as_wall(image, ordered)
-        kinds = probabilities(contact, ordered, smooth, edges if wall is None else [*edges, wall])
-        if kinds["edge"] + kinds["corner"] < 0.5 or not edges:
-            return _touch(image, contact, kinds, (), smooth)
-    return _with_outline(image, max_lines, contact, ordered, smooth)
+    readings: list[Reading] = []
+    if verdict != NO_EDGE:
+        if not (_explained(smooth, SMOOTH) and smooth.chi2 < edge_chi2):
+            if not _explained(smooth):
+                return _with_outline(image, max_lines, contact, dome, ordered, smooth)
+            readings = rivals(image, ordered.chi2 + SETTLED)
+        wall = as_wall(image, ordered)
+        readings += [] if wall is None else [wall]
+    kinds, stands = probabilities(contact, ordered, smooth, readings)
+    if readings and kinds["edge"] + kinds["corner"] >= 0.5:
+        return _with_outline(image, max_lines, contact, dome, ordered, smooth)
+    if stands is not None and stands.fit is not None and kinds[stands.kind] > LIKELY:
+        lines = outline_of(image, stands.fit).lines
+        return _touch(image, contact, kinds, lines, _flat_face(image, contact, stands.fit))
+    return _touch(image, contact, kinds, (), smooth)
 
 
 def _with_outline(
-    image: TactileImage, max_lines: int, contact: SmoothContact, ordered: Ordered, smooth: LocalSurface
+    image: TactileImage,
+    max_lines: int,
+    contact: SmoothContact,
+    dome: Footprint,
+    ordered: Ordered,
+    smooth: LocalSurface,
 ) -> Touch:
     """A frame that no smooth surface explains, or that edges explain as well."""
-    surface, lines = smooth, find_lines(image, max_lines)
+    outline = find_outline(image, max_lines, smooth=dome)
+    if outline.fit is not None and outline and outline.explains(UNEXPLAINED):
+        readings = readings_of_outline(image, outline)
+        wall = as_wall(image, ordered)
+        kinds, stands = probabilities(
+            contact, ordered, smooth, readings if wall is None else [*readings, wall]
+        )
+        if stands is None:
+            return _touch(image, contact, kinds, (), smooth)
+        face = _flat_face(image, contact, outline.fit)
+        return _touch(image, contact, kinds, outline.lines, face, outline.arcs)
+    return _as_far_as_explained(image, max_lines, contact, ordered, smooth, outline)
+
+
+def _as_far_as_explained(
+    image: TactileImage,
+    max_lines: int,
+    contact: SmoothContact,
+    ordered: Ordered,
+    smooth: LocalSurface,
+    outline: Outline,
+) -> Touch:
+    """A frame that neither a smooth surface nor a flat face explains: edges of curved faces, or worse."""
+    surface, lines = smooth, voted_lines(image, max_lines)
     arcs: tuple[Arc, ...] = ()
     readings: list[Reading] = []
     if lines:
         surface, cut = _cut(image, contact, lines, smooth)
-        readings = [] if cut is None else [reading_of_lines(image, cut), *fewer(image, lines, cut)]
+        readings = [] if cut is None else [reading_of_lines(image, cut)]
     else:
         wall = as_wall(image, ordered)
         readings = [] if wall is None else [wall]
@@ -115,19 +148,22 @@ def _with_outline(
         ended = cut_at_ends(image, smooth)
         if ended.chi2 < surface.chi2 and ended is not smooth:
             lines, surface = (), ended
-    if not _explained(surface) or (lines and surface.curved):
-        outline = find_outline(image, max_lines)
-        if outline and outline.chi2 < surface.chi2:
-            lines, arcs = outline.lines, outline.arcs
-            if arcs:
-                readings.append(reading_of_outline(image, outline, ordered))
-            else:
-                surface, cut = _cut(image, contact, lines, smooth)
-                readings += [] if cut is None else [reading_of_lines(image, cut)]
-    kinds = probabilities(contact, ordered, smooth, readings)
-    if lines and max(kinds, key=lambda name: kinds[name]) in ("flat", "curved"):
-        lines, surface = (), smooth
+    if outline.fit is not None and outline and outline.chi2 < surface.chi2:
+        lines, arcs = outline.lines, outline.arcs
+        readings += readings_of_outline(image, outline)
+        surface = _flat_face(image, contact, outline.fit)
+    kinds, _ = probabilities(contact, ordered, smooth, readings)
+    if (lines or arcs) and max(kinds, key=lambda name: kinds[name]) in ("flat", "curved"):
+        lines, arcs, surface = (), (), smooth
     return _touch(image, contact, kinds, lines, surface, arcs)
+
+
+def _flat_face(image: TactileImage, contact: SmoothContact, fit: RegionFit) -> LocalSurface:
+    """The plane of an outline."""
+    p, covariance = np.zeros(6), np.zeros((6, 6))
+    p[:3], covariance[:3, :3] = fit.parameters[:3], fit.covariance[:3, :3]
+    plane = Footprint(p, covariance, fit.chi2, fit.dof, fit.converged, contact.depth)
+    return surface_of(image, contact.mask, plane, False, _FLAT)
 
 
 def _touch(
@@ -144,8 +180,8 @@ def _touch(
     return Touch(kind, MappingProxyType(kinds), lines, surface, force, image.time, arcs)
 
 
-def _explained(surface: LocalSurface) -> bool:
-    return surface.chi2 < surface.dof + UNEXPLAINED * sqrt(2 * surface.dof)
+def _explained(surface: LocalSurface, deviations: float = UNEXPLAINED) -> bool:
+    return surface.chi2 < surface.dof + deviations * sqrt(2 * surface.dof)
 
 
 def _sure_face(image: TactileImage, contact: SmoothContact, line: Line) -> LocalSurface | None:

@@ -84,7 +84,23 @@ def find_lines(
         return () if line is None else (line,)
     outline = find_outline(image, max_lines, response, UNMISTAKABLE)
     explained = outline.explains(config.greatest_misfit) and not outline.arcs
-    lines = outline.lines if explained else _searched(image, max_lines, response, config)
+    return (
+        _high(image, outline.lines, config) if explained else voted_lines(image, max_lines, response, config)
+    )
+
+
+def voted_lines(
+    image: TactileImage,
+    max_lines: int = 3,
+    response: Response | None = None,
+    config: HoughConfig = DEFAULT,
+) -> tuple[Line, ...]:
+    """The lines of a frame that no flat face's outline explains: rims, and edges of curved faces."""
+    return _high(image, _searched(image, max_lines, response_of(image, response), config), config)
+
+
+def _high(image: TactileImage, lines: tuple[Line, ...], config: HoughConfig) -> tuple[Line, ...]:
+    """Without the low ends of planes that run out."""
     low = config.least_share * float(image.depth.max())
     return tuple(line for line in lines if line.plateau > low)
 
@@ -92,7 +108,6 @@ def find_lines(
 def _searched(
     image: TactileImage, max_lines: int, response: Response, config: HoughConfig
 ) -> tuple[Line, ...]:
-    """The lines of a frame that no flat face's outline explains: rims, and edges of curved faces."""
     points = edge_points(image, response)
     found = candidates(points, image, max_lines, response, config)
     if not found:

@@ -55,6 +55,7 @@ class Outline:
     chi2: float = 0.0
     dof: int = 0
     over_smooth: float = 0.0  # [chi2] by which this is likelier than the best smooth surface
+    fit: RegionFit | None = None  # behind the lines and arcs, before any are made parallel
 
     def __bool__(self) -> bool:
         return bool(self.lines or self.arcs)
@@ -65,6 +66,7 @@ class Outline:
 
 
 NOTHING = Outline()
+DEFAULT = OutlineConfig()
 UNMISTAKABLE = OutlineConfig(as_smooth=14.0)  # nothing that might as well be a smooth surface
 
 
@@ -73,11 +75,12 @@ def find_outline(
     max_lines: int = 3,
     response: Response | None = None,
     config: OutlineConfig | None = None,
+    smooth: Footprint | None = None,
 ) -> Outline:
-    """Straight edges and arcs of a frame, each kind strongest first."""
+    """Straight edges and arcs of a frame, each kind strongest first; `smooth` is its dome, if that is fitted."""
     if not usable(image):
         return NOTHING
-    config = config or OutlineConfig()
+    config = config or DEFAULT
     response = response_of(image, response)
     points = edge_points(image, response)
     soft = softened(image)
@@ -88,13 +91,13 @@ def find_outline(
         return NOTHING
     if best.region == Region():
         return Outline((), (), best.chi2, best.dof)
-    smooth = fit_paraboloid(image, contact_mask(image))
+    smooth = smooth or fit_paraboloid(image, contact_mask(image))
     gain = smooth.chi2 - best.chi2 if smooth.converged else inf
     if gain < _asked(best, smooth, config):
         return Outline((), (), smooth.chi2, smooth.dof, gain)
     if soft is not image:
         best = on_its_skin(image, best)
-    return _report(image, made_parallel(best), gain, config)
+    return outline_of(image, best, gain, config)
 
 
 def _asked(best: RegionFit, smooth: Footprint, config: OutlineConfig) -> float:
@@ -113,9 +116,12 @@ def _asked(best: RegionFit, smooth: Footprint, config: OutlineConfig) -> float:
     return 0.0 if len(best.region.sides) == 1 and not best.region.signs else config.over_smooth
 
 
-def _report(image: TactileImage, fit: RegionFit, gain: float, config: OutlineConfig) -> Outline:
-    """Lines and arcs of a fit, over what the pad sees of them."""
+def outline_of(
+    image: TactileImage, fit: RegionFit, gain: float = 0.0, config: OutlineConfig = DEFAULT
+) -> Outline:
+    """Lines and arcs of a fit, over what the pad sees of them; sides that may be parallel are."""
     lines, arcs = [], []
+    free, fit = fit, made_parallel(fit)
     p, covariance = fit.parameters, fit.covariance * fit.inflation
     size = image.array.size
     n = len(fit.region.sides)
@@ -145,7 +151,7 @@ def _report(image: TactileImage, fit: RegionFit, gain: float, config: OutlineCon
             arcs.append(Arc(center, radius, shared, sign > 0, step * len(turn), strength, height))
     lines.sort(key=lambda line: -line.strength)
     arcs.sort(key=lambda arc: -arc.strength)
-    return Outline(tuple(lines), tuple(arcs), fit.chi2, fit.dof, gain)
+    return Outline(tuple(lines), tuple(arcs), fit.chi2, fit.dof, gain, free)
 
 
 def _unbent(disc: Floats, covariance: Floats) -> tuple[Floats, float]:

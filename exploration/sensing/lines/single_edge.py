@@ -43,25 +43,38 @@ CLEAR = 30.0  # [chi2] by which no smooth rim explains the step
 
 def single_edge(image: TactileImage, response: Response, dihedral: float = pi / 2) -> tuple[int, Line | None]:
     """The verdict on a usable frame, and its line where that is `SURE`."""
+    found = _looked(*_arguments(image, response), pi - dihedral)
+    verdict = int(found[0])
+    return verdict, _line(found) if verdict == SURE else None
+
+
+def first_look(image: TactileImage, response: Response) -> tuple[int, Line | None, float]:
+    """The same for who fits a smooth surface anyway: a frame that one might explain stays `DOUBTFUL`.
+
+    The number is chi2 of the best edge, infinite where none is seen; what explains the frame better needs none.
+    """
+    found = _single_edge(*_arguments(image, response), pi / 2)
+    verdict = int(found[0])
+    return (verdict, _line(found), 0.0) if verdict == SURE else (verdict, None, float(found[1]))
+
+
+def _arguments(
+    image: TactileImage, response: Response
+) -> tuple[Floats, Floats, float, float, float, Floats, Ints, Ints, Floats, Floats]:
     array = image.array
     vx, vy = response.variance
     pad = skin_views(array.rows, array.columns, array.pitch, image.margin, (float(vx), float(vy)))
-    px, py = array.pitch
-    found = _looked(
+    return (
         image.depth,
         image.sigma,
         image.gain_sigma,
-        px,
-        py,
+        *array.pitch,
         pad.views,
         pad.kinds,
         pad.first,
         pad.blurs,
         response.table,
-        pi - dihedral,
     )
-    verdict = int(found[0])
-    return verdict, _line(found) if verdict == SURE else None
 
 
 def _line(found: Floats) -> Line:

@@ -12,7 +12,7 @@ The fit starts from a paraboloid through the touched taxels.  Where that does no
 from the best plane, and from domes as high as what is felt and twice as high, for contacts that the blur hides.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -27,7 +27,10 @@ from primitives.arrays import Bools, Floats, frozen
 
 DOME, PLANE, RIDGE, BALL = 0, 1, 2, 3
 STEPS = 30
+MORE_STEPS = 90  # for what has not settled by then: narrow ridges far from the pad's center
 ENOUGH = 3.0  # [standard deviations of chi2] within which no second start is tried
+UNSETTLED = 3.0  # by which the sigma of a fit that did not settle is widened
+LEAN = 0.1  # 1 sigma of the slope of a face of which nothing is known
 HOPE = 3.0  # times what a step promises, that all further steps together may gain
 BLUNTED = 1.3  # by which a paraboloid through blurred taxels is too blunt (our choice of a start)
 _NO_SIDES = frozen(np.empty(0))
@@ -69,6 +72,23 @@ def fit_dome(contact: SmoothContact) -> Footprint:
         contact.depth, contact.precision, contact.mask, contact.x, contact.y, *contact.grid, contact.scale
     )
     return Footprint(p, covariance, chi2, count - 6, converged, residual)
+
+
+def held(contact: SmoothContact, dome: Footprint) -> Footprint:
+    """What stands where no dome settles: the dome as far as it came, or a level plane, both doubted."""
+    p, covariance = dome.parameters, dome.covariance * UNSETTLED**2
+    sane = bool(np.isfinite(p).all()) and bool(np.linalg.eigvalsh(covariance)[0] > 0.0)
+    if sane and np.isfinite(dome.chi2):
+        return replace(dome, covariance=covariance, converged=True)
+    felt = contact.depth[contact.mask & (contact.precision > 0.0)]
+    level = float(felt.mean()) if felt.size else 0.0
+    residual = (contact.depth - np.where(contact.mask, level, 0.0)) * contact.precision
+    size = np.abs(residual)
+    chi2 = float(np.sum(np.where(size > HUBER, HUBER * (2.0 * size - HUBER), size * size)))
+    variance = np.array([level * level, LEAN**2, LEAN**2, *([CURVATURE**2] * 3)]) + 1e-12
+    count = int(np.count_nonzero(contact.precision))
+    parameters = np.array([level, 0.0, 0.0, 0.0, 0.0, 0.0])
+    return Footprint(parameters, np.diag(variance), chi2, count - 6, True, residual)
 
 
 def fit_shape(contact: SmoothContact, dome: Footprint, shape: int, limit: float = np.inf) -> Footprint:
@@ -392,5 +412,11 @@ def _fit_dome(
             depth, precision, x_cells, y_cells, to_columns, to_rows, level, DOME, STEPS, np.inf
         )
         if other[2] < best[2]:
+            best = other
+    if not best[4]:
+        other = _fit_shape(
+            depth, precision, x_cells, y_cells, to_columns, to_rows, best[0], DOME, MORE_STEPS, np.inf
+        )
+        if other[4] or other[2] < best[2]:
             best = other
     return best[0], best[1], best[2], best[3], best[4], best[5]
