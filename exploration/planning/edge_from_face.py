@@ -1,0 +1,150 @@
+"""From a face to one of its edges: stroke until one comes near, lie over it, roll onto the face behind it.
+
+A tracker follows an edge best from a flat face, whose depth says how the pad is tilted.  From a curved one, as a
+cylinder's side, the pad rolls over the edge that it came to, onto the face that this edge bounds.
+
+With n the normal of the first face, o the direction in it out of the material and t = o x n along the edge, a
+second face of normal m makes with it the angle
+
+    dihedral = 180 degrees - atan2(m . o, m . n),
+
+in which what m has along t, where a curved face was met a little beside the place asked for, has no part (our
+derivation).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from exploration.control.dwell import dwell
+from exploration.control.feel import feel
+from exploration.control.procedures.approach import retreat
+from exploration.control.sighting import Sighting
+from exploration.devices.guard import Collision, OverPress
+from exploration.planning.pad import Pad
+from exploration.planning.transit import Support
+from primitives import pose as se3
+
+
+@dataclass(frozen=True)
+class EdgeFromFaceConfig:
+    """How an edge is come to and gone over."""
+
+    faces: int = 3  # that are tried for an edge, the last whatever its curvature
+    flat: float = 0.01  # [1/mm] curvature, up to which a face is flat to the pad
+    inside: float = 1.0  # [mm] of the pad's center within the material
+    lift: float = 3.0  # [mm] before the pad turns
+    rolls: tuple[float, ...] = (60.0, 95.0, 30.0)  # [deg] over an edge, tried in turn
+    overlap: float = 2.0  # [mm] of the pad past the edge that it was rolled over
+    standoff: float = 10.0  # [mm]
+    overtravel: float = 16.0  # [mm]
+    facing: float = 0.4  # least cosine between the way of a stroke and what it came to
+    other: float = 0.05  # [rad] between two faces, from which they are two
+    beside: float = 3.0  # [mm] within which what was met is the face behind the edge
+
+
+@dataclass(frozen=True)
+class NoEdge:
+    """No edge was come to; false in a condition."""
+
+    reason: str
+
+    def __bool__(self) -> Literal[False]:
+        return False
+
+
+def reach_edge(pad: Pad, config: EdgeFromFaceConfig = EdgeFromFaceConfig()) -> Sighting | NoEdge:
+    """An edge of the object that the pad lies on, seen from a flat face where there is one."""
+    edge: Sighting | NoEdge = NoEdge("nothing was tried")
+    for left in reversed(range(config.faces)):
+        flat = _on_flat(pad, config)
+        edge = _stroked_to(pad, config)
+        if not edge or flat or not left:
+            return edge
+        if not roll_over(pad, edge, config):
+            return NoEdge("an edge of a curved face was found, and nothing behind it")
+    return edge
+
+
+def lie_over(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFaceConfig()) -> None:
+    """Lift, and put the pad's center beside the edge, its long side along it, pressed as it was."""
+    guard = pad.guard
+    pressed = guard.world_from_sensor
+    retreat(guard, config.lift)
+    outward, normal = edge.outward, edge.normal
+    place = edge.point - config.inside * outward
+    place = place - normal * (normal @ (place - pressed[:3, 3]))  # as deep as the pad was
+    target = se3.pose(pad.attitude(normal, edge.tangent), place)
+    guard.go_to(se3.pose(target[:3, :3], place + config.lift * normal))
+    guard.go_to(target)
+
+
+def roll_over(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFaceConfig()) -> bool:
+    """Roll over an edge; whether the pad came to lie behind it."""
+    for roll in config.rolls:
+        angle = np.radians(roll)
+        normal = np.cos(angle) * edge.normal + np.sin(angle) * edge.outward
+        down = np.cos(angle) * edge.outward - np.sin(angle) * edge.normal
+        reach = max(0.0, 0.5 * min(pad.size) - config.overlap)
+        target = se3.pose(pad.attitude(normal, edge.tangent), edge.point + reach * down)
+        try:
+            pad.travel(target, Support(edge.point, edge.normal), standoff=config.standoff)
+            if pad.touch(target, config.standoff, config.overtravel) and _turned(pad, edge) > config.other:
+                pad.lie(np.empty((0, 3)))
+                return True
+        except (OverPress, Collision):
+            continue
+    return False
+
+
+def dihedral(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFaceConfig()) -> float | None:
+    """[rad] through the material, between the face that an edge was seen from and the one behind it.
+
+    None where nothing is met behind it, or something that does not run by the edge.
+    """
+    pad.here = Support(edge.point, edge.normal)
+    if not roll_over(pad, edge, config):
+        return None
+    felt = pad.feel()
+    felt = felt.select(felt.has_normal)
+    if not len(felt):
+        return None
+    normal = felt.normals.mean(axis=0)
+    sideways = edge.tangent * float(normal @ edge.tangent)
+    normal = (normal - sideways) / np.linalg.norm(normal - sideways)
+    if abs(float((felt.points.mean(axis=0) - edge.point) @ normal)) > config.beside:
+        return None
+    return float(np.pi - np.arctan2(normal @ edge.outward, normal @ edge.normal))
+
+
+def _turned(pad: Pad, edge: Sighting) -> float:
+    """[rad] by which the pad lies otherwise than on the face that the edge was seen from."""
+    normal = -pad.guard.world_from_sensor[:3, 2]
+    return float(np.arctan2(normal @ edge.outward, normal @ edge.normal))
+
+
+def _on_flat(pad: Pad, config: EdgeFromFaceConfig) -> bool:
+    felt = feel(dwell(pad.guard, pad.config.averaged).image)
+    return float(np.abs(felt.curvature).max()) < config.flat if felt else False
+
+
+def _stroked_to(pad: Pad, config: EdgeFromFaceConfig) -> Sighting | NoEdge:
+    """The edge that ends the first stroke to come to one, of four."""
+    axes = pad.axes()
+    for heading in (axes[:, 0], -axes[:, 0], axes[:, 1], -axes[:, 1]):
+        try:
+            stroke = pad.stroke(heading)
+        except (OverPress, Collision):
+            return NoEdge("the pad met something in its way")
+        way = pad.guard.world_from_sensor[:3, :2] @ heading
+        seen = [e for e in pad.sightings(heading) if e.outward @ way > config.facing]
+        if stroke.ended == "edge" and seen:
+            here = pad.guard.world_from_sensor[:3, 3]
+            nearest = min(seen, key=lambda e: float(np.linalg.norm(e.point - here)))
+            return replace(nearest, tangent=np.cross(nearest.outward, nearest.normal))
+        if stroke.ended == "lost":
+            return NoEdge("contact was lost before an edge came near")
+    return NoEdge("no stroke over the surface came to an edge")

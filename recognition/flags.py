@@ -1,0 +1,35 @@
+"""The flags that commands share, with their help."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Units = Annotated[str, typer.Option(help="Unit of the CAD file: auto, mm, cm, m or in.")]
+Scale = Annotated[float, typer.Option(help="Factor on the CAD file's size.")]
+Body = Annotated[
+    int | None,
+    typer.Option(help="Which body of a CAD file that holds several, counted from 1.", show_default=False),
+]
+Facets = Annotated[bool, typer.Option("--facets", help="Keep the flat sides of OpenSCAD's circles ($fn).")]
+Workspace = Annotated[str, typer.Option(metavar="X0,Y0,Z0,X1,Y1,Z1", help="Where the object may be [mm].")]
+Pose = Annotated[
+    str,
+    typer.Option(
+        help="Where the object is: random (any attitude, its middle within 60 mm of the workspace's), "
+        "as-is (the file's coordinates), or X,Y,Z,QW,QX,QY,QZ."
+    ),
+]
+Sensor = Annotated[str, typer.Option(metavar="NAME|FILE.toml", help="The tactile array (palpate sensors).")]
+Noise = Annotated[
+    float | None,
+    typer.Option(help="1 sigma, as a fraction of the full-contact signal.", show_default="the sensor's own"),
+]
+PoseNoise = Annotated[float, typer.Option(help="1 sigma of the stage's reported position [mm].")]
+Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
+Out = Annotated[Path | None, typer.Option(help="Folder of the run, new or empty.", show_default="runs/PART")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in --out.")]
+
+EVERYWHERE = "-300,-300,-300,300,300,300"

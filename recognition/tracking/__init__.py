@@ -1,0 +1,1 @@
+"""One tracker alone: `palpate track`."""

@@ -1,0 +1,175 @@
+"""`palpate track edge`: find the object, come to an edge, follow the outline of its face, feel behind the edges.
+
+Stroke, lie over, follow, roll over: each step is the tracker's own; the object is not asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from exploration.control.servo import ServoGains
+from exploration.control.sighting import Sighting
+from exploration.control.track_edge import EdgeConfig
+from exploration.control.track_outline import TrackedOutline, follow_outline
+from exploration.devices.guard import Collision, OverPress
+from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, reach_edge
+from primitives.arrays import Floats
+from primitives.evidence import EdgeTrace
+from recognition.felt_run import FeltRun
+from recognition.tracking.traced import angles_between, described, outward_of, set_back
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class TrackEdgeConfig:
+    """How much is followed and felt."""
+
+    longest: float = 2000.0  # [mm] of an outline
+    dihedrals: int = 12  # edges behind which the face is felt
+    gains: ServoGains = field(default_factory=ServoGains)
+
+
+@dataclass(frozen=True)
+class EdgeTrack:
+    """An outline, and what it is; false where no edge was."""
+
+    traces: tuple[EdgeTrace, ...] = ()
+    ended: str = "no edge"  # or closed, lost, length, or the fault
+    why: str = ""  # nothing was tracked
+    dihedrals: tuple[float | None, ...] = ()  # [rad] of every edge
+    corners: Floats = field(default_factory=lambda: np.empty((0, 3)))  # [mm]
+    forces: tuple[float, ...] = ()  # [N] at every tick
+    set_points: tuple[float, ...] = ()  # [N]
+    travel: float = 0.0  # [mm]
+
+    def __bool__(self) -> bool:
+        return bool(self.traces)
+
+    @property
+    def points(self) -> Floats:
+        """(n, 3) [mm] of all edges, in order."""
+        return np.concatenate([np.empty((0, 3)), *(trace.points for trace in self.traces)])
+
+    @property
+    def normals(self) -> Floats:
+        """(n, 3) of the face, outward."""
+        return np.concatenate([np.empty((0, 3)), *(trace.normals for trace in self.traces)])
+
+    @property
+    def sigma(self) -> Floats:
+        """(n,) [mm] across the edge."""
+        return np.concatenate([np.empty(0), *(trace.sigma for trace in self.traces)])
+
+    @property
+    def dihedral(self) -> float | None:
+        """[rad] of the first edge whose other face was felt."""
+        return next((angle for angle in self.dihedrals if angle is not None), None)
+
+    @property
+    def gap(self) -> float | None:
+        """[mm] across the outline, between its end and its start, where it closed."""
+        if self.ended != "closed" or not self.traces:
+            return None
+        first, last = self.traces[0], self.traces[-1]
+        off = last.points - first.points[0]
+        off = off - np.outer(off @ first.tangents[0], first.tangents[0])
+        ahead = (last.points - first.points[0]) @ first.tangents[0]
+        near = np.abs(ahead) < 6.0
+        near &= np.arange(len(ahead)) > (len(ahead) // 2 if len(self.traces) == 1 else -1)
+        return float(np.linalg.norm(off[near], axis=1).min()) if near.any() else None
+
+    def found(self) -> dict[str, Any]:
+        """As the summary's `found`."""
+        edges = [described(t, a) for t, a in zip(self.traces, self.dihedrals, strict=True)]
+        normal = self.normals.mean(axis=0) if len(self.normals) else None
+        between = angles_between(self.traces, self.ended == "closed")
+        share = np.abs(np.array(self.forces) / np.array(self.set_points) - 1.0) < 0.1
+        return {
+            "ended": self.ended,
+            "edges": [edge.as_json() for edge in edges],
+            "corners_mm": self.corners,
+            "angles_between_deg": np.degrees(between).tolist(),
+            "face_normal": None if normal is None else normal / np.linalg.norm(normal),
+            "length_mm": sum(edge.length for edge in edges),
+            "loop_gap_mm": self.gap,
+            "force_set_n": float(np.median(self.set_points)) if self.set_points else None,
+            "force_within_10_percent": float(share.mean()) if len(share) else None,
+        }
+
+
+def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | None = None) -> EdgeTrack:
+    """Find an edge of the object and follow the outline that it belongs to, at `speed` [mm/s]."""
+    config = config or TrackEdgeConfig()
+    say("looking for the object")
+    run.find()
+    say("looking for an edge")
+    edge = reach_edge(run.pad)
+    if isinstance(edge, NoEdge):
+        return EdgeTrack(why=edge.reason)
+    say("following the edge")
+    lie_over(run.pad, edge)
+    cost = run.guard.cost
+    cost.strokes += 1
+    try:
+        outline = follow_outline(
+            run.guard,
+            edge.tangent,
+            config.longest,
+            cost.touches,
+            cost.strokes,
+            config.gains,
+            EdgeConfig(speed=speed),
+        )
+    except (OverPress, Collision) as error:
+        return EdgeTrack(ended=str(error), why=f"a limit ended the track: {error}")
+    run.announce("outline", {"ended": outline.ended, "edges": len(outline.traces)})
+    if not outline:
+        return EdgeTrack(why="the edge that was seen could not be followed", ended="lost")
+    return _felt_behind(run, outline, edge, say, config)
+
+
+def _felt_behind(
+    run: FeltRun, outline: TrackedOutline, edge: Sighting, say: Say, config: TrackEdgeConfig
+) -> EdgeTrack:
+    """The outline with its dihedral angles, and set back by what they did to it."""
+    traces, angles = [], []
+    for number, trace in enumerate(outline.traces):
+        outward = outward_of(trace, edge.outward, edge.tangent)
+        angle = None
+        if number < config.dihedrals:
+            say(f"feeling behind edge {number + 1} of {len(outline.traces)}")
+            angle = _dihedral(run, trace, outward)
+        angles.append(angle)
+        traces.append(trace if angle is None else set_back(trace, outward, angle, config.gains.press))
+    return EdgeTrack(
+        tuple(traces),
+        outline.ended,
+        dihedrals=tuple(angles),
+        corners=outline.corners,
+        forces=outline.forces,
+        set_points=outline.set_points,
+        travel=outline.travel,
+    )
+
+
+def _dihedral(run: FeltRun, trace: EdgeTrace, outward: Floats) -> float | None:
+    """[rad] at the trace's middle."""
+    k = len(trace.points) // 2
+    place = Sighting(
+        trace.points[k],
+        trace.tangents[k],
+        outward[k],
+        trace.normals[k],
+        float(trace.sigma[k]),
+        float(np.linalg.norm(np.diff(trace.points, axis=0), axis=1).sum()),
+    )
+    try:
+        return dihedral(run.pad, replace(place, tangent=np.cross(place.outward, place.normal)))
+    except (OverPress, Collision) as error:
+        run.warnings.append(str(error))
+        return None

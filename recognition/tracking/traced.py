@@ -1,0 +1,129 @@
+"""What a tracked outline is: straight and round edges, their lengths, angles and radii, and where they meet.
+
+A circle is fitted to n points of its plane by least squares of their distances, c and r minimizing
+sum (|p - c| - r)^2, by Gauss and Newton's steps from Kasa's algebraic circle.
+
+Rubber that is pressed d deep over an edge of dihedral angle a above 90 degrees still touches the falling face:
+the half-height line of the frame lies outward of the edge by about
+
+    d / (2 tan(180 degrees - a)),
+
+half of where the falling face is d deep (our derivation), which is taken off once the angle is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+
+from primitives.arrays import Floats, frozen
+from primitives.evidence import EdgeTrace
+
+Curve = Literal["line", "circle", "other"]
+
+
+@dataclass(frozen=True)
+class TracedConfig:
+    """When a trace counts as straight or round."""
+
+    straight: float = 0.05  # [mm] rms off a line, that a straight edge may have
+    better: float = 2.0  # times by which a circle must fit better than a line
+    on_curve: float = 0.1  # [mm] rms off a line or circle, beyond which an edge is neither
+
+
+@dataclass(frozen=True)
+class TracedEdge:
+    """One tracked edge, described."""
+
+    curve: Curve
+    length: float  # [mm]
+    rms: float  # [mm] off the line or circle
+    direction: Floats  # (3,) unit: along a line, or a circle's axis; the mean normal else
+    center: Floats | None = None  # (3,) [mm] of a circle
+    radius: float | None = None  # [mm] of a circle
+    dihedral: float | None = None  # [rad] through the material
+
+    def as_json(self) -> dict[str, Any]:
+        """As `found` lists it."""
+        return {
+            "curve": self.curve,
+            "length_mm": self.length,
+            "rms_mm": self.rms,
+            "direction": self.direction,
+            "center_mm": self.center,
+            "radius_mm": self.radius,
+            "dihedral_deg": None if self.dihedral is None else float(np.degrees(self.dihedral)),
+        }
+
+
+def described(
+    trace: EdgeTrace, dihedral: float | None = None, config: TracedConfig = TracedConfig()
+) -> TracedEdge:
+    """What curve a trace runs along."""
+    points = trace.points
+    length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    normal = trace.normals.mean(axis=0)
+    normal = normal / np.linalg.norm(normal)
+    middle = points.mean(axis=0)
+    along = np.linalg.svd(points - middle, full_matrices=False)[2][0]
+    along = along * (1.0 if (points[-1] - points[0]) @ along >= 0 else -1.0)
+    off = points - middle
+    off_line = float(np.sqrt(np.mean(np.sum((off - np.outer(off @ along, along)) ** 2, axis=1))))
+    if len(points) < 5:
+        return TracedEdge("line", length, off_line, along, dihedral=dihedral)
+    center, radius, axis, off_circle = circle_through(points, normal)
+    if not trace.closed and off_line < max(config.straight, config.better * off_circle):
+        return TracedEdge("line", length, off_line, along, dihedral=dihedral)
+    if off_circle < config.on_curve:
+        return TracedEdge("circle", length, off_circle, axis, center, radius, dihedral)
+    return TracedEdge("other", length, min(off_line, off_circle), normal, dihedral=dihedral)
+
+
+def circle_through(points: Floats, toward: Floats, steps: int = 20) -> tuple[Floats, float, Floats, float]:
+    """Center, radius, axis on the side of `toward`, and rms [mm], of the circle nearest to (n, 3) points."""
+    middle = points.mean(axis=0)
+    frame = np.linalg.svd(points - middle, full_matrices=False)[2]
+    flat = (points - middle) @ frame.T
+    system = np.column_stack([2.0 * flat[:, :2], np.ones(len(flat))])
+    x, y, c = np.linalg.lstsq(system, (flat[:, :2] ** 2).sum(axis=1), rcond=None)[0]
+    place = np.array([x, y, np.sqrt(max(c + x * x + y * y, 1e-12))])
+    for _ in range(steps):
+        away = flat[:, :2] - place[:2]
+        distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
+        slopes = np.column_stack([-away / distance[:, None], -np.ones(len(flat))])
+        step = np.linalg.lstsq(slopes, place[2] - distance, rcond=None)[0]
+        place = place + step
+        if float(np.abs(step).max()) < 1e-9:
+            break
+    off = np.hypot(np.linalg.norm(flat[:, :2] - place[:2], axis=1) - place[2], flat[:, 2])
+    axis = frame[2] * (1.0 if frame[2] @ toward >= 0 else -1.0)
+    center: Floats = middle + place[0] * frame[0] + place[1] * frame[1]
+    return center, float(place[2]), axis, float(np.sqrt(np.mean(off**2)))
+
+
+def outward_of(trace: EdgeTrace, outward: Floats, tangent: Floats) -> Floats:
+    """(n, 3) unit directions out of the material, on the hand where `outward` lies of `tangent` at the start."""
+    across = np.cross(trace.tangents, trace.normals)
+    hand = 1.0 if float(np.cross(tangent, trace.normals[0]) @ outward) > 0 else -1.0
+    turned: Floats = hand * across / np.linalg.norm(across, axis=1, keepdims=True)
+    return turned
+
+
+def set_back(trace: EdgeTrace, outward: Floats, dihedral: float, press: float) -> EdgeTrace:
+    """A trace with the falling face's part taken off; `outward` (n, 3), `dihedral` [rad], `press` [mm]."""
+    if dihedral <= 0.5 * np.pi:
+        return trace
+    off = press / (2.0 * np.tan(np.pi - dihedral))
+    return replace(trace, points=frozen(trace.points - off * outward))
+
+
+def angles_between(traces: Sequence[EdgeTrace], closed: bool) -> list[float]:
+    """[rad] between each edge and the next, pi where they go straight on."""
+    pairs = list(pairwise(traces))
+    if closed and len(traces) > 2:
+        pairs.append((traces[-1], traces[0]))
+    return [float(np.pi - np.arccos(np.clip(a.tangents[-1] @ b.tangents[0], -1.0, 1.0))) for a, b in pairs]
