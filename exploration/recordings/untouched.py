@@ -13,13 +13,17 @@ add to the one and unequal taxels to the other.  Taxels that a controller holds 
 pass its threshold show no noise, so where half of all differences are zero the others alone are taken.  It is
 at least that of rounding to whole counts.
 
+Ends.  Such a controller's threshold lies above all noise, so at least `STILL` noise above zero (our choice; the
+recording shows no less).  Two taxels or more whose highest readings are the same to `LEVELED` share a ceiling,
+which may lie below the converter's full scale.
+
 Gain.  Without a calibration gains are a data sheet's, or, of an array of which only the shape is known, such that
 the recording's own plateau is a nominal press: enough for lines and kinds, whose sigma carries `UNKNOWN_GAIN`.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -28,6 +32,8 @@ from exploration.sensing.calibration import Calibration
 from primitives.arrays import Floats, frozen
 
 STILL = 6.0  # [sigma]
+LEVELED = 0.005  # of a ceiling, within which readings at it lie
+NOISY = 2.0  # [counts] noise from which a taxel that repeats one reading is held there
 ABSURD = 1e12  # [counts] no converter reads so much
 WANDER = 0.15  # [plateau] that a zero may be from the data sheet's
 UNKNOWN_GAIN = 0.15  # relative 1 sigma over the taxels of an array that nobody calibrated
@@ -49,6 +55,8 @@ class Untouched:
     noise: float  # [counts] 1 sigma of a reading
     plateau: float  # [counts] above zero that the firmest contacts reach; 0 where none is
     frames: int
+    ceiling: float = inf  # [counts] that no reading of this recording exceeds
+    threshold: float = 0.0  # [counts] above zero, below which readings arrive as the zero
 
 
 @dataclass
@@ -60,9 +68,12 @@ class _Sample:
     last: list[Floats] = field(default_factory=list)
     count: int = 0
     stride: int = 1
+    highest: Floats | None = None  # (rows, columns) [counts]
 
     def offer(self, counts: Floats) -> None:
         self.last = [*self.last[-2:], counts]
+        seen = np.where(np.abs(counts) < ABSURD, counts, -np.inf)
+        self.highest = seen if self.highest is None else np.maximum(self.highest, seen)
         if self.count < _START:
             self.start.append(counts)
         if len(self.last) == 3 and self.count % self.stride == 0:
@@ -87,7 +98,17 @@ def calibration_at_rest(pad: Pad, rest: Untouched) -> Calibration:
     if pad.spec is None:
         gain = frozen(np.full(shape, max(rest.plateau, 1.0) / NOMINAL_DEPTH))
         spread = NOMINAL_SPREAD * float(np.mean(pad.array.pitch))
-        return Calibration(rest.zero, gain, pad.absent, spread, 1.0, rest.noise, gain_sigma=UNKNOWN_GAIN)
+        return Calibration(
+            rest.zero,
+            gain,
+            pad.absent,
+            spread,
+            1.0,
+            rest.noise,
+            gain_sigma=UNKNOWN_GAIN,
+            full_scale=min(pad.full_scale, rest.ceiling),
+            threshold=rest.threshold,
+        )
     sheet = Calibration.nominal(pad.spec)
     return replace(
         sheet,
@@ -96,6 +117,8 @@ def calibration_at_rest(pad: Pad, rest: Untouched) -> Calibration:
         dead=pad.absent,
         noise=rest.noise,
         gain_sigma=UNKNOWN_GAIN if pad.foreign else sheet.gain_sigma,
+        full_scale=min(pad.full_scale, rest.ceiling),
+        threshold=rest.threshold,
     )
 
 
@@ -110,7 +133,27 @@ def _rest(pad: Pad, sample: _Sample) -> Untouched:
     risen = (frames - zero)[:, ~pad.absent]
     high = np.sort(risen[risen > STILL * noise])
     plateau = float(np.quantile(high, 0.9)) if len(high) else 0.0
-    return Untouched(frozen(zero), noise, plateau, sample.count)
+    threshold = STILL * noise if noise > NOISY and _held(triples) else 0.0
+    return Untouched(frozen(zero), noise, plateau, sample.count, _ceiling(sample, zero + noise), threshold)
+
+
+def _ceiling(sample: _Sample, untouched: Floats) -> float:
+    """[counts] where the readings of a ceiling that taxels share begin; infinite where none is."""
+    if sample.highest is None:
+        return inf
+    top = sample.highest - untouched
+    level = np.sort(np.where(np.isfinite(top), top, 0.0).ravel())[-2:]
+    shared = len(level) == 2 and level[0] > 0.0 and level[1] - level[0] < LEVELED * level[1]
+    if not shared:
+        return inf
+    return float(sample.highest.max() - LEVELED * level[1])
+
+
+def _held(triples: Floats) -> bool:
+    """Whether most taxels repeat their readings to the count."""
+    if not len(triples):
+        return False
+    return np.count_nonzero(np.diff(triples, axis=1)) * 2 < triples[:, 1:].size
 
 
 def _zero_and_noise(pad: Pad, frames: Floats, noise: float) -> tuple[Floats, float]:

@@ -4,12 +4,17 @@ signal = (counts - zero) / gain / stiffness and depth = curve(signal), with sigm
 the curve's slope, infinite at dead taxels.  Where a gain is known only to a relative sigma, a taxel that feels
 `signal` has sigma^2 + (gain sigma signal slope)^2.  Errors of spread and stiffness are common to all taxels: they
 blur and scale the whole image, so they stay beside it and out of each taxel's sigma.
+
+A reading at the end of its range says only that the press is at least so deep, and one that a controller held at
+zero only that it is below its threshold.  Both are censored: as sigma they get what they leave open, the saturated
+`CLIPPED` of their depth, the zeros beside touched taxels the threshold (farther ones feel nothing anyway).
 """
 
 from dataclasses import dataclass
 from math import inf
 
 import numpy as np
+from scipy.ndimage import maximum_filter
 
 from exploration.sensing.capacitive import capacitive
 from exploration.sensing.curve import STRAIGHT, Curve, ParallelPlates
@@ -19,6 +24,7 @@ from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Bools, Floats, frozen
 from primitives.errors import PalpateError
 
+CLIPPED = 0.3  # relative 1 sigma of a press that saturates its taxel
 _QUANTIZATION = 1.0 / 12.0  # [counts^2] variance of rounding
 
 
@@ -39,6 +45,7 @@ class Calibration:
     curve: Curve = STRAIGHT  # from signal to depth
     response: Response | None = None  # across an edge; None for rubber of `spread`
     full_scale: float = inf  # [counts] that no reading exceeds
+    threshold: float = 0.0  # [counts] above zero, below which readings arrive as the zero
 
     @property
     def counts_per_depth(self) -> Floats:
@@ -83,6 +90,8 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
     per_count = 1.0 / (calibration.gain * calibration.stiffness)
     signal = np.where(calibration.dead, 0.0, (frame.counts - calibration.zero) * per_count)
     noise = np.hypot(calibration.noise * per_count, calibration.gain_sigma * np.maximum(signal, 0.0))
+    if calibration.threshold > 0.0 or frame.counts.max() >= calibration.full_scale:
+        noise = np.hypot(noise, _censored(frame.counts, signal, per_count, calibration))
     depth = signal
     if calibration.curve is not STRAIGHT:
         depth, noise = calibration.curve.depth(signal), noise * calibration.curve.slope(signal)
@@ -97,3 +106,12 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
         float(np.sqrt(np.mean(np.square(calibration.gain_sigma)))),
         calibration.response,
     )
+
+
+def _censored(counts: Floats, signal: Floats, per_count: Floats, calibration: Calibration) -> Floats:
+    """(rows, columns) [mm] what saturated and thresholded readings leave open."""
+    saturated = counts >= calibration.full_scale
+    held = counts == calibration.zero
+    rim = held & maximum_filter((~held).astype(np.uint8), 3, mode="constant").astype(bool)
+    low = calibration.threshold * per_count * rim
+    return np.where(saturated, CLIPPED * signal, low)

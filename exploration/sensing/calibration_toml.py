@@ -27,6 +27,7 @@ _NUMBERS = (
     "spread_sigma",
     "stiffness_sigma",
     "full_scale",
+    "threshold",
 )
 _POSITIVE = ("stiffness", "noise")
 

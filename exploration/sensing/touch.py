@@ -51,7 +51,7 @@ from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points
 
 UNREADABLE = "the frame holds values that are not finite, or no living taxel"
-LIKELY = 0.5  # probability of a reading from which its lines are told
+LIKELY = 0.95  # probability of a reading from which its lines are told
 UNEXPLAINED = 3.0  # [standard deviations of chi2] of misfit from which the whole outline is looked for
 
 

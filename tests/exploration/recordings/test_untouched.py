@@ -65,3 +65,19 @@ def test_what_tells_nothing_gives_a_usable_rest(stack, tmp_path):
     assert np.isfinite(rest.zero).all()
     assert rest.noise > 0
     assert (calibration_at_rest(pad, rest).gain > 0).all()
+
+
+def test_a_ceiling_and_a_threshold_are_seen_in_the_recording_itself(tmp_path):
+    rng = np.random.default_rng(3)
+    felt = pressed(120, 4.0, rng=rng) - OFFSETS
+    rest, pad = rest_of(tmp_path, np.round(np.where(felt < 25.0, 0.0, np.minimum(felt, 110.0))))
+    assert 105.0 < rest.ceiling <= 110.0
+    assert 10.0 < rest.threshold < 40.0
+    calibration = calibration_at_rest(pad, rest)
+    assert (calibration.full_scale, calibration.threshold) == (rest.ceiling, rest.threshold)
+
+
+def test_a_free_recording_has_neither(tmp_path):
+    rest, _ = rest_of(tmp_path, pressed(120, 2.0))
+    assert rest.ceiling == np.inf
+    assert rest.threshold == 0.0

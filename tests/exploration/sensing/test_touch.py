@@ -85,3 +85,19 @@ def test_the_same_frame_gives_the_same_touch(frames):
     first, second = perceive(image), perceive(image)
     assert first.lines[0].angle == second.lines[0].angle
     assert (first.surface.coefficients == second.surface.coefficients).all()
+
+
+def ridge(at, radius, lean):
+    return lambda x, y: np.maximum(0.0, 0.6 + lean * x - (y - at) ** 2 / (2 * radius))
+
+
+def test_a_felt_frame_is_never_nothing_however_sharp_and_far_from_the_center(frames):
+    """Narrow ridges at the rim settle slowly, if at all."""
+    rng = np.random.default_rng(7)
+    coarse = type(frames)(rows=13, columns=6, pitch=3.4, spread=1.7, noise=0.003, margin=1.7)
+    for _ in range(20):
+        image = coarse(ridge(rng.uniform(6.0, 17.0), rng.uniform(0.8, 4.0), rng.uniform(0.0, 0.02)), rng)
+        ragged = replace(image, depth=image.depth * (1 + 0.3 * rng.standard_normal(image.depth.shape)))
+        touch = perceive(ragged)
+        assert touch.kind != "nothing"
+        assert len(contacts_of(touch, ragged, np.eye(4)))
