@@ -189,11 +189,6 @@ def _ends(
             elif OUTSIDE[0] < t < OUTSIDE[1]:
                 outer[k] += depth[i, j]
                 n_outer[k] += 1.0
-            if abs(v) < 2.5 * pitch and t > 0.0:
-                k = int(t * width / pitch)
-                if k < 2 * bins:
-                    across[k] += depth[i, j]
-                    n_across[k] += 1.0
     ends = np.full(4, np.inf)
     contact = np.zeros(3)
     if n_level < 2:
@@ -205,14 +200,31 @@ def _ends(
     if ends[1] == -np.inf:
         ends[1] = np.inf
     ends[2] = (_profile_end(outer, n_outer, middle, 1, half, False) - middle) * pitch
-    ends[3] = (_profile_end(across, n_across, int(width / pitch), 1, half, True) + 0.5) * pitch
+    low = max(-2.5 * pitch, -ends[1] + width)
+    high = min(2.5 * pitch, min(ends[0], ends[2]) - width)
     for i in range(rows):
         y = (i - (rows - 1) / 2) * py
         for j in range(columns):
-            if sigma[i, j] < np.inf and depth[i, j] > half:
+            if sigma[i, j] == np.inf:
+                continue
+            x = (j - (columns - 1) / 2) * px
+            if depth[i, j] > half:
                 contact[0] += 1.0
-                contact[1] += (j - (columns - 1) / 2) * px
+                contact[1] += x
                 contact[2] += y
+            v = ca * x + sa * y
+            if low < v < high:
+                t = _inside(side * (ca * y - sa * x - offset), v, bend)[0]
+                k = int(t / pitch)
+                if t > 0.0 and k < 2 * bins:
+                    across[k] += depth[i, j]
+                    n_across[k] += 1.0
+    peak = 0.0
+    for k in range(2 * bins):
+        if n_across[k] > 1.0:
+            peak = max(peak, across[k] / n_across[k])
+    half = 0.5 * peak
+    ends[3] = (_profile_end(across, n_across, int(np.ceil(width / pitch)), 1, half, True) + 0.5) * pitch
     if contact[0] > 0.0:
         contact[1] /= contact[0]
         contact[2] /= contact[0]
