@@ -71,7 +71,7 @@ class Materials:
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            reason = str(error).splitlines()[0]
+            reason = (isinstance(error, OSError) and error.strerror) or str(error).splitlines()[0]
             raise PalpateError(f"--material {path} is not a readable TOML file: {reason}") from error
         faces, grain = table.pop("faces", {}), table.pop("grain_mm", 1.0)
         if not isinstance(faces, dict) or not all(isinstance(t, dict) for t in faces.values()):

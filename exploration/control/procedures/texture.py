@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.ndimage import binary_erosion
 
 from exploration.control.dwell import dwell
 from exploration.control.feel import feel
@@ -43,7 +44,9 @@ class TextureConfig:
     length: float = 30.0  # [mm] to either side of where it begins
     least: float = 8.0  # [mm] in all, below which nothing is told
     shrunk: float = 0.9  # of the touched taxels, below which an edge is near
+    margin: float = 7.0  # [mm] of travel left out where contact shrank
     press: float = 0.5  # [mm] of the skin, that sets the force
+    lags: int = 16  # that are compared, of
     lag: float = 3.0  # [mm] of travel up to which autocovariances are compared
     grains: tuple[float, float] = (0.4, 3.0)  # [mm] sizes that are told apart
     expected: float = 1.0  # [mm] size where the signal is too weak to tell
@@ -124,8 +127,8 @@ def texture_of(sweep: Sweep, share: float, travel: float, config: TextureConfig 
     signal = sweep.frames - (sweep.frames @ basis) @ basis.T
     signal = signal - signal.mean(axis=0)
     step = float(np.ptp(sweep.travel)) / (len(signal) - 1)
-    lags = np.arange(1, max(3, int(config.lag / step)) + 1)
-    lags = lags[lags < len(signal) // 2]
+    farthest = max(3, min(int(config.lag / step), len(signal) // 2))
+    lags = np.unique(np.linspace(1, farthest, config.lags).astype(int))
     covariance = np.array([np.mean(signal[:-j] * signal[j:]) for j in lags])
     covariance += (np.mean(signal**2) - covariance[0]) / len(
         signal
@@ -137,7 +140,7 @@ def texture_of(sweep: Sweep, share: float, travel: float, config: TextureConfig 
     noise = float(np.sqrt(max(np.mean(signal**2) - v * expected, 0.0) / free))
     w2 = grain**2 + 2.0 * sweep.blur**2
     lift = np.sqrt(w2) / grain / share
-    of_noise = noise**2 / np.sqrt(signal.size * min(len(lags), np.sqrt(w2) / step))
+    of_noise = noise**2 / np.sqrt(signal.size * min(farthest, np.sqrt(w2) / step))
     doubt = float(np.hypot(v * np.sqrt(2.0 * np.pi * w2 / sweep.area), of_noise))
     felt = float(np.sqrt(max(v, 0.0)))
     sigma = 0.5 * doubt / max(felt, float(np.sqrt(doubt)))
@@ -159,16 +162,17 @@ def _fitted(
     x: Floats, covariance: Floats, sweep: Sweep, basis: Floats, config: TextureConfig
 ) -> tuple[float, float, float]:
     """Grain size [mm], felt variance [mm^2], and h_w(0), by least squares over a grid of sizes."""
-    sizes = np.append(np.geomspace(*config.grains, 24), config.expected)
+    sizes = np.append(np.geomspace(*config.grains, 12), config.expected)
     apart = sweep.taxels[:, None] - sweep.taxels[None]
-    within = (len(sweep.frames) - 1) * float(np.median(np.diff(x)) if len(x) > 1 else x[0])
-    wide = np.linspace(0.0, within, 80)
-    chances = np.maximum(within - wide, 0.0) / np.maximum(within - wide, 0.0).sum()
+    within = float(np.ptp(sweep.travel))
+    wide = np.concatenate([np.arange(0.0, 12.0, 1.0), [within]])
+    wide = np.minimum(wide, within)
     tried = []
     for size in sizes:
         w2 = size**2 + 2.0 * sweep.blur**2
         shape = _shape(np.concatenate([[0.0], x, wide]), apart, sweep.heading, w2, basis)
-        shape = shape - float(chances @ shape[len(x) + 1 :])
+        tail = shape[len(x) + 1 :] * (within - wide)
+        shape = shape - 2.0 * float(np.sum((tail[1:] + tail[:-1]) * np.diff(wide))) / 2.0 / within**2
         model = shape[1 : len(x) + 1]
         v = float(model @ covariance / (model @ model))
         tried.append((float(np.sum((covariance - v * model) ** 2)), float(size), v, float(shape[0])))
@@ -210,15 +214,13 @@ def _stroke(guard: Guard, heading: Floats, length: float, config: TextureConfig)
     felt = feel(seen.image)
     if not felt:
         return None
-    begun, mask = felt, felt.inner.copy()
     area = float(seen.image.array.pitch[0] * seen.image.array.pitch[1])
-    wanted = config.press * seen.image.stiffness * float(felt.mask.sum()) * area
-    law, start, shrunk = HybridState(), seen.world_from_sensor, 0
+    law, start, shrunk, most, told = HybridState(), seen.world_from_sensor, 0, 0, 0.0
     along = start[:3, :2] @ heading
-    kept: list[Observation] = []
-    told = 0.0
-    while told < length:
-        missing = (wanted - seen.force) / (seen.image.stiffness * begun.area)
+    kept: list[tuple[Observation, Bools]] = []
+    while told < length and shrunk < 3:
+        wanted = config.press * seen.image.stiffness * float(felt.mask.sum()) * area
+        missing = (wanted - seen.force) / (seen.image.stiffness * felt.area)
         missing -= float(guard.pending.motion(seen.time)[2, 3])
         wish = np.array([*(heading * config.speed), 0.0, 0.0, 0.0, 0.0])
         twist, law = hybrid(law, missing, felt.slope, felt.centroid, wish, guard.period, gains)
@@ -227,21 +229,39 @@ def _stroke(guard: Guard, heading: Floats, length: float, config: TextureConfig)
         felt = feel(seen.image)
         if not felt:
             break
-        shrunk = shrunk + 1 if felt.mask.sum() < config.shrunk * begun.mask.sum() else 0
-        if shrunk >= 3:
-            break
-        kept.append(seen)
+        count = int(felt.mask.sum())
+        most = max(most, count)
+        shrunk = shrunk + 1 if count < config.shrunk * most else 0
+        kept.append((seen, felt.mask))
     guard.hold(round(guard.pending.latency / guard.period) + 1)
-    ramp = round(0.1 / guard.period)  # the stage gets up to speed, and the frames before an edge go
-    return _swept(kept[ramp : len(kept) - 8], mask, heading, along)
+    return _swept(_far_from_edges(kept, guard.period, config), heading, along)
 
 
-def _swept(kept: list[Observation], mask: Bools, heading: Floats, along: Floats) -> Sweep | None:
-    if len(kept) < 20:
+def _far_from_edges(
+    kept: list[tuple[Observation, Bools]], period: float, config: TextureConfig
+) -> list[tuple[Observation, Bools]]:
+    """The longest run of frames with whole contact, less what the rubber lets an edge reach at its ends."""
+    counts = np.array([int(mask.sum()) for _, mask in kept])
+    if not len(counts):
+        return []
+    whole = np.concatenate([[False], counts >= config.shrunk * counts.max(), [False]])
+    begin, end = np.flatnonzero(~whole[:-1] & whole[1:]), np.flatnonzero(whole[:-1] & ~whole[1:])
+    longest = int(np.argmax(end - begin))
+    first, last = int(begin[longest]), int(end[longest])
+    margin = round(config.margin / config.speed / period)
+    ramp = round(0.1 / period)  # while the stage gets up to speed
+    first += ramp if first == 0 else margin
+    return kept[first : last - margin if last < len(kept) or counts[-1] < counts.max() else last]
+
+
+def _swept(run: list[tuple[Observation, Bools]], heading: Floats, along: Floats) -> Sweep | None:
+    if len(run) < 20:
         return None
+    kept = [seen for seen, _ in run]
     image = kept[0].image
     array: TaxelArray = image.array
-    mask = mask & np.isfinite(image.sigma)
+    mask = np.mean([mask for _, mask in run], axis=0) > 0.99
+    mask = binary_erosion(mask, border_value=1) & np.isfinite(image.sigma)
     rows, columns = np.nonzero(mask)
     if len(rows) < 8:
         return None

@@ -1,0 +1,1 @@
+"""`palpate probe`: one exploratory procedure alone, and what it felt."""
