@@ -20,7 +20,7 @@ from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, reac
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 from recognition.felt_run import FeltRun
-from recognition.tracking.traced import angles_between, described, outward_of, set_back
+from recognition.tracking.traced import angles_between, described, loop_gap, outward_of, set_back
 
 Say = Callable[[str], None]
 
@@ -73,15 +73,7 @@ class EdgeTrack:
     @property
     def gap(self) -> float | None:
         """[mm] across the outline, between its end and its start, where it closed."""
-        if self.ended != "closed" or not self.traces:
-            return None
-        first, last = self.traces[0], self.traces[-1]
-        off = last.points - first.points[0]
-        off = off - np.outer(off @ first.tangents[0], first.tangents[0])
-        ahead = (last.points - first.points[0]) @ first.tangents[0]
-        near = np.abs(ahead) < 6.0
-        near &= np.arange(len(ahead)) > (len(ahead) // 2 if len(self.traces) == 1 else -1)
-        return float(np.linalg.norm(off[near], axis=1).min()) if near.any() else None
+        return loop_gap(self.traces) if self.ended == "closed" else None
 
     def found(self) -> dict[str, Any]:
         """As the summary's `found`."""

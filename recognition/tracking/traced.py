@@ -127,3 +127,24 @@ def angles_between(traces: Sequence[EdgeTrace], closed: bool) -> list[float]:
     if closed and len(traces) > 2:
         pairs.append((traces[-1], traces[0]))
     return [float(np.pi - np.arccos(np.clip(a.tangents[-1] @ b.tangents[0], -1.0, 1.0))) for a, b in pairs]
+
+
+def loop_gap(traces: Sequence[EdgeTrace], reach: float = 6.0) -> float | None:
+    """[mm] across the edge, between where a closed outline begins and where it comes by there again.
+
+    None where it does not, within `reach` [mm] along the edge.
+    """
+    start, along, last = traces[0].points[0], traces[0].tangents[0], traces[-1].points
+    steps = np.linalg.norm(np.diff(last, axis=0), axis=1)
+    left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+    off = last[left < 2.0 * reach] - start
+    ahead = off @ along
+    near = np.abs(ahead) < reach
+    if not near.any():
+        return None
+    aside = off[near] - np.outer(ahead[near], along)
+    order = np.argsort(ahead[near])
+    if ahead[near].min() < 0.0 < ahead[near].max():
+        passing = [np.interp(0.0, ahead[near][order], column) for column in aside[order].T]
+        return float(np.linalg.norm(passing))
+    return float(np.linalg.norm(aside, axis=1).min())

@@ -1,0 +1,197 @@
+"""Edges tracked in closed loop: straight ones by dihedral angle and speed, circles, outlines; force; time.
+
+The plant is `tracking.plant`.  An error is the distance of a point of the final trace perpendicular to the true
+edge, in space; the dihedral angle is felt by one touch behind the edge, and the trace set back by it.  A row
+stands for PALPATE_BENCH_SEEDS seeds (default 10; a hundred take about half an hour), all points of them together.
+"""
+
+import os
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from tracking.outlines import disc, off_outline, outlines, prism
+from tracking.plant import Start, guard_over, outlined, tracked, with_dihedral
+
+from exploration.control.track_edge import Tracked
+from exploration.control.track_outline import TrackedOutline
+from models.raycast import has_embree
+from models.solid import Solid
+from recognition.tracking.traced import described, loop_gap
+
+SEEDS = int(os.environ.get("PALPATE_BENCH_SEEDS", "10"))
+DIHEDRALS = (60.0, 90.0, 120.0, 150.0)
+RADII = (10.0, 20.0, 40.0, 60.0)
+LENGTH = 100.0  # [mm] of a straight edge
+LOOP = 600.0  # [mm] at most
+ROWS = ("time", *(f"{d:.0f}" for d in DIHEDRALS), "fast", "circles", "outlines")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One track against the truth."""
+
+    off: np.ndarray  # (n,) [mm]
+    ended: str
+    forces: np.ndarray  # over their set points
+    gap: float | None = None  # [mm]
+    radius: float | None = None  # [mm]
+    angle: float | None = None  # [deg] between a straight edge and the truth
+    dihedral: float | None = None  # [deg]
+
+
+def run(rows: tuple[str, ...] = ROWS, seeds: int = SEEDS) -> list[dict[str, Any]]:
+    """Rows of the table."""
+    if unknown := sorted(set(rows) - set(ROWS)):
+        raise SystemExit(f"no rows {unknown[0]!r}; there are: {', '.join(ROWS)}")
+    out: list[dict[str, Any]] = []
+    for angle in DIHEDRALS:
+        for speed in (20.0,) * (f"{angle:.0f}" in rows) + (60.0,) * ("fast" in rows):
+            trials = [straight(angle, speed, seed) for seed in range(seeds)]
+            out += _straight_rows(f"{angle:.0f} deg, {speed:.0f} mm/s", angle, speed, trials)
+    if "circles" in rows:
+        for radius in RADII:
+            solid, ring = disc(radius)
+            trials = [loop(solid, ring, (997 * seed) % len(ring), seed) for seed in range(seeds)]
+            out += _loop_rows(f"circle R {radius:.0f}", trials, radius)
+    if "outlines" in rows:
+        for name, (solid, ring, at) in outlines().items():
+            out += _loop_rows(name, [loop(solid, ring, at, seed) for seed in range(seeds)])
+    return out + (time_rows() if "time" in rows else [])
+
+
+def straight(dihedral_deg: float, speed: float, seed: int) -> Trial:
+    """One straight edge, along z through the origin."""
+    x, y, z = np.eye(3)
+    start = Start(np.array([0.0, 0.0, 60.0]), -z, x, y)
+    guard = guard_over(prism(dihedral_deg), start, seed)
+    found = tracked(guard, start, LENGTH, speed)
+    if found.trace is None:
+        return Trial(np.empty(0), "lost", _ratios(found))
+    trace, angle = with_dihedral(guard, found.trace)
+    along = described(trace).direction
+    return Trial(
+        np.hypot(trace.points[:, 0], trace.points[:, 1]),
+        found.ended,
+        _ratios(found),
+        angle=float(np.degrees(np.arcsin(np.linalg.norm(np.cross(along, z))))),
+        dihedral=None if angle is None else float(np.degrees(angle)),
+    )
+
+
+def loop(solid: Solid, ring: np.ndarray, at: int, seed: int) -> Trial:
+    """One outline at z = 0, counterclockwise, from its point number `at`."""
+    along = np.append(ring[(at + 1) % len(ring)] - ring[at - 1], 0.0)
+    along /= np.linalg.norm(along)
+    up = np.array([0.0, 0.0, 1.0])
+    start = Start(np.append(ring[at], 0.0), along, np.cross(along, up), up)
+    guard = guard_over(solid, start, seed)
+    found = outlined(guard, start, LOOP, 20.0)
+    if not found:
+        return Trial(np.empty(0), "lost", _ratios(found))
+    whole = found.traces[0] if len(found.traces) == 1 else None
+    return Trial(
+        np.concatenate([off_outline(trace.points, ring) for trace in found.traces]),
+        found.ended,
+        _ratios(found),
+        loop_gap(found.traces) if found.ended == "closed" else None,
+        described(whole).radius if whole else None,
+    )
+
+
+def time_rows(tracks: int = 5) -> list[dict[str, Any]]:
+    """Ticks a second of a whole closed loop, simulated array and stage and smoothing with it, on one core."""
+    x, y, z = np.eye(3)
+    start, solid = Start(np.array([0.0, 0.0, 60.0]), -z, x, y), prism(90.0)
+    per_tick, bare = [], []
+    for seed in range(tracks + 1):
+        guard = guard_over(solid, start, seed)
+        before, began = guard.cost.frames, time.perf_counter()
+        tracked(guard, start, LENGTH, 20.0)
+        per_tick.append((time.perf_counter() - began) / (guard.cost.frames - before))
+        bare.append(bare_call(solid))
+    tick, call = float(np.median(per_tick[1:])), float(np.median(bare[1:]))
+    out = [_row("closed loop", "ticks a second", 1.0 / tick, "1/s", ">= 5000")]
+    if has_embree():
+        out += [
+            _row("bare 160-ray call", "time", 1e6 * call, "us"),
+            _row("closed loop", "tick over the bare call", tick / call, "x", "<= 10"),
+        ]
+    return out
+
+
+def bare_call(solid: Solid, calls: int = 400) -> float:
+    """[s] the median of bare embree calls with 160 rays at the solid."""
+    if not has_embree():
+        return np.nan
+    u, v = np.meshgrid(np.linspace(-13.5, 13.5, 16), np.linspace(-8.1, 8.1, 10))
+    origins = np.stack([v.ravel(), np.full(u.size, 5.0), u.ravel()], axis=1).astype(np.float32)
+    down = np.tile(np.float32([0.0, -1.0, 0.0]), (u.size, 1))
+    scene, took = solid.body.caster._scene, []
+    for _ in range(calls):
+        began = time.perf_counter()
+        scene.run(origins, down, output=1)
+        took.append(time.perf_counter() - began)
+    return float(np.median(took))
+
+
+def _straight_rows(name: str, dihedral_deg: float, speed: float, trials: list[Trial]) -> list[dict[str, Any]]:
+    out = _common_rows(name, trials, "<= 0.03" if speed < 40.0 else "<= 0.06", "length")
+    angles = [t.angle for t in trials if t.angle is not None]
+    felt = [t.dihedral for t in trials if t.dihedral is not None]
+    if angles:
+        out.append(_row(name, "angle of the edge, rms", rms(angles), "deg", "<= 0.05"))
+    if felt:
+        out.append(_row(name, "dihedral, rms error", rms(np.array(felt) - dihedral_deg), "deg", "<= 1"))
+    out.append(_row(name, "dihedral not felt", len(trials) - len(felt), "tracks", "0"))
+    return out
+
+
+def _loop_rows(name: str, trials: list[Trial], radius: float | None = None) -> list[dict[str, Any]]:
+    out = _common_rows(name, trials, "<= 0.06", "closed")
+    gaps = [t.gap for t in trials if t.gap is not None]
+    radii = [t.radius for t in trials if t.radius is not None]
+    if gaps:
+        out.append(_row(name, "gap of the loop, greatest", max(gaps), "mm", "<= 0.15"))
+    if radius is not None and radii:
+        out.append(
+            _row(name, "radius, greatest error", max(np.abs(np.array(radii) - radius)), "mm", "<= 0.05")
+        )
+    return out
+
+
+def _common_rows(name: str, trials: list[Trial], asked: str, well: str) -> list[dict[str, Any]]:
+    """What every row of the table says; `asked` of the RMS."""
+    good = [t for t in trials if t.ended == well]
+    forces = np.concatenate([t.forces for t in trials])
+    out = [_row(name, "lost", len(trials) - len(good), f"of {len(trials)}", "0")]
+    if good:
+        off = np.concatenate([t.off for t in good])
+        out += [
+            _row(name, "rms", rms(off), "mm", asked),
+            _row(name, "within 0.1 mm", 100.0 * np.mean(off < 0.1), "%", "99.9"),
+        ]
+    if len(forces):
+        out += [
+            _row(
+                name, "force within 10 %", 100.0 * np.mean(np.abs(forces - 1.0) < 0.1), "% of ticks", ">= 95"
+            ),
+            _row(name, "greatest force over its set point", forces.max(), "x"),
+        ]
+    return out
+
+
+def rms(values: Iterable[float]) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(np.asarray(values, dtype=float)))))
+
+
+def _ratios(found: Tracked | TrackedOutline) -> np.ndarray:
+    return np.array(found.forces) / np.array(found.set_points)
+
+
+def _row(method: str, metric: str, value: float, unit: str, asked: str | None = None) -> dict[str, Any]:
+    told = {"bench": "track_edge", "method": method, "metric": metric, "value": float(value), "unit": unit}
+    return told | ({} if asked is None else {"asked": asked})
