@@ -2,7 +2,8 @@
 
 With f the simulator's own frame without noise, J = df/d(unknown) by central differences and sigma the deviation of
 each taxel, the Fisher information of the mean is F = J^T diag(1/sigma^2) J.  What is to be found, t(numbers),
-then has covariance T F^-1 T^T with T = dt/d(unknown).  No detector's formula enters.
+then has covariance T F^-1 T^T with T = dt/d(unknown).  No detector's formula enters.  All angles are unknown: no
+estimator is told that a corner is square, or that the sides of a wall are parallel.
 """
 
 from collections.abc import Iterable
@@ -26,6 +27,10 @@ STEP = {  # half-widths of the differences: small against the blur, large agains
     "radius": 0.02,
     "width": 0.02,
     "opening": 0.004,
+    "cut": 0.004,
+    "first": 0.004,
+    "second": 0.004,
+    "taper": 0.004,
 }
 RELATIVE = {"radius": 0.01}  # of the number itself, where that is more
 

@@ -63,19 +63,21 @@ def slot(rng: np.random.Generator, spec: SensorSpec = PAD) -> Scene:
 
 
 def vertex(rng: np.random.Generator, spec: SensorSpec = PAD) -> Scene:
-    """Three edges round the cut corner of a plate; the middle one is 5 to 9 mm long."""
+    """Three edges round the cut corner of a plate; the middle one is 5 to 9 mm long, at 45 degrees."""
     n = _meeting(rng, spec) | {"width": float(rng.choice((5.0, 7.0, 9.0)))}
+    n |= {"opening": np.pi / 2, "cut": np.pi / 4}
+    unknown = ("x", "y", "turn", "width", "opening", "cut", *LOCAL)
     return Scene(
-        spec, n, lambda n: solids.chamfered(n["width"]), _chamfer_lines, ("x", "y", "turn", "width", *LOCAL)
+        spec, n, lambda n: solids.chamfered(n["width"], n["opening"], n["cut"]), _chamfer_lines, unknown
     )
 
 
 def bar_end(rng: np.random.Generator, spec: SensorSpec = PAD) -> Scene:
-    """Three edges round the end of a bar 7 to 10 mm wide."""
+    """Three edges round the square end of a bar 7 to 10 mm wide."""
     n = _meeting(rng, spec) | {"width": float(rng.choice((7.0, 8.5, 10.0)))}
-    return Scene(
-        spec, n, lambda n: solids.bar_end(n["width"]), _end_lines, ("x", "y", "turn", "width", *LOCAL)
-    )
+    n |= {"first": np.pi / 2, "second": np.pi / 2}
+    unknown = ("x", "y", "turn", "width", "first", "second", *LOCAL)
+    return Scene(spec, n, lambda n: solids.bar_end(n["width"], n["first"], n["second"]), _end_lines, unknown)
 
 
 def disc(rng: np.random.Generator, radius: float, spec: SensorSpec = PAD) -> Scene:
@@ -120,20 +122,27 @@ def bar(
     return _without_lines(spec, n, lambda n: solids.bar(n["radius"]), unknown)
 
 
-def _parallel(rng: np.random.Generator, spec: SensorSpec, solid: Callable[[float], solids.Solid]) -> Scene:
+def _parallel(
+    rng: np.random.Generator, spec: SensorSpec, solid: Callable[[float, float], solids.Solid]
+) -> Scene:
     n = numbers(turn=_turn(rng), offset=rng.uniform(-0.15, 0.15) * min(spec.array.size), depth=PRESS)
-    n |= {"width": float(rng.choice(WIDTHS))}
-    return Scene(spec, n, lambda n: solid(n["width"]), _parallel_lines, ("turn", "offset", "width", *LOCAL))
+    n |= {"width": float(rng.choice(WIDTHS)), "taper": 0.0}
+    unknown = ("turn", "offset", "width", "taper", *LOCAL)
+    return Scene(spec, n, lambda n: solid(n["width"], n["taper"]), _parallel_lines, unknown)
 
 
 def _rim(
     rng: np.random.Generator, radius: float, spec: SensorSpec, solid: Callable[[float], solids.Solid]
 ) -> Scene:
-    """Where the circle fits on the pad its center is near the pad's; else its nearest point is, anywhere round."""
+    """Where the circle fits on the pad its center is near the pad's; else its nearest point is, anywhere round.
+
+    The origin is the point of the rim that is nearest the pad's center, or farthest, so that the radius bends the
+    rim and moves it nowhere else: differences then tell a radius of 60 mm from a shift.
+    """
     reach = REACH * min(spec.array.size)
     round_, near = rng.uniform(-np.pi, np.pi), rng.uniform(-reach, reach)
-    away = 0.5 * near if radius < 0.4 * min(spec.array.size) else radius + near
-    n = numbers(x=away * np.cos(round_), y=away * np.sin(round_), depth=PRESS, turn=_turn(rng))
+    away = 0.5 * near - radius if radius < 0.4 * min(spec.array.size) else near
+    n = numbers(x=away * np.cos(round_), y=away * np.sin(round_), depth=PRESS, turn=round_ - np.pi / 2)
     return Scene(
         spec, n | {"radius": radius}, lambda n: solid(n["radius"]), _circle, ("x", "y", "radius", *LOCAL)
     )
@@ -177,19 +186,22 @@ def _corner_lines(n: Numbers) -> Floats:
 
 
 def _parallel_lines(n: Numbers) -> Floats:
-    h = n["width"] / 2
-    return _through(n, [((1.0, -h), (0.0, -h)), ((1.0, h), (0.0, h))])
+    h, slant = n["width"] / 2, np.tan(n["taper"])
+    return _through(n, [((1.0, -h), (0.0, -h)), ((1.0, h + slant), (0.0, h))])
 
 
 def _chamfer_lines(n: Numbers) -> Floats:
-    cut = n["width"] / np.sqrt(2)
-    return _through(n, [((1.0, 0.0), (0.0, 0.0)), ((0.0, 1.0), (0.0, 0.0)), ((cut, 0.0), (0.0, cut))])
+    a, b = solids.chamfer_ends(n["width"], n["opening"], n["cut"])
+    end = (np.cos(n["opening"]), np.sin(n["opening"]))
+    return _through(n, [((1.0, 0.0), (0.0, 0.0)), (end, (0.0, 0.0)), ((a, 0.0), b)])
 
 
 def _end_lines(n: Numbers) -> Floats:
     h = n["width"] / 2
-    return _through(n, [((1.0, -h), (0.0, -h)), ((1.0, h), (0.0, h)), ((0.0, -h), (0.0, h))])
+    low = (np.sin(n["first"]), np.cos(n["first"]) - h)
+    high = (np.sin(n["second"]), h - np.cos(n["second"]))
+    return _through(n, [(low, (0.0, -h)), (high, (0.0, h)), ((0.0, -h), (0.0, h))])
 
 
 def _circle(n: Numbers) -> Floats:
-    return np.array([[*seen(n, np.zeros(2)), n["radius"]]])
+    return np.array([[*seen(n, np.array([0.0, n["radius"]])), n["radius"]]])

@@ -54,44 +54,61 @@ def corner(opening: float) -> Solid:
 
 
 @lru_cache(maxsize=64)
-def wall(width: float) -> Solid:
-    """Material between y = -width/2 and width/2."""
-    return _solid(_plate(((-FAR, -width / 2), (FAR, -width / 2), (FAR, width / 2), (-FAR, width / 2))))
+def wall(width: float, taper: float = 0.0) -> Solid:
+    """Material between y = -width/2 and width/2, wider by `taper` [rad] times x; its first edge stays."""
+    left, right = width / 2 - FAR * np.tan(taper), width / 2 + FAR * np.tan(taper)
+    return _solid(_plate(((-FAR, -width / 2), (FAR, -width / 2), (FAR, right), (-FAR, left))))
 
 
 @lru_cache(maxsize=64)
-def slot(width: float) -> Solid:
-    """A gap between y = -width/2 and width/2."""
-    far = Cube((2 * FAR, FAR, THICK))
-    shift = (FAR + width) / 2
-    return _solid(far.at(0, shift, -THICK / 2) | far.at(0, -shift, -THICK / 2))
+def slot(width: float, taper: float = 0.0) -> Solid:
+    """A gap between y = -width/2 and width/2, wider by `taper` [rad] times x; its first edge stays."""
+    left, right = width / 2 - FAR * np.tan(taper), width / 2 + FAR * np.tan(taper)
+    below = _plate(((-FAR, -FAR), (FAR, -FAR), (FAR, -width / 2), (-FAR, -width / 2)))
+    return _solid(below | _plate(((-FAR, left), (FAR, right), (FAR, FAR), (-FAR, FAR))))
 
 
 @lru_cache(maxsize=64)
-def bar_end(width: float) -> Solid:
-    """Three edges with a corner on either side: x = 0 between y = -width/2 and width/2, material at x > 0."""
-    return _solid(_plate(((0.0, -width / 2), (FAR, -width / 2), (FAR, width / 2), (0.0, width / 2))))
+def bar_end(width: float, first: float = np.pi / 2, second: float = np.pi / 2) -> Solid:
+    """Three edges with corners at (0, -width/2) and (0, width/2), material at x > 0 between.
+
+    `first` and `second` [rad] are the angles of material in the two corners.
+    """
+    low = (FAR * np.sin(first), -width / 2 + FAR * np.cos(first))
+    high = (FAR * np.sin(second), width / 2 - FAR * np.cos(second))
+    return _solid(_plate(((0.0, -width / 2), low, high, (0.0, width / 2))))
 
 
 @lru_cache(maxsize=64)
-def chamfered(width: float) -> Solid:
-    """A square corner at the origin cut off at 45 degrees: three edges, the middle one `width` [mm] long."""
-    cut = width / np.sqrt(2)
-    return _solid(_plate(((cut, 0.0), (FAR, 0.0), (FAR, FAR), (0.0, FAR), (0.0, cut))))
+def chamfered(width: float, opening: float = np.pi / 2, cut: float = np.pi / 4) -> Solid:
+    """A corner at the origin, its second edge at `opening` [rad] from the first, cut off.
+
+    Three edges, the middle one `width` [mm] long and at `cut` [rad] to the first.
+    """
+    a, b = chamfer_ends(width, opening, cut)
+    c, s = FAR * np.cos(opening), FAR * np.sin(opening)
+    return _solid(_plate(((a, 0.0), (FAR, 0.0), (FAR + c, s), (c, s), b)))
+
+
+def chamfer_ends(width: float, opening: float, cut: float) -> tuple[float, tuple[float, float]]:
+    """Where the cut begins, x on the first edge, and ends, (x, y) on the second (the law of sines)."""
+    a = width * np.sin(opening + cut) / np.sin(opening)
+    b = width * np.sin(cut) / np.sin(opening)
+    return float(a), (float(b * np.cos(opening)), float(b * np.sin(opening)))
 
 
 @lru_cache(maxsize=96)
 def disc(radius: float) -> Solid:
-    """A boss."""
-    return _solid(Cylinder(radius, THICK).at(0, 0, -THICK / 2), ROUND * radius)
+    """A boss whose rim passes the origin, its center at y = radius."""
+    return _solid(Cylinder(radius, THICK).at(0, radius, -THICK / 2), ROUND * radius)
 
 
 @lru_cache(maxsize=96)
 def hole(radius: float) -> Solid:
-    """A hole in a plate."""
+    """A hole in a plate, its rim and center as a boss's."""
     far = 2 * FAR + 2 * radius
-    plate = Cube((far, far, THICK)).at(0, 0, -THICK / 2)
-    return _solid(plate - Cylinder(radius, 3 * THICK), ROUND * radius)
+    plate = Cube((far, far, THICK)).at(0, radius, -THICK / 2)
+    return _solid(plate - Cylinder(radius, 3 * THICK).at(0, radius, 0), ROUND * radius)
 
 
 @lru_cache(maxsize=64)
