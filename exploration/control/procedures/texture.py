@@ -51,6 +51,7 @@ class TextureConfig:
     grains: tuple[float, float] = (0.4, 3.0)  # [mm] sizes that are told apart
     expected: float = 1.0  # [mm] size where the signal is too weak to tell
     sure: float = 4.5  # standard deviations by which a size must differ from the expected one to be told
+    weak: float = 10.0  # times the noise's share that a signal must have for its size to be told
     bands: tuple[float, ...] = (16.0, 8.0, 4.0, 2.0)  # [mm] wavelengths, octave by octave
 
 
@@ -129,18 +130,16 @@ def texture_of(sweep: Sweep, share: float, travel: float, config: TextureConfig 
     step = float(np.ptp(sweep.travel)) / (len(signal) - 1)
     farthest = max(3, min(int(config.lag / step), len(signal) // 2))
     lags = np.unique(np.linspace(1, farthest, config.lags).astype(int))
-    covariance = np.array([np.mean(signal[:-j] * signal[j:]) for j in lags])
-    covariance += (np.mean(signal**2) - covariance[0]) / len(
-        signal
-    )  # what taking the mean took from the noise
-    grain, v, expected = _fitted(
-        np.asarray(lags * step, dtype=float), np.asarray(covariance, dtype=float), sweep, basis, config
-    )
+    covariance: Floats = np.array([np.mean(signal[:-j] * signal[j:]) for j in lags])
+    white = float(np.mean(signal**2) - covariance[0])
+    covariance = covariance + white / len(signal)  # what taking the mean took from the noise
+    of_noise = abs(white) / float(np.sqrt(signal.size * min(farthest, sweep.blur / step)))
+    travels: Floats = lags * step
+    grain, v, expected = _fitted(travels, covariance, of_noise, sweep, basis, config)
     free = 1.0 - basis.shape[1] / len(sweep.taxels)
     noise = float(np.sqrt(max(np.mean(signal**2) - v * expected, 0.0) / free))
     w2 = grain**2 + 2.0 * sweep.blur**2
     lift = np.sqrt(w2) / grain / share
-    of_noise = noise**2 / np.sqrt(signal.size * min(farthest, np.sqrt(w2) / step))
     doubt = float(np.hypot(v * np.sqrt(2.0 * np.pi * w2 / sweep.area), of_noise))
     felt = float(np.sqrt(max(v, 0.0)))
     sigma = 0.5 * doubt / max(felt, float(np.sqrt(doubt)))
@@ -159,9 +158,12 @@ def texture_of(sweep: Sweep, share: float, travel: float, config: TextureConfig 
 
 
 def _fitted(
-    x: Floats, covariance: Floats, sweep: Sweep, basis: Floats, config: TextureConfig
+    x: Floats, covariance: Floats, doubt: float, sweep: Sweep, basis: Floats, config: TextureConfig
 ) -> tuple[float, float, float]:
-    """Grain size [mm], felt variance [mm^2], and h_w(0), by least squares over a grid of sizes."""
+    """Grain size [mm], felt variance [mm^2], and h_w(0), by least squares over a grid of sizes.
+
+    `doubt` [mm^2] is the noise's share in a covariance.
+    """
     sizes = np.append(np.geomspace(*config.grains, 12), config.expected)
     apart = sweep.taxels[:, None] - sweep.taxels[None]
     within = float(np.ptp(sweep.travel))
@@ -178,7 +180,8 @@ def _fitted(
         tried.append((float(np.sum((covariance - v * model) ** 2)), float(size), v, float(shape[0])))
     best, usual = min(tried[:-1]), tried[-1]
     usual_w2, best_w2 = (size**2 + 2.0 * sweep.blur**2 for size in (config.expected, best[1]))
-    scatter = np.sqrt(2.0 * np.pi * usual_w2 / sweep.area + usual[0] / len(x) / max(usual[2], 1e-12) ** 2)
+    unsure = config.weak * doubt / max(usual[2], 1e-12)
+    scatter = np.sqrt(2.0 * np.pi * usual_w2 / sweep.area + unsure**2)
     told = usual[2] > 0.0 and best_w2 > usual_w2 * (1.0 + config.sure * scatter)
     _, size, v, start = best if told else usual
     return size, v, start
