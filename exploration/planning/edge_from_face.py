@@ -27,6 +27,7 @@ from exploration.devices.guard import Collision, OverPress
 from exploration.planning.pad import Pad
 from exploration.planning.transit import Support
 from primitives import pose as se3
+from primitives.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -92,11 +93,14 @@ def roll_over(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFac
         target = se3.pose(pad.attitude(normal, edge.tangent), edge.point + reach * down)
         try:
             pad.travel(target, Support(edge.point, edge.normal), standoff=config.standoff)
-            if pad.touch(target, config.standoff, config.overtravel) and _turned(pad, edge) > config.other:
-                pad.lie(np.empty((0, 3)))
-                return True
+            met = pad.touch(target, config.standoff, config.overtravel)
         except (OverPress, Collision):
-            continue
+            met = False
+        pad.here = Support(edge.point, -pad.guard.world_from_sensor[:3, 2])
+        if met:
+            pad.lie(np.empty((0, 3)))
+            if _turned(pad, edge) > config.other:
+                return True
     return False
 
 
@@ -105,19 +109,25 @@ def dihedral(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFace
 
     None where nothing is met behind it, or something that does not run by the edge.
     """
-    pad.here = Support(edge.point, edge.normal)
-    if not roll_over(pad, edge, config):
-        return None
+    for roll in config.rolls:
+        if roll_over(pad, edge, replace(config, rolls=(roll,))):
+            normal = _normal_by(pad, edge, config)
+            if normal is not None:
+                return float(np.pi - np.arctan2(normal @ edge.outward, normal @ edge.normal))
+    return None
+
+
+def _normal_by(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig) -> Floats | None:
+    """(3,) outward normal of the face under the pad, across an edge; None where that face does not run by it."""
     felt = pad.feel()
     felt = felt.select(felt.has_normal)
     if not len(felt):
         return None
-    normal = felt.normals.mean(axis=0)
-    sideways = edge.tangent * float(normal @ edge.tangent)
-    normal = (normal - sideways) / np.linalg.norm(normal - sideways)
-    if abs(float((felt.points.mean(axis=0) - edge.point) @ normal)) > config.beside:
-        return None
-    return float(np.pi - np.arctan2(normal @ edge.outward, normal @ edge.normal))
+    normal: Floats = felt.normals.mean(axis=0)
+    normal = normal - edge.tangent * float(normal @ edge.tangent)
+    normal = normal / np.linalg.norm(normal)
+    off = float((felt.points.mean(axis=0) - edge.point) @ normal)
+    return normal if abs(off) < config.beside else None
 
 
 def _turned(pad: Pad, edge: Sighting) -> float:
@@ -142,9 +152,22 @@ def _stroked_to(pad: Pad, config: EdgeFromFaceConfig) -> Sighting | NoEdge:
         way = pad.guard.world_from_sensor[:3, :2] @ heading
         seen = [e for e in pad.sightings(heading) if e.outward @ way > config.facing]
         if stroke.ended == "edge" and seen:
-            here = pad.guard.world_from_sensor[:3, 3]
-            nearest = min(seen, key=lambda e: float(np.linalg.norm(e.point - here)))
-            return replace(nearest, tangent=np.cross(nearest.outward, nearest.normal))
+            return _beside_contact(pad, seen)
         if stroke.ended == "lost":
             return NoEdge("contact was lost before an edge came near")
     return NoEdge("no stroke over the surface came to an edge")
+
+
+def _beside_contact(pad: Pad, seen: list[Sighting]) -> Sighting:
+    """The nearest of some edges, at its place beside the middle of the contact, where it has not ended yet.
+
+    Its tangent leads away from where it ends, if it does so near the pad.
+    """
+    pose = pad.guard.world_from_sensor
+    felt = feel(dwell(pad.guard, pad.config.averaged).image)
+    middle = pose[:3, 3] + (pose[:3, :2] @ felt.centroid if felt else 0.0)
+    edge = min(seen, key=lambda e: float(np.linalg.norm(e.point - pose[:3, 3])))
+    tangent = np.cross(edge.outward, edge.normal)
+    place = edge.point + tangent * float(tangent @ (middle - edge.point))
+    away = 1.0 if float(tangent @ (middle - pose[:3, 3])) >= 0.0 else -1.0
+    return replace(edge, point=place, tangent=away * tangent)

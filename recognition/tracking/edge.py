@@ -20,7 +20,15 @@ from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, reac
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 from recognition.felt_run import FeltRun
-from recognition.tracking.traced import angles_between, described, loop_gap, outward_of, set_back
+from recognition.tracking.traced import (
+    angles_between,
+    corners_of,
+    described,
+    loop_gap,
+    outward_of,
+    set_back,
+    whole_edges,
+)
 
 Say = Callable[[str], None]
 
@@ -42,7 +50,6 @@ class EdgeTrack:
     ended: str = "no edge"  # or closed, lost, length, or the fault
     why: str = ""  # nothing was tracked
     dihedrals: tuple[float | None, ...] = ()  # [rad] of every edge
-    corners: Floats = field(default_factory=lambda: np.empty((0, 3)))  # [mm]
     forces: tuple[float, ...] = ()  # [N] at every tick
     set_points: tuple[float, ...] = ()  # [N]
     travel: float = 0.0  # [mm]
@@ -77,14 +84,23 @@ class EdgeTrack:
 
     def found(self) -> dict[str, Any]:
         """As the summary's `found`."""
-        edges = [described(t, a) for t, a in zip(self.traces, self.dihedrals, strict=True)]
+        closed = self.ended == "closed"
+        whole = whole_edges(self.traces, self.dihedrals, closed)
+        corners = corners_of([trace for trace, _ in whole], closed)
+        edges = [described(trace, angle) for trace, angle in whole]
+        if len(corners) == len(edges) > 1:
+            ends = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
+            edges = [
+                replace(edge, length=float(length)) if edge.curve == "line" else edge
+                for edge, length in zip(edges, ends, strict=True)
+            ]
         normal = self.normals.mean(axis=0) if len(self.normals) else None
-        between = angles_between(self.traces, self.ended == "closed")
+        between = angles_between([trace for trace, _ in whole], closed)
         share = np.abs(np.array(self.forces) / np.array(self.set_points) - 1.0) < 0.1
         return {
             "ended": self.ended,
             "edges": [edge.as_json() for edge in edges],
-            "corners_mm": self.corners,
+            "corners_mm": corners,
             "angles_between_deg": np.degrees(between).tolist(),
             "face_normal": None if normal is None else normal / np.linalg.norm(normal),
             "length_mm": sum(edge.length for edge in edges),
@@ -122,6 +138,7 @@ def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | N
     run.announce("outline", {"ended": outline.ended, "edges": len(outline.traces)})
     if not outline:
         return EdgeTrack(why="the edge that was seen could not be followed", ended="lost")
+    run.pad.lie(np.empty((0, 3)))
     return _felt_behind(run, outline, edge, say, config)
 
 
@@ -142,7 +159,6 @@ def _felt_behind(
         tuple(traces),
         outline.ended,
         dihedrals=tuple(angles),
-        corners=outline.corners,
         forces=outline.forces,
         set_points=outline.set_points,
         travel=outline.travel,

@@ -79,6 +79,7 @@ def described(
     if not trace.closed and off_line < max(config.straight, config.better * off_circle):
         return TracedEdge("line", length, off_line, along, dihedral=dihedral)
     if off_circle < config.on_curve:
+        length = 2.0 * np.pi * radius if trace.closed else length  # the start is passed by a little
         return TracedEdge("circle", length, off_circle, axis, center, radius, dihedral)
     return TracedEdge("other", length, min(off_line, off_circle), normal, dihedral=dihedral)
 
@@ -148,3 +149,45 @@ def loop_gap(traces: Sequence[EdgeTrace], reach: float = 6.0) -> float | None:
         passing = [np.interp(0.0, ahead[near][order], column) for column in aside[order].T]
         return float(np.linalg.norm(passing))
     return float(np.linalg.norm(aside, axis=1).min())
+
+
+def whole_edges(
+    traces: Sequence[EdgeTrace], dihedrals: Sequence[float | None], closed: bool, straight_on: float = 0.3
+) -> list[tuple[EdgeTrace, float | None]]:
+    """The edges of an outline: where it closed along the edge that it began on, the two parts of that are one.
+
+    `straight_on` [rad] is the least angle between two edges.
+    """
+    edges = list(zip(traces, dihedrals, strict=True))
+    if not closed or len(edges) < 2:
+        return edges
+    (first, angle), (last, other) = edges[0], edges[-1]
+    if float(last.tangents[-1] @ first.tangents[0]) < np.cos(straight_on):
+        return edges
+    before = (last.points - first.points[0]) @ first.tangents[0] < 0.0
+    joined = replace(
+        first,
+        points=_joined(last.points[before], first.points),
+        tangents=_joined(last.tangents[before], first.tangents),
+        normals=_joined(last.normals[before], first.normals),
+        sigma=_joined(last.sigma[before], first.sigma),
+    )
+    return [(joined, other if angle is None else angle), *edges[1:-1]]
+
+
+def corners_of(traces: Sequence[EdgeTrace], closed: bool) -> Floats:
+    """(n, 3) [mm] where each edge, drawn on straight, comes nearest to the next; closed: the last to the first."""
+    following = [*pairwise(traces), *([(traces[-1], traces[0])] if closed and len(traces) > 1 else [])]
+    return np.array([_meeting(a, b) for a, b in following]).reshape(-1, 3)
+
+
+def _meeting(before: EdgeTrace, after: EdgeTrace) -> Floats:
+    a, u = before.points[-1], before.tangents[-1]
+    b, v = after.points[0], after.tangents[0]
+    (s, t), *_ = np.linalg.lstsq(np.stack([u, -v], axis=1), b - a, rcond=None)
+    middle: Floats = 0.5 * (a + s * u + b + t * v)
+    return middle
+
+
+def _joined(before: Floats, after: Floats) -> Floats:
+    return frozen(np.concatenate([before, after]))

@@ -68,7 +68,9 @@ def with_dihedral(guard: Guard, trace: EdgeTrace) -> tuple[EdgeTrace, float | No
     outward = np.cross(trace.tangents, trace.normals)
     at = Sighting(trace.points[k], trace.tangents[k], outward[k], trace.normals[k], 0.02, 50.0)
     at = replace(at, tangent=np.cross(at.outward, at.normal))
-    angle = dihedral(Pad(guard, BOX, lambda kind, detail: None), at)
+    pad = Pad(guard, BOX, lambda kind, detail: None)
+    pad.lie(np.empty((0, 3)))
+    angle = dihedral(pad, at)
     return (trace, None) if angle is None else (set_back(trace, outward, angle, PRESS), angle)
 
 
