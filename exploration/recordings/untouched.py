@@ -153,7 +153,7 @@ def _held(triples: Floats) -> bool:
     """Whether most taxels repeat their readings to the count."""
     if not len(triples):
         return False
-    return np.count_nonzero(np.diff(triples, axis=1)) * 2 < triples[:, 1:].size
+    return bool(np.count_nonzero(np.diff(triples, axis=1)) * 2 < triples[:, 1:].size)
 
 
 def _zero_and_noise(pad: Pad, frames: Floats, noise: float) -> tuple[Floats, float]:

@@ -17,8 +17,9 @@ from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.edges import edge_points
 from exploration.sensing.lines.line_fit import softened
 from exploration.sensing.lines.outline import Outline
+from exploration.sensing.lines.outline_starts import circle_through
 from exploration.sensing.lines.peaks import peaks
-from exploration.sensing.lines.region import ONE, THREE, TWO, Region
+from exploration.sensing.lines.region import NO_TERMS, ONE, THREE, TWO, WHOLE, Region
 from exploration.sensing.lines.region_fit import RegionFit, fit_region
 from exploration.sensing.lines.short_skin import on_its_skin
 from exploration.sensing.response import response_of
@@ -31,8 +32,9 @@ SLOPE = 0.1  # standard deviation of a pad's slope on a face before touch
 TURNED = 0.25  # sqrt(2 pi) of that: what a density of 1 / TURNED is even over
 BENT_FACE = 0.2  # probability that a face with edges under the pad is curved
 NARROW = 0.7  # [pad's short side] a ridge narrower than this may be a wall with two edges
-SETTLED = 30.0  # [chi2] by which a reading behind the best is out of the question
+SETTLED = 20.0  # [chi2] by which a reading behind the best is out of the question
 ASKEW = 0.01  # [rad] by which the edges of a wall are not parallel
+LONGEST = 100.0  # [mm] radius from which an arc is taken for a line
 CYLINDRIC = 0.3  # of the greater curvature, that the lesser of a narrow ridge is at most
 BOX = 0.8  # of a parabola's half width: half the width of a box that holds as much
 LEVEL = -log(2.0) - 2 * log(TURNED)  # log density of a depth and two slopes
@@ -97,10 +99,19 @@ def readings_of_outline(image: TactileImage, outline: Outline) -> list[Reading]:
 
 
 def rivals(image: TactileImage, limit: float) -> list[Reading]:
-    """What the two strongest straight rims of a frame, as an edge each and as a corner, may say against a dome."""
+    """What the two strongest straight rims of a frame, as an edge each and as a corner, and the circle through all
+    of its edge points, may say against a dome.
+    """
     response = response_of(image)
-    found = peaks(edge_points(image, response), image, 2, response)
+    points = edge_points(image, response)
+    found = peaks(points, image, 2, response)
     out = []
+    everything = np.ones(len(points), dtype=bool)
+    circle = circle_through(points, everything, LONGEST) if len(points) > 2 else None
+    if circle is not None:
+        rim = Region((), NO_TERMS if circle[3] > 0 else WHOLE, (circle[3],))
+        rival = _fitted(image, rim, np.array(circle[:3]), limit)
+        out += [] if rival is None else [rival]
     for chosen in ((0,), (1,), (0, 1)):
         if chosen[-1] < len(found):
             sides = tuple(found[k][2] for k in chosen)
@@ -134,7 +145,7 @@ _WALL = Region((1.0, -1.0), TWO[0])
 
 def _fitted(image: TactileImage, region: Region, shape: Floats, limit: float) -> Reading | None:
     soft = softened(image)
-    fit = fit_region(soft, response_of(image), region, shape)
+    fit = fit_region(soft, response_of(image), region, shape, limit=limit)
     if fit.chi2 > limit:
         return None
     if soft is not image:

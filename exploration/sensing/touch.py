@@ -10,7 +10,7 @@ normals come from that same fit: each is given twice the gradient's sigma, so th
 more and no oftener; whoever fits positions and normals of a flat patch at once counts its tilt twice.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from types import MappingProxyType
@@ -33,7 +33,7 @@ from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.outline import Outline, find_outline, outline_of
 from exploration.sensing.lines.region_fit import RegionFit
 from exploration.sensing.lines.single_edge import NOTHING as NO_EDGE
-from exploration.sensing.lines.single_edge import SMOOTH, first_look
+from exploration.sensing.lines.single_edge import first_look
 from exploration.sensing.response import response_of
 from exploration.sensing.surfaces.footprint import PLANE, Footprint, fit_footprint
 from exploration.sensing.surfaces.local_surface import (
@@ -78,7 +78,7 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
         return _nothing(UNREADABLE, image)
     if not contact:
         return _nothing("nothing is felt above the noise", image)
-    verdict, line, edge_chi2 = first_look(image, response_of(image))
+    verdict, line = first_look(image, response_of(image))
     if line is not None and (face := _sure_face(image, contact, line)) is not None:
         return _touch(image, contact, only("edge"), (line,), face)
     dome = fit_dome(contact)
@@ -88,15 +88,14 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
     smooth = ordered_surface(image, contact, ordered)
     readings: list[Reading] = []
     if verdict != NO_EDGE:
-        if not (_explained(smooth, SMOOTH) and smooth.chi2 < edge_chi2):
-            if not _explained(smooth):
-                return _with_outline(image, max_lines, contact, dome, ordered, smooth)
-            readings = rivals(image, ordered.chi2 + SETTLED)
+        if not _explained(smooth):
+            return _with_outline(image, max_lines, contact, dome, ordered, smooth, ())
+        readings = rivals(image, ordered.chi2 + SETTLED)
         wall = as_wall(image, ordered)
         readings += [] if wall is None else [wall]
     kinds, stands = probabilities(contact, ordered, smooth, readings)
     if readings and kinds["edge"] + kinds["corner"] >= 0.5:
-        return _with_outline(image, max_lines, contact, dome, ordered, smooth)
+        return _with_outline(image, max_lines, contact, dome, ordered, smooth, readings)
     if stands is not None and stands.fit is not None and kinds[stands.kind] > LIKELY:
         lines = outline_of(image, stands.fit).lines
         return _touch(image, contact, kinds, lines, _flat_face(image, contact, stands.fit))
@@ -110,19 +109,20 @@ def _with_outline(
     dome: Footprint,
     ordered: Ordered,
     smooth: LocalSurface,
+    rivals_: Sequence[Reading],
 ) -> Touch:
     """A frame that no smooth surface explains, or that edges explain as well."""
     outline = find_outline(image, max_lines, smooth=dome)
     if outline.fit is not None and outline and outline.explains(UNEXPLAINED):
-        readings = readings_of_outline(image, outline)
-        wall = as_wall(image, ordered)
         kinds, stands = probabilities(
-            contact, ordered, smooth, readings if wall is None else [*readings, wall]
+            contact, ordered, smooth, [*readings_of_outline(image, outline), *rivals_]
         )
         if stands is None:
             return _touch(image, contact, kinds, (), smooth)
         face = _flat_face(image, contact, outline.fit)
         return _touch(image, contact, kinds, outline.lines, face, outline.arcs)
+    if _explained(smooth):
+        return _touch(image, contact, probabilities(contact, ordered, smooth, rivals_)[0], (), smooth)
     return _as_far_as_explained(image, max_lines, contact, ordered, smooth, outline)
 
 

@@ -23,6 +23,8 @@ from primitives.arrays import Floats
 HUBER = 3.0  # [sigma]
 SLOPE = 0.1  # [rad] standard deviation of the prior
 STEPS = 25
+HOPE = 5.0  # times what a step promises, that all further steps together may gain, once
+TRIED = 2  # steps are taken
 GAINED = 0.02  # [chi2] a step that gains less is the last
 LEAST_RADIUS = 0.2  # [mm]
 TURN = 0.7  # [rad] of a line in one step
@@ -52,11 +54,17 @@ class RegionFit:
 
 
 def fit_region(
-    image: TactileImage, response: Response, region: Region, shape: ArrayLike, steps: int = STEPS
+    image: TactileImage,
+    response: Response,
+    region: Region,
+    shape: ArrayLike,
+    steps: int = STEPS,
+    limit: float = np.inf,
 ) -> RegionFit:
     """Fit from `shape` (unknowns - 3,), the lines' and discs' numbers; the plane needs no start.
 
-    Without steps, only the plane is fitted, and chi2 is what that makes of it.
+    Without steps, only the plane is fitted, and chi2 is what that makes of it.  A fit is given up, unconverged, once
+    its steps promise too little for chi2 to come below `limit`.
     """
     parameters, covariance, chi2, count, converged, structure = _fit(
         image.depth,
@@ -67,6 +75,7 @@ def fit_region(
         np.asarray(shape, dtype=np.float64),
         *region.arrays,
         steps,
+        limit,
     )
     return RegionFit(region, parameters, covariance, chi2, count - len(parameters), converged, structure)
 
@@ -132,6 +141,7 @@ def _fit(
     terms: Floats,
     signs: Floats,
     steps: int,
+    limit: float,
 ) -> tuple[Floats, Floats, float, int, bool, float]:
     m = 3 + len(shape)
     discs = 3 + 2 * len(sides)
@@ -155,7 +165,7 @@ def _fit(
     damping = 1e-3
     converged = False
     current = True
-    for _ in range(steps):
+    for taken in range(steps):
         damped = normal.copy()
         for a in range(m):
             damped[a, a] *= 1.0 + damping
@@ -166,6 +176,8 @@ def _fit(
                 break
             continue
         step = inverse @ rhs
+        if taken >= TRIED and damping < 1.0 and chi2 - HOPE * np.dot(step, rhs) > limit:
+            break
         trial = p + step
         possible = True
         for k in range(3, discs, 2):
@@ -199,6 +211,8 @@ def _fit(
             if damping > 1e8:
                 break
     ok, covariance = invert(normal)
+    for k in range(3, discs, 2):
+        ok = ok and covariance[k, k] < TURN * TURN  # else it has left the pad
     if not current:
         evaluate(x, y, variance, p, sides, terms, signs, model)
     return p, covariance, chi2, count, converged and ok, _structure(depth, sigma, model[0])

@@ -48,14 +48,11 @@ def single_edge(image: TactileImage, response: Response, dihedral: float = pi / 
     return verdict, _line(found) if verdict == SURE else None
 
 
-def first_look(image: TactileImage, response: Response) -> tuple[int, Line | None, float]:
-    """The same for who fits a smooth surface anyway: a frame that one might explain stays `DOUBTFUL`.
-
-    The number is chi2 of the best edge, infinite where none is seen; what explains the frame better needs none.
-    """
+def first_look(image: TactileImage, response: Response) -> tuple[int, Line | None]:
+    """The same for who fits smooth surfaces anyway: a frame that one might explain stays `DOUBTFUL`."""
     found = _single_edge(*_arguments(image, response), pi / 2)
     verdict = int(found[0])
-    return (verdict, _line(found), 0.0) if verdict == SURE else (verdict, None, float(found[1]))
+    return verdict, _line(found) if verdict == SURE else None
 
 
 def _arguments(

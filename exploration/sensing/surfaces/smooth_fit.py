@@ -77,8 +77,8 @@ def fit_dome(contact: SmoothContact) -> Footprint:
 def held(contact: SmoothContact, dome: Footprint) -> Footprint:
     """What stands where no dome settles: the dome as far as it came, or a level plane, both doubted."""
     p, covariance = dome.parameters, dome.covariance * UNSETTLED**2
-    sane = bool(np.isfinite(p).all()) and bool(np.linalg.eigvalsh(covariance)[0] > 0.0)
-    if sane and np.isfinite(dome.chi2):
+    finite = np.isfinite(dome.chi2) and np.isfinite(p).all() and np.isfinite(covariance).all()
+    if finite and np.linalg.eigvalsh(covariance)[0] > 0.0:
         return replace(dome, covariance=covariance, converged=True)
     felt = contact.depth[contact.mask & (contact.precision > 0.0)]
     level = float(felt.mean()) if felt.size else 0.0
