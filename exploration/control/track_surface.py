@@ -1,8 +1,9 @@
 """Surface tracking: slide along a surface at constant force until an edge comes near.
 
-Every tick: feel depth and slope, look for a line ahead, and command
-``v = heading * speed`` in the pad's plane with the hybrid law for the rest.  The heading is fixed in the sensor
-frame, so on a curved surface the pad follows a geodesic.
+Every tick: read the surface, look ahead for its end, and command ``v = heading * speed`` in the pad's plane
+with the hybrid law for the rest (`surface_servo`).  The heading is fixed in the sensor frame, so on a curved
+surface the pad follows a geodesic.  A stroke ends short of an edge, where the stage's reach ends, where the
+surface rises ahead of the pad (a concavity), where it has come round, or after its length.
 """
 
 from dataclasses import dataclass, replace
@@ -12,12 +13,15 @@ import numpy as np
 
 from exploration.control.feel import FeelConfig, Felt, feel
 from exploration.control.procedures.look import look_closely
-from exploration.control.servo import ServoGains, hybrid_twist
+from exploration.control.servo import ServoGains
 from exploration.control.sighting import Sighting, contact_front, reach_along, sight
+from exploration.control.stroke_ends import edge_near, leaves, rises
+from exploration.control.surface_reading import SurfaceReading, read_surface
+from exploration.control.surface_servo import SurfaceServo
+from exploration.control.surface_trace import NO_TRACE, SurfaceTrace, smoothed_surface
 from exploration.devices.guard import Guard, Observation
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import find_lines
-from exploration.sensing.lines.line import Line
 from exploration.sensing.surfaces.domed_patch import domed_patch
 from exploration.sensing.surfaces.flat_patch import flat_patch
 from exploration.sensing.surfaces.local_surface import LocalSurface
@@ -26,7 +30,7 @@ from primitives import pose as se3
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 
-Ended = Literal["edge", "length", "closed", "lost"]
+Ended = Literal["edge", "length", "closed", "lost", "workspace", "concavity"]
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class StrokeConfig:
     """How a surface is stroked."""
 
     speed: float = 40.0  # [mm/s]
-    roll: float = 1.0  # [rad/s] of turning that a curved surface may ask for
+    roll: float = 1.3  # [rad/s] of turning that a curved surface may ask for
     spacing: float = 4.0  # [mm] between the frames that are kept as contacts
     stop_share: float = 0.4  # an edge this share of the half pad ahead of the center ends the stroke
     confirm: int = 3  # frames in a row that must show the edge
@@ -47,6 +51,8 @@ class StrokeConfig:
     curving: float = 0.008  # [1/mm] a surface this curved along the heading ends its contact by itself
     sharp: float = 0.16  # [1/mm] a contact this curved is going over an edge
     sharper: float = 1.5  # times as curved as where the stroke began, if that was sharp already
+    rising: float = 2.0  # times the nominal press, under the pad's front, at which a concavity begins
+    room: float = 2.0  # [mm] kept from the end of the stage's reach, beside what it takes to stop
 
 
 @dataclass(frozen=True)
@@ -88,6 +94,10 @@ class Stroke:
     edges: tuple[Sighting, ...]  # as last seen
     ended: Ended
     travel: float  # [mm]
+    trace: SurfaceTrace = NO_TRACE
+    forces: tuple[float, ...] = ()  # [N] at every tick
+    set_points: tuple[float, ...] = ()  # [N] that were wanted
+    readings: tuple[SurfaceReading, ...] = ()  # of every tick
 
 
 def follow_surface(
@@ -102,6 +112,8 @@ def follow_surface(
     """Stroke up to `length` [mm] along a (2,) unit `heading` in the pad's plane."""
     kept: list[Contacts] = []
     cells: list[Floats] = []
+    readings: list[SurfaceReading] = []
+    servo = SurfaceServo(guard, gains)
     start = guard.world_from_sensor
     at, travel, since, missing, confirmed, ticks = start, 0.0, np.inf, 0, 0, 0
     farthest, ending, over = 0.0, 0, 0
@@ -118,12 +130,13 @@ def follow_surface(
             if missing > config.lost:
                 ended = "lost"
                 break
+            servo.rest()
             seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
             continue
         missing = 0
         looks = ticks % every == 0 or confirmed
         if looks and contact_front(felt, seen, heading) < half - 1.5 * max(seen.image.array.pitch):
-            near = edge_near(find_lines(seen.image, 3), heading, seen.image, config)
+            near = edge_near(find_lines(seen.image, 3), heading, seen.image, config.stop_share)
             confirmed = confirmed + 1 if near else 0
         ticks += 1
         reach = reach_along(felt, seen, heading)
@@ -133,44 +146,47 @@ def follow_surface(
         ending = ending + 1 if receding else 0
         sharp = felt.curvature[0] if sharp is None else sharp
         over = over + 1 if felt.curvature[0] > max(config.sharp, config.sharper * sharp) else 0
-        if ending >= config.confirm * 2 or over >= config.confirm:
+        if max(ending - config.confirm, over, confirmed) >= config.confirm:
             ended = "edge"
             break
-        if confirmed >= config.confirm:
-            ended = "edge"
+        if rises(seen.image, heading, config.rising * gains.press):
+            ended = "concavity"
+            break
+        if leaves(guard, seen, heading, fastest, config.room):
+            ended = "workspace"
             break
         if since >= config.spacing:
             since = 0.0
-            seen = look_closely(guard, seen, felt)
-            keep(seen, touch, stroke, kept)
-            cells.append(touched_cells(seen, felt))
+            closer = look_closely(guard, seen, felt)
+            keep(closer, touch, stroke, kept)
+            cells.append(touched_cells(closer, felt))
+            if closer is not seen:
+                servo.rest()
+                seen, felt = closer, feel(closer.image) or felt
         if travel > config.least_round and _returned(at, start, config):
             ended = "closed"
             break
-        bend = max(float(heading @ felt.hessian @ heading), 1e-6)
+        reading = read_surface(seen, felt, readings[-1] if readings else None)
+        if reading is not None:
+            readings.append(reading)
+        bend = max(float(np.linalg.norm(servo.bend @ heading)), 1e-6)
         speed = min(fastest * (0.5 if confirmed else 1.0), config.roll / bend)
-        seen = guard.move(hybrid_twist(felt.depth, felt.slope, felt.centroid, heading * speed, gains=gains))
-        step = float(np.linalg.norm(seen.world_from_sensor[:3, 3] - at[:3, 3]))
+        seen = guard.move(servo.twist(seen, felt, reading, heading, speed))
+        step = float((seen.world_from_sensor[:3, 3] - at[:3, 3]) @ (at[:3, :2] @ heading))
         at, travel, since = seen.world_from_sensor, travel + step, since + step
+    if guard.pending.latency > 0.0:
+        seen = guard.hold(3 + round(guard.pending.latency / guard.period))
     return Stroke(
         Contacts.concatenate(kept),
         np.concatenate(cells) if cells else np.empty((0, 3)),
         tuple(sight(line, seen) for line in find_lines(seen.image, 3)) if ended != "lost" else (),
         ended,
         travel,
+        smoothed_surface(readings),
+        tuple(servo.forces),
+        tuple(servo.wanted),
+        tuple(readings),
     )
-
-
-def edge_near(lines: tuple[Line, ...], heading: Floats, image: TactileImage, config: StrokeConfig) -> bool:
-    """Whether a line with the material behind it lies close ahead of the pad's center."""
-    half = 0.5 * float(np.abs(heading) @ np.asarray(image.array.size))
-    for line in lines:
-        facing = -float(line.inward @ heading)
-        if facing > 0.4:
-            ahead = float(line.distance(np.zeros((1, 2)))[0]) / facing
-            if ahead < config.stop_share * half:
-                return True
-    return False
 
 
 def keep(

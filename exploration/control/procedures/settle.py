@@ -4,6 +4,8 @@ A first contact may be a vertex under the middle of the pad or a face under its 
 so that the slope at the pad's center vanishes, rolls the pad off vertices and edges until it lies flush on a face
 or tangent to a curved one.  Balanced on something sharp, where no slope shows, it is moved aside and rolls on.
 
+Depth and slope are those that will be once the commands still on their way are done (`devices.pending`).
+
 Property class: structural (surface normal).
 """
 
@@ -13,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from exploration.control.feel import Felt, feel
+from exploration.control.hybrid import HybridGains
 from exploration.control.servo import ServoGains, hybrid_twist
 from exploration.devices.guard import Guard
 
@@ -47,6 +50,10 @@ def settle(
     guard: Guard, gains: ServoGains = ServoGains(), config: SettleConfig = SettleConfig()
 ) -> Felt | Unsettled:
     """Roll from any first contact to a flush one, at the nominal press."""
+    law = HybridGains.for_delay(guard.period, guard.pending.latency)
+    gains = replace(
+        gains, depth_gain=min(gains.depth_gain, law.press), tilt_gain=min(gains.tilt_gain, law.level)
+    )
     light = replace(gains, press=config.light_press)
     followed, quiet, shifts = 0.0, 0, 0
     aside, slope = np.zeros(2), None
@@ -69,7 +76,10 @@ def settle(
             aside, shifts, quiet = _across(felt) * config.shift, shifts + 1, 0
         step = np.clip(aside, -15.0 * guard.period, 15.0 * guard.period)
         aside = aside - step
-        seen = guard.move(hybrid_twist(felt.depth, slope, felt.centroid, step / guard.period, gains=now))
+        soon = guard.pending.motion(seen.time)
+        tilt = np.array([-soon[0, 2], -soon[1, 2]])
+        depth = felt.depth + float(soon[2, 3] + tilt @ felt.centroid)
+        seen = guard.move(hybrid_twist(depth, slope + tilt, felt.centroid, step / guard.period, gains=now))
     return Unsettled(f"no level contact within {config.patience} ticks")
 
 

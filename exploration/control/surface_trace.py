@@ -1,0 +1,84 @@
+"""From what each tick of a stroke felt to where the surface ran under it.
+
+Every tick gives one point of the surface and its normal, with the frame's noise and the pose's.  Along the travel
+s each coordinate is smoothed by a cubic spline as stiff as generalized cross-validation asks for (scipy's
+`make_smoothing_spline`), so that white errors of the stage and of the frames average out over as long a piece of
+the stroke as bends no more than they can hide.  Normals are smoothed in the same way and made unit again.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import make_smoothing_spline
+
+from exploration.control.surface_reading import SurfaceReading
+from primitives.arrays import Floats, frozen
+
+LEAST = 12  # ticks of a trace
+KNOTS = 160  # readings that a spline is fitted to; more are averaged in groups
+SPACING = 1.0  # [mm] between the points of a trace
+STEP = 1e-3  # [mm] readings nearer than this are one
+SUREST = 0.05  # [mm] of depth, beyond which a tick is left out
+
+
+@dataclass(frozen=True)
+class SurfaceTrace:
+    """Where a stroke ran on the surface; false where too little was felt."""
+
+    points: Floats  # (n, 3) [mm], in the order of travel
+    normals: Floats  # (n, 3) outward
+    travel: Floats  # (n,) [mm]
+    sigma: Floats  # (n,) [mm] along the normal, but for errors that stay the same over a contact
+
+    def __bool__(self) -> bool:
+        return len(self.points) > 0
+
+
+NO_TRACE = SurfaceTrace(*(frozen(np.empty(shape)) for shape in ((0, 3), (0, 3), 0, 0)))
+
+
+def smoothed_surface(ticks: list[SurfaceReading]) -> SurfaceTrace:
+    """The trace through a stroke's ticks."""
+    ticks = [tick for tick in ticks if tick.depth_sigma < SUREST]
+    if len(ticks) < LEAST:
+        return NO_TRACE
+    points = np.array([tick.point for tick in ticks])
+    normals = np.array([tick.normal for tick in ticks])
+    travel = travel_of(points, normals)
+    order = np.argsort(travel, kind="stable")
+    size = max(1, int(np.ceil(len(ticks) / KNOTS)))
+    s, through, facing = (_grouped(v[order], size) for v in (travel, points, normals))
+    apart = np.concatenate([[True], np.diff(s) > STEP])
+    s, through, facing = s[apart], through[apart], facing[apart]
+    if len(s) < LEAST:
+        return NO_TRACE
+    at = np.linspace(s[0], s[-1], max(2, int(np.ceil((s[-1] - s[0]) / SPACING)) + 1))
+    runs = [make_smoothing_spline(s, column) for column in through.T]
+    turns = [make_smoothing_spline(s, column) for column in facing.T]
+    drawn = np.stack([run(at) for run in runs], axis=1)
+    facing_there = np.stack([turn(at) for turn in turns], axis=1)
+    facing_there /= np.linalg.norm(facing_there, axis=1, keepdims=True)
+    off = np.sum((through - np.stack([run(s) for run in runs], axis=1)) * facing, axis=1)
+    per_point = max(1.0, len(s) * SPACING / max(s[-1] - s[0], SPACING))
+    sigma = np.full(len(at), float(off.std()) / np.sqrt(per_point))
+    return SurfaceTrace(frozen(drawn), frozen(facing_there), frozen(at), frozen(sigma))
+
+
+def travel_of(points: Floats, normals: Floats) -> Floats:
+    """(n,) [mm] along a stroke: steps along its running direction, which noise across it does not lengthen."""
+    reach = max(1, len(points) // 40)
+    ahead = points[np.minimum(np.arange(len(points)) + reach, len(points) - 1)]
+    behind = points[np.maximum(np.arange(len(points)) - reach, 0)]
+    along = ahead - behind
+    along -= np.sum(along * normals, axis=1, keepdims=True) * normals
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+    middle = along[1:] + along[:-1]
+    middle /= np.maximum(np.linalg.norm(middle, axis=1, keepdims=True), 1e-12)
+    return np.concatenate([[0.0], np.cumsum(np.sum(np.diff(points, axis=0) * middle, axis=1))])
+
+
+def _grouped(values: Floats, size: int) -> Floats:
+    """Means of every `size` values in turn."""
+    whole = len(values) // size * size
+    means: Floats = values[:whole].reshape(-1, size, *values.shape[1:]).mean(axis=1)
+    return means
