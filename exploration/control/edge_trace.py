@@ -13,7 +13,7 @@ and over less of the edge where it changes: a change of c [1/mm] within a reach 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import BSpline, make_smoothing_spline
+from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
@@ -24,9 +24,11 @@ from primitives.evidence import EdgeTrace
 LEAST = 8  # ticks of a trace
 SPACING = 1.0  # [mm] between the points of a trace
 KNOTS = 240  # readings that the spline is fitted to; more are averaged in groups
-STIFFNESSES = np.geomspace(1e-2, 1e8, 11)  # [mm^3] of the smoothing spline
+STIFFNESSES = (*np.geomspace(1e-2, 1e6, 9), np.inf)  # [mm^3] of the smoothing spline; a line at the end
 SLACK = 0.002  # share by which a stiffer spline may miss more
+SHORT = 30.0  # [mm] an edge is straight unless its readings clearly say otherwise
 BEND_SIGMA = 0.002  # [1/mm] least to which a smoothed bend is known
+STRAIGHT = 1e-4  # [1/mm] the same, of an edge that is straight
 MOVED = 0.03  # [mm] by which a changing bend may move a fit
 NEAREST = 4.0  # [mm] of the edge, either way, that a fit needs
 
@@ -74,6 +76,7 @@ class _Run:
     travel: Floats  # (n,) [mm] of each tick
     splines: tuple[BSpline, BSpline, BSpline]
     spread: float  # [mm] of the readings about them
+    straight: bool  # whether nothing speaks for a bend
 
     def at(self, s: Floats, order: int = 0) -> Floats:
         """(n, 3) the run, or a derivative of it, at travels s."""
@@ -128,16 +131,20 @@ def _drawn(ticks: list[EdgeTick]) -> _Run | None:
     if len(s) < LEAST:
         return None
     stiffness = _stiffness(s, through, weight)
-    x, y, z = (make_smoothing_spline(s, column, weight, stiffness) for column in through.T)
+    x, y, z = (_spline(s, column, weight, stiffness) for column in through.T)
     off = points - np.stack([spline(travel) for spline in (x, y, z)], axis=1)
-    return _Run(travel, (x, y, z), float(off.std(axis=0).max()))
+    return _Run(travel, (x, y, z), float(off.std(axis=0).max()), stiffness >= STIFFNESSES[-1])
 
 
 def _fitted_again(ticks: list[EdgeTick], response: Response, reach: float, drift: float) -> list[EdgeTick]:
     """Every frame's edge once more, its bend smoothed; ticks that no longer fit drop out."""
     if len(ticks) < LEAST:
         return ticks
+    run = _drawn(ticks)
     travel, bends, sigmas = _bends(ticks, drift)
+    if run is not None and run.straight:
+        bends, sigmas = np.zeros_like(bends), np.zeros_like(sigmas)
+    floor = STRAIGHT if run is not None and run.straight else BEND_SIGMA
     again = []
     for tick, s, bend, sigma in zip(ticks, travel, bends, sigmas, strict=True):
         edge = tick.edge
@@ -146,7 +153,7 @@ def _fitted_again(ticks: list[EdgeTick], response: Response, reach: float, drift
         near = min(reach, max(NEAREST, np.sqrt(6.0 * MOVED / max(change, 1e-9))))
         near = min(near, 0.8 / max(abs(bend), 1e-6))
         expected = Expected(
-            edge.angle, edge.offset, edge.side, bend, max(sigma, BEND_SIGMA, change / 4.0), float(near)
+            edge.angle, edge.offset, edge.side, bend, max(sigma, floor, change / 4.0), float(near)
         )
         fit = follow_line(tick.image, response, expected)
         if fit:
@@ -178,11 +185,22 @@ def _stiffness(s: Floats, points: Floats, weight: Floats) -> float:
         total = 0.0
         for used, held in ((slice(0, None, 2), slice(1, -1, 2)), (slice(1, None, 2), slice(2, -1, 2))):
             for column in points.T:
-                spline = make_smoothing_spline(s[used], column[used], weight[used], stiffness)
+                spline = _spline(s[used], column[used], weight[used], float(stiffness))
                 total += float(np.sum(weight[held] * (spline(s[held]) - column[held]) ** 2))
         missed.append(total)
+    if s[-1] - s[0] < SHORT and missed[-1] <= (1.0 + 2.0 / np.sqrt(len(s))) * min(missed):
+        return float(STIFFNESSES[-1])
     best = np.flatnonzero(np.array(missed) <= (1.0 + SLACK) * min(missed))
     return float(STIFFNESSES[int(best.max())])
+
+
+def _spline(s: Floats, column: Floats, weight: Floats, stiffness: float) -> BSpline:
+    """The smoothing spline; the least-squares line, which it becomes in the end, where it is infinitely stiff."""
+    if np.isfinite(stiffness):
+        return make_smoothing_spline(s, column, weight, stiffness)
+    slope, start = np.polyfit(s, column, 1, w=np.sqrt(weight))
+    ends = np.array([s[0], s[-1]])
+    return make_interp_spline(ends, start + slope * ends, k=1)
 
 
 def _travel(points: Floats, tangents: Floats) -> Floats:

@@ -211,7 +211,7 @@ def expected_of(line: Line, heading: Floats, config: EdgeConfig) -> Expected:
         line.angle if ahead else line.angle + np.pi,
         line.offset if ahead else -line.offset,
         line.material_side if ahead else -line.material_side,
-        bend_sigma=0.05,
+        bend_sigma=0.02,
         reach=config.reach,
     )
 
