@@ -125,11 +125,17 @@ class MadeOf:
         local = transform_points(inverse(self.solid.pose), points)
         return self._boundary[1][self.solid.body.tree.nearest(local).triangle]
 
-    def materials_at(self, points: Floats) -> tuple[Floats, Floats]:
+    @property
+    def uniform(self) -> tuple[float, float] | None:
         """See `MaterialSurface`."""
         whole = self.materials.whole
-        if not self.materials.faces:
-            return np.full(len(points), whole.stiffness), np.full(len(points), whole.roughness)
+        return None if self.materials.faces else (whole.stiffness, whole.roughness)
+
+    def materials_at(self, points: Floats) -> tuple[Floats, Floats]:
+        """See `MaterialSurface`."""
+        if self.uniform is not None:
+            stiffness, roughness = self.uniform
+            return np.full(len(points), stiffness), np.full(len(points), roughness)
         faces = self.faces_at(points)
         return self._of_face[0][faces], self._of_face[1][faces]
 

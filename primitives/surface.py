@@ -67,6 +67,11 @@ class TriangleSurface(Surface, Protocol):
 class MaterialSurface(Surface, Protocol):
     """A surface that yields under pressure, or is rough; one that is neither costs a simulator nothing."""
 
+    @property
+    def uniform(self) -> tuple[float, float] | None:
+        """Stiffness [N/mm^3] and roughness [mm] where they are the same all over."""
+        ...
+
     def materials_at(self, points: Floats) -> tuple[Floats, Floats]:
         """Of the faces nearest to (n, 3) points: stiffness (n,) [N/mm^3], inf where rigid; roughness (n,) [mm]."""
         ...

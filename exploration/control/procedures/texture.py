@@ -46,6 +46,7 @@ class TextureConfig:
     shrunk: float = 0.9  # of the touched taxels, below which an edge is near
     margin: float = 7.0  # [mm] of travel left out where contact shrank
     press: float = 0.5  # [mm] of the skin, that sets the force
+    taxels: int = 70  # whose places stand for all where the grain is modeled
     lags: int = 16  # that are compared, of
     lag: float = 3.0  # [mm] of travel up to which autocovariances are compared
     grains: tuple[float, float] = (0.4, 3.0)  # [mm] sizes that are told apart
@@ -135,7 +136,7 @@ def texture_of(sweep: Sweep, share: float, travel: float, config: TextureConfig 
     covariance = covariance + white / len(signal)  # what taking the mean took from the noise
     of_noise = abs(white) / float(np.sqrt(signal.size * min(farthest, sweep.blur / step)))
     travels: Floats = lags * step
-    grain, v, expected = _fitted(travels, covariance, of_noise, sweep, basis, config)
+    grain, v, expected = _fitted(travels, covariance, of_noise, sweep, config)
     free = 1.0 - basis.shape[1] / len(sweep.taxels)
     noise = float(np.sqrt(max(np.mean(signal**2) - v * expected, 0.0) / free))
     w2 = grain**2 + 2.0 * sweep.blur**2
@@ -158,14 +159,16 @@ def texture_of(sweep: Sweep, share: float, travel: float, config: TextureConfig 
 
 
 def _fitted(
-    x: Floats, covariance: Floats, doubt: float, sweep: Sweep, basis: Floats, config: TextureConfig
+    x: Floats, covariance: Floats, doubt: float, sweep: Sweep, config: TextureConfig
 ) -> tuple[float, float, float]:
     """Grain size [mm], felt variance [mm^2], and h_w(0), by least squares over a grid of sizes.
 
     `doubt` [mm^2] is the noise's share in a covariance.
     """
     sizes = np.append(np.geomspace(*config.grains, 12), config.expected)
-    apart = sweep.taxels[:, None] - sweep.taxels[None]
+    some = sweep.taxels[:: max(1, len(sweep.taxels) // config.taxels)]
+    apart = some[:, None] - some[None]
+    basis = np.linalg.qr(np.column_stack([np.ones(len(some)), some]))[0]
     within = float(np.ptp(sweep.travel))
     wide = np.concatenate([np.arange(0.0, 12.0, 1.0), [within]])
     wide = np.minimum(wide, within)

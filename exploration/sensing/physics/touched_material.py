@@ -33,6 +33,10 @@ class TouchedMaterial:
 
     def give_way(self, poses: Floats, modes: Floats, partial: Bools, deepest: float) -> float:
         """Change (6, R, C) modes at poses as `Gap.feel` takes them; the greatest depth [mm] afterwards."""
+        if self._surface.uniform is not None and self._surface.uniform[1] == 0.0:
+            share = 1.0 / (1.0 + self._stiffness / self._surface.uniform[0])
+            modes *= share
+            return deepest * share
         rows, columns = np.nonzero(modes[0] > 0.0)
         if not len(rows):
             return deepest
@@ -43,9 +47,9 @@ class TouchedMaterial:
         if roughness.any():
             overlap = self._roughened(at, rows, columns, overlap, partial[rows, columns], roughness)
             deepest += 3.0 * float(roughness.max())
-        share = 1.0 / (1.0 + self._stiffness / stiffness)
-        modes[:, rows, columns] = overlap * share
-        return deepest * float(share.max())
+        shares = 1.0 / (1.0 + self._stiffness / stiffness)
+        modes[:, rows, columns] = overlap * shares
+        return deepest * float(shares.max())
 
     def _roughened(
         self,

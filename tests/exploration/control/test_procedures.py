@@ -99,6 +99,8 @@ class Clay(MadeOf):
         object.__setattr__(self, "sunk", 0.0)
         return self
 
+    uniform = None
+
     def materials_at(self, points):
         object.__setattr__(self, "sunk", max(self.sunk, self.stays * (20.0 - self.stage._true[2, 3])))
         return np.full(len(points), np.inf), np.full(len(points), self.sunk)
