@@ -144,7 +144,11 @@ def _on_flat(pad: Pad, config: EdgeFromFaceConfig) -> bool:
 def _stroked_to(pad: Pad, config: EdgeFromFaceConfig) -> Sighting | NoEdge:
     """The edge that ends the first stroke to come to one, of four."""
     axes = pad.axes()
-    for heading in (axes[:, 0], -axes[:, 0], axes[:, 1], -axes[:, 1]):
+    round_it: set[int] = set()  # axes along which a stroke came back to its start
+    for axis, sign in ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)):
+        if axis in round_it:
+            continue
+        heading = sign * axes[:, axis]
         try:
             stroke = pad.stroke(heading)
         except (OverPress, Collision):
@@ -153,6 +157,8 @@ def _stroked_to(pad: Pad, config: EdgeFromFaceConfig) -> Sighting | NoEdge:
         seen = [e for e in pad.sightings(heading) if e.outward @ way > config.facing]
         if stroke.ended == "edge" and seen:
             return _beside_contact(pad, seen)
+        if stroke.ended == "closed":
+            round_it.add(axis)
         if stroke.ended == "lost":
             return NoEdge("contact was lost before an edge came near")
     return NoEdge("no stroke over the surface came to an edge")

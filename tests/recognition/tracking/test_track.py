@@ -1,0 +1,105 @@
+"""Trackers in closed loop: they find, follow and say what they followed, over a stage that obeys late."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+from bench_track_edge import loop, straight
+from rich.console import Console
+from tracking.outlines import disc, prism
+from tracking.plant import Start, guard_over
+from typer.testing import CliRunner
+
+from recognition.cli import app
+from recognition.tracking.options import TrackOptions
+from recognition.tracking.run import run
+from recognition.tracking.view import View
+
+KEYS = {"command", "trace", "normals", "dihedral_deg", "closed", "lost", "force_n", "found", "truth"}
+
+
+def test_a_straight_edge_is_followed_to_its_end_and_its_dihedral_felt():
+    found = straight(120.0, 60.0, seed=3)
+    assert found.ended == "length"
+    assert np.sqrt(np.mean(found.off**2)) < 0.06
+    assert found.dihedral == pytest.approx(120.0, abs=1.0)
+    assert np.mean(np.abs(found.forces - 1.0) < 0.1) > 0.95
+
+
+@pytest.mark.slow
+def test_a_disc_is_followed_once_round():
+    found = loop(*disc(12.0), 700, seed=2)
+    assert found.ended == "closed"
+    assert found.radius == pytest.approx(12.0, abs=0.1)
+    assert found.gap < 0.15
+
+
+@pytest.mark.slow
+def test_the_outline_of_a_cube_closes_over_four_corners_and_the_run_says_so(tmp_path):
+    options = TrackOptions("cube", seed=1, noise=0.05, out=tmp_path / "run")
+    told = run(options, View())
+    assert set(told) > KEYS
+    assert told["closed"]
+    assert not told["lost"]
+    edges = told["found"]["edges"]
+    assert [edge["curve"] for edge in edges] == ["line"] * 4
+    assert np.allclose([edge["length_mm"] for edge in edges], 40.0, atol=0.5)
+    assert np.allclose([edge["dihedral_deg"] for edge in edges], 90.0, atol=1.0)
+    assert np.allclose(told["found"]["angles_between_deg"], 90.0, atol=1.0)
+    assert told["truth"]["rms_mm"] < 0.15
+    assert told["latency_ms"] == pytest.approx(20.0, abs=2.0)
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["closed"]
+    assert (tmp_path / "run" / "contacts.csv").read_text().count("\n") == len(told["trace"]) + 1
+
+
+@pytest.mark.slow
+def test_a_ball_has_no_edge_which_is_one_line_and_exit_1(tmp_path):
+    out = str(tmp_path / "run")
+    result = CliRunner().invoke(app, ["track", "edge", "sphere", "--seed", "1", "--json", "--out", out])
+    assert result.exit_code == 1
+    assert json.loads(result.stdout)["lost"]
+    assert result.stderr.count("\n") == 1
+    assert "no edge was followed" in result.stderr
+
+
+@pytest.mark.slow
+def test_the_surface_of_a_ball_is_followed_and_is_round(tmp_path):
+    told = run(TrackOptions("sphere", what="surface", seed=1, out=tmp_path / "run"), View())
+    assert told["found"]["order"]["name"] == "sphere"
+    assert told["truth"]["rms_mm"] < 0.1
+    assert len(told["normals"]) == len(told["trace"])
+
+
+@pytest.mark.parametrize(
+    ("flags", "word"),
+    [
+        (["corner", "cube"], "edge or a surface"),
+        (["edge", "cube", "--speed-mm-s", "0"], "--speed-mm-s"),
+        (["edge", "cube", "--latency-s", "3"], "--latency-s"),
+    ],
+)
+def test_wrong_flags_are_one_line_and_exit_2(flags, word):
+    result = CliRunner().invoke(app, ["track", *flags])
+    assert result.exit_code == 2
+    assert word in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+def test_the_picture_shows_taxels_line_force_and_what_is_done(edge_seen):
+    view = View()
+    view.doing("following the edge")
+    console = Console(
+        width=80, record=True, force_terminal=True, color_system="truecolor", file=io.StringIO()
+    )
+    console.print(view.picture(edge_seen))
+    lines = console.export_text(styles=False).splitlines()
+    assert lines[0].startswith("following the edge")
+    assert [len(line.rstrip()) for line in lines[1:11]] == [32] * 10
+    assert f"{edge_seen.force:.1f} N" in lines[11]
+
+
+@pytest.fixture(scope="module")
+def edge_seen():
+    x, y, z = np.eye(3)
+    return guard_over(prism(90.0), Start(np.zeros(3), -z, x, y), 0).hold()
