@@ -63,8 +63,8 @@ def fit_region(
 ) -> RegionFit:
     """Fit from `shape` (unknowns - 3,), the lines' and discs' numbers; the plane needs no start.
 
-    Without steps, only the plane is fitted, and chi2 is what that makes of it.  A fit is given up, unconverged, once
-    its steps promise too little for chi2 to come below `limit`.
+    Without steps, only the plane is fitted, and chi2 is what that makes of it.  A fit is given up, unconverged,
+    once its steps promise too little for chi2 to come below `limit`.
     """
     parameters, covariance, chi2, count, converged, structure = _fit(
         image.depth,
