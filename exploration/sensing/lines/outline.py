@@ -2,21 +2,23 @@
 
 Every hypothesis is a `Region`, fitted to all taxels at once in closed form (`region_fit`): one line; an arc,
 of which a line is the limit; two and three lines, joined in all ways; a rim inside a rim; holes in what was found.
-Each line or arc more must gain `WORTH` in chi2, and a hypothesis that explains the frame ends the search.
-What a smooth surface explains as well has no outline: "nothing" is an answer.
+Each line or arc more has its price in chi2, and a hypothesis that explains the frame ends the search.
+What a smooth surface explains as well, by all the evidence (`outline_evidence`), has no outline: "nothing" is an
+answer.
 """
 
 from dataclasses import dataclass, field
-from math import hypot, inf, sqrt
+from math import inf, sqrt
 
 import numpy as np
 
-from exploration.sensing.contact_mask import contact_mask, usable
+from exploration.sensing.contact_mask import usable
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.edges import edge_points
 from exploration.sensing.lines.line import Line, normalized
 from exploration.sensing.lines.line_fit import softened
+from exploration.sensing.lines.outline_evidence import log_odds
 from exploration.sensing.lines.outline_search import Evidence, SearchConfig, search
 from exploration.sensing.lines.parallel import made_parallel
 from exploration.sensing.lines.peaks import peaks
@@ -26,7 +28,7 @@ from exploration.sensing.lines.seen import seen_of_disc, seen_of_line
 from exploration.sensing.lines.short_skin import on_its_skin
 from exploration.sensing.response import Response, response_of
 from exploration.sensing.surfaces.footprint import Footprint
-from exploration.sensing.surfaces.local_surface import fit_paraboloid
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, smooth_contact
 from primitives.arrays import Floats, frozen
 
 
@@ -34,13 +36,9 @@ from primitives.arrays import Floats, frozen
 class OutlineConfig:
     """What counts as found."""
 
-    over_smooth: float = 14.0  # [chi2] by which an outline must be likelier than a smooth surface
-    arc_over_smooth: float = 5.0  # the same for one arc
-    as_smooth: float = (
-        -6.0
-    )  # the same where the surface would be sharp: a thin wall, a ridge, a pin, a ball tip
-    ridge: float = 0.05  # [1/mm] from which a ridge, and
-    dome: float = 0.083  # [1/mm] from which a dome is sharp
+    odds: float = 2.94  # [log] of an outline against all smooth surfaces: 19 to 1
+    arc_odds: float = 0.0  # [log] of one arc, the same: what is likelier
+    narrow: bool = True  # also of a wall or pin that may as well be a cylinder or ball narrower than the pad
     strength: float = 5.0  # [sigma] of the step's height
     length: float = 1.6  # [taxels] of a line that is seen
     search: SearchConfig = field(default_factory=SearchConfig)
@@ -67,7 +65,7 @@ class Outline:
 
 NOTHING = Outline()
 DEFAULT = OutlineConfig()
-UNMISTAKABLE = OutlineConfig(as_smooth=14.0)  # nothing that might as well be a smooth surface
+UNMISTAKABLE = OutlineConfig(narrow=False)  # nothing that might as well be a smooth surface
 
 
 def find_outline(
@@ -91,29 +89,27 @@ def find_outline(
         return NOTHING
     if best.region == Region():
         return Outline((), (), best.chi2, best.dof)
-    smooth = smooth or fit_paraboloid(image, contact_mask(image))
+    contact = smooth_contact(image)
+    if not contact:
+        return NOTHING
+    smooth = smooth or fit_dome(contact)
     gain = smooth.chi2 - best.chi2 if smooth.converged else inf
-    if gain < _asked(best, smooth, config):
+    if not _likely(image, best, contact, smooth, config):
         return Outline((), (), smooth.chi2, smooth.dof, gain)
     if soft is not image:
         best = on_its_skin(image, best)
     return outline_of(image, best, gain, config)
 
 
-def _asked(best: RegionFit, smooth: Footprint, config: OutlineConfig) -> float:
-    """[chi2] that the outline must gain on the best smooth surface.
-
-    A blur of s cannot tell a wall from a cylinder, or a pin from a ball, that are hardly wider than s; there
-    the outline is what is reported, and `over_smooth` says that it might be either.
-    """
-    kxx, kxy, kyy = smooth.parameters[3:6].tolist()
-    mean, half = (kxx + kyy) / 2, hypot((kxx - kyy) / 2, kxy)
-    greatest, least = mean + half, mean - half
-    if len(best.region.sides) == 2 and greatest > config.ridge and abs(least) < 0.25 * greatest:
-        return config.as_smooth
-    if not best.region.sides and len(best.region.signs) == 1:
-        return config.as_smooth if least > 0.25 * greatest > 0.25 * config.dome else config.arc_over_smooth
-    return 0.0 if len(best.region.sides) == 1 and not best.region.signs else config.over_smooth
+def _likely(
+    image: TactileImage, best: RegionFit, contact: SmoothContact, smooth: Footprint, config: OutlineConfig
+) -> bool:
+    """Whether an outline is likely enough beside smooth surfaces; of a lone line, whether it fits better."""
+    lines, arcs = len(best.region.sides), len(best.region.signs)
+    if (lines, arcs) == (1, 0):
+        return not smooth.converged or smooth.chi2 >= best.chi2
+    asked = config.arc_odds if (lines, arcs) == (0, 1) else config.odds
+    return log_odds(image, best, contact, smooth, config.narrow) > asked
 
 
 def outline_of(

@@ -29,6 +29,7 @@ from exploration.sensing.lines.region_fit import RegionFit, fit_region, unexplai
 from exploration.sensing.lines.residual_starts import blob, dip, trough
 from exploration.sensing.lines.seen import seen_of_disc
 from exploration.sensing.response import Response
+from primitives.arrays import Floats
 
 Start = tuple[Region, list[float]]
 SAME = 1.0  # [mm] between circles that are not worth a try each
@@ -182,14 +183,22 @@ def _dips(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable
 
 
 def _straightened(best: RegionFit, config: SearchConfig) -> Iterable[Start]:
-    """A line in the stead of each arc that is nearly straight, beside holes."""
+    """A line in the stead of each arc that is nearly straight, beside holes; a wall for two such rims."""
     signs, p = best.region.signs, best.parameters
+    if signs == (1.0, -1.0) and not best.region.sides and min(p[5], p[8]) > config.nearly:
+        rims = [_tangent(p[3 + 3 * k : 6 + 3 * k], sign) for k, sign in enumerate(signs)]
+        yield Region(tuple(side for *_, side in rims), TWO[0]), [v for rim in rims for v in rim[:2]]
     for k, sign in enumerate(signs):
         others = [i for i in range(len(signs)) if i != k]
         if best.region.sides or p[5 + 3 * k] < config.nearly or any(signs[i] > 0 for i in others):
             continue
-        x, y, radius = p[3 + 3 * k : 6 + 3 * k].tolist()
-        toward = atan2(-y, -x)
-        ((angle, offset, side),) = tangents((x, y, radius, sign), toward, toward, 1)
+        angle, offset, side = _tangent(p[3 + 3 * k : 6 + 3 * k], sign)
         rest = [value for i in others for value in p[3 + 3 * i : 6 + 3 * i]]
         yield Region((side,), ONE[0], tuple(signs[i] for i in others)), [angle, offset, *rest]
+
+
+def _tangent(disc: Floats, sign: float) -> Straight:
+    """The line that touches a circle where it is nearest the pad's center."""
+    x, y, radius = disc.tolist()
+    toward = atan2(-y, -x)
+    return tangents((x, y, radius, sign), toward, toward, 1)[0]

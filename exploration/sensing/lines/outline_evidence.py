@@ -1,0 +1,105 @@
+"""How much likelier an outline is than the best smooth surface: log odds, by Laplace's approximation.
+
+Each reading of a frame has evidence, with chi2 at its best and P the precision of its unknowns there,
+
+    log E = log p - chi2 / 2 s - log det((P + P0) / 2 pi) / 2,
+
+p their density before touch, P0 the precision of a density as wide, so that what the frame leaves open is no wider
+after touch than before; and s = max(1, chi2 per degree of freedom of the better reading).  Before touch depth is
+even over 2 mm, slopes are N(0, 0.1), lines are even over the pad in angle and offset; so is an arc's nearest
+point, and its radius is even in log over two decades; the two sides of a wall are parallel to `ASKEW`.  A smooth
+surface's orders weigh as in `order`, its pole even over the pad (our derivation).
+
+A wall and a cylinder, or a pin and a ball, that are hardly wider than the blur are one and the same to the pad.
+Who asks for the outline of either (`narrow`) is told how much likelier they are than a cylinder or ball wider than
+the pad: one with its curvature held at the pad's own, whose chi2 is greater by the square of what its logarithm
+is off, in deviations (in log, for a contact smaller than the blur leaves curvature open upward, not downward).
+"""
+
+from math import hypot, inf, log, pi, sin
+
+import numpy as np
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.region_fit import SLOPE, RegionFit
+from exploration.sensing.surfaces.footprint import Footprint
+from exploration.sensing.surfaces.order import order_contact
+from exploration.sensing.surfaces.smooth_fit import PLANE, SmoothContact
+
+PRIOR = {"smooth": 0.4, "line": 0.2, "two": 0.12, "arc": 0.1, "more": 0.05}  # of what lies under a pad
+DECADES = log(100.0)  # over which a radius is even
+PARALLEL = 0.3  # [sine of the angle] between the two edges of a wall
+ASKEW = 0.01  # [rad] by which they are not parallel
+BEYOND = 40.0  # [log] by which chi2 alone decides
+_LEVEL = -log(2.0) - 2.0 * log((2.0 * pi) ** 0.5 * SLOPE)  # log density of a depth and two slopes
+
+
+def log_odds(
+    image: TactileImage, fit: RegionFit, contact: SmoothContact, dome: Footprint, narrow: bool = False
+) -> float:
+    """Log of the odds of an outline against all smooth surfaces; infinite where chi2 leaves no doubt."""
+    scale = max(1.0, min(fit.inflation, dome.chi2 / max(1, dome.dof)))
+    gain = (dome.chi2 - fit.chi2) / (2.0 * scale)
+    if not dome.converged or gain > BEYOND:
+        return inf
+    if gain < -BEYOND:
+        return -inf
+    size = hypot(*image.array.size)
+    ordered = order_contact(contact, dome)
+    kxx, kxy, kyy = dome.parameters[3:].tolist()
+    mean, half = (kxx + kyy) / 2, hypot((kxx - kyy) / 2, kxy)
+    turned = (2.0 * pi) ** 0.5 * SLOPE
+    poles = -log(2.0) - sum(log(max(turned, abs(k) * size)) for k in (mean + half, mean - half))
+    orders = np.maximum(ordered.probability, 1e-300) * np.exp(np.array([_LEVEL, poles, poles, poles]))
+    smooth = log(PRIOR["smooth"]) + ordered.evidence + ordered.volume + log(float(orders.sum()))
+    wall, pin = _is_wall(fit), _kind(fit) == "arc" and fit.region.signs[0] > 0.0
+    if narrow and ordered.shape != PLANE and (wall or pin):
+        smooth -= _wider(ordered.fit, max(image.array.size), 1.0 if wall else 0.5) / (2.0 * scale)
+    return gain + log(PRIOR[_kind(fit)]) + _volume(fit, size) + (_parallel(fit) if wall else 0.0) - smooth
+
+
+def _wider(fit: Footprint, size: float, share: float) -> float:
+    """[chi2] by which a fit is worse with `share` of its two curvatures' sum held at that of the pad."""
+    both = np.array([share, 0.0, share])
+    curvature = float(both @ fit.parameters[3:])
+    variance = float(both @ fit.covariance[3:, 3:] @ both)
+    if curvature * size <= 1.0 or not variance > 0.0:
+        return 0.0
+    return log(curvature * size) ** 2 * curvature**2 / variance
+
+
+def _parallel(fit: RegionFit) -> float:
+    """Log of how much denser two angles are, where they are, for belonging to one wall."""
+    apart = float((fit.parameters[3] - fit.parameters[5] + pi / 2) % pi - pi / 2)
+    c = fit.covariance
+    variance = float(c[3, 3] + c[5, 5] - 2.0 * c[3, 5]) * fit.inflation + ASKEW**2
+    return log(pi) - 0.5 * apart**2 / variance - 0.5 * log(2.0 * pi * variance)
+
+
+def _is_wall(fit: RegionFit) -> bool:
+    if len(fit.region.sides) != 2 or fit.region.signs:
+        return False
+    return abs(sin(float(fit.parameters[3] - fit.parameters[5]))) < PARALLEL
+
+
+def _kind(fit: RegionFit) -> str:
+    n, m = len(fit.region.sides), len(fit.region.signs)
+    return {(1, 0): "line", (2, 0): "two", (0, 1): "arc"}.get((n, m), "more")
+
+
+def _volume(fit: RegionFit, size: float) -> float:
+    """Log of the density of the outline's unknowns before touch, times the volume that the frame leaves them."""
+    n = len(fit.region.sides)
+    p = fit.parameters
+    density = _LEVEL - n * log(pi * size)
+    wide = np.zeros(len(p))
+    wide[0] = 12.0 / 2.0**2
+    wide[3 : 3 + 2 * n : 2], wide[4 : 4 + 2 * n : 2] = 12.0 / pi**2, 12.0 / size**2
+    for at in range(3 + 2 * n, len(p), 3):
+        x, y, radius = p[at : at + 3].tolist()
+        density -= log(2.0 * pi * max(hypot(x, y), size) * size * DECADES * radius)
+        wide[at : at + 2], wide[at + 2] = 12.0 / size**2, 12.0 / (DECADES * radius) ** 2
+    if not np.linalg.slogdet(fit.covariance)[0] > 0.0:
+        return -inf
+    precision = np.linalg.inv(fit.covariance) + np.diag(wide)
+    return density - 0.5 * float(np.linalg.slogdet(precision / (2.0 * pi))[1])
