@@ -103,6 +103,12 @@ def many_rows(
             row(method, f"{name}: angle RMS over the joint bound", angle, "1", ours.ratio),
             row(method, f"{name}: offset RMS over the joint bound", offset, "1", ours.ratio),
             row(method, f"{name}: lines within 5 x the bound", tally.within(5.0), "%", ours.within),
+            row(
+                method,
+                f"{name}: the same of lines whose bound is below 3 deg, 0.3 taxel",
+                tally.held_within(),
+                "%",
+            ),
             row(method, f"{name}: lines not found", 100 * tally.missed / tally.total, "%"),
             row(method, f"{name}: surplus lines", 100 * tally.surplus / tally.frames, "per 100 frames"),
             row(method, f"{name}: median time", tally.median_time(), "us"),

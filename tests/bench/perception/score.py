@@ -16,6 +16,7 @@ from primitives.arrays import Floats
 
 FAR = 1e9  # cost of a pair that is none
 FAR_ANGLE, FAR_OFFSET = np.radians(15.0), 1.5  # [rad], [taxel] a failure
+HELD = 1 / 5  # of a failure: the bound of a line that a frame holds
 
 
 def row(method: str, metric: str, value: float, unit: str, asked: float | None = None) -> dict[str, Any]:
@@ -57,6 +58,10 @@ class Tally:
     errors: list[Floats] = field(default_factory=list)  # (2,)
     least: list[Floats] = field(default_factory=list)  # (2,) variances of the bound, beside each
     told: list[Floats] = field(default_factory=list)  # the same for who knows the zero
+    held: list[bool] = field(
+        default_factory=list
+    )  # of every true line, whether its bound is well below failure
+    held_near: int = 0  # of those, found within 5 times the bound
     times: list[float] = field(default_factory=list)  # [s]
     missed: int = 0
     surplus: int = 0
@@ -71,6 +76,10 @@ class Tally:
         else:
             found = paired(lines[:6], truth, least, self.pitch)
         for error, variance, sharper in zip(found, least, told, strict=True):
+            limits = HELD * np.array([FAR_ANGLE, FAR_OFFSET * self.pitch])
+            self.held.append(bool(np.all(variance < limits**2)))
+            if self.held[-1] and error is not None:
+                self.held_near += bool(np.all(np.square(error) < 25.0 * variance))
             if error is None:
                 self.missed += 1
             else:
@@ -102,6 +111,10 @@ class Tally:
             return 0.0
         near = np.all(np.square(self.errors) < times**2 * np.array(self.least), axis=1)
         return 100.0 * float(near.sum()) / self.total
+
+    def held_within(self) -> float:
+        """The same [%] of the lines that their frames hold: nobody finds the others."""
+        return 100.0 * self.held_near / max(1, sum(self.held))
 
     def median_time(self) -> float:
         """[us]."""
