@@ -26,6 +26,7 @@ from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.pad import Pad
 from exploration.planning.transit import Support
+from exploration.sensing.lines.hough import find_lines
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -115,6 +116,12 @@ def dihedral(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFace
             if normal is not None:
                 return float(np.pi - np.arctan2(normal @ edge.outward, normal @ edge.normal))
     return None
+
+
+def pressed(pad: Pad) -> float | None:
+    """[mm] to which the face beside the edge under the pad is pressed; None where no edge is seen."""
+    lines = find_lines(dwell(pad.guard, pad.config.averaged).image, 1)
+    return float(lines[0].plateau) if lines else None
 
 
 def _normal_by(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig) -> Floats | None:

@@ -16,7 +16,7 @@ from exploration.control.sighting import Sighting
 from exploration.control.track_edge import EdgeConfig
 from exploration.control.track_outline import TrackedOutline, follow_outline
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, reach_edge
+from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, pressed, reach_edge
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 from recognition.felt_run import FeltRun
@@ -138,14 +138,15 @@ def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | N
     run.announce("outline", {"ended": outline.ended, "edges": len(outline.traces)})
     if not outline:
         return EdgeTrack(why="the edge that was seen could not be followed", ended="lost")
+    press = pressed(run.pad) or config.gains.press
     run.pad.lie(np.empty((0, 3)))
-    return _felt_behind(run, outline, edge, say, config)
+    return _felt_behind(run, outline, edge, press, say, config)
 
 
 def _felt_behind(
-    run: FeltRun, outline: TrackedOutline, edge: Sighting, say: Say, config: TrackEdgeConfig
+    run: FeltRun, outline: TrackedOutline, edge: Sighting, press: float, say: Say, config: TrackEdgeConfig
 ) -> EdgeTrack:
-    """The outline with its dihedral angles, and set back by what they did to it."""
+    """The outline with its dihedral angles, and set back by what they did to it, pressed `press` [mm]."""
     traces, angles = [], []
     for number, trace in enumerate(outline.traces):
         outward = outward_of(trace, edge.outward, edge.tangent)
@@ -154,7 +155,7 @@ def _felt_behind(
             say(f"feeling behind edge {number + 1} of {len(outline.traces)}")
             angle = _dihedral(run, trace, outward)
         angles.append(angle)
-        traces.append(trace if angle is None else set_back(trace, outward, angle, config.gains.press))
+        traces.append(trace if angle is None else set_back(trace, outward, angle, press))
     return EdgeTrack(
         tuple(traces),
         outline.ended,

@@ -13,7 +13,7 @@ from exploration.control.track_edge import EdgeConfig, Tracked, follow_edge
 from exploration.control.track_outline import TrackedOutline, follow_outline
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import PoseNoise, simulate
-from exploration.planning.edge_from_face import dihedral
+from exploration.planning.edge_from_face import dihedral, pressed
 from exploration.planning.pad import Pad
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
@@ -69,9 +69,10 @@ def with_dihedral(guard: Guard, trace: EdgeTrace) -> tuple[EdgeTrace, float | No
     at = Sighting(trace.points[k], trace.tangents[k], outward[k], trace.normals[k], 0.02, 50.0)
     at = replace(at, tangent=np.cross(at.outward, at.normal))
     pad = Pad(guard, BOX, lambda kind, detail: None)
+    press = pressed(pad) or PRESS
     pad.lie(np.empty((0, 3)))
     angle = dihedral(pad, at)
-    return (trace, None) if angle is None else (set_back(trace, outward, angle, PRESS), angle)
+    return (trace, None) if angle is None else (set_back(trace, outward, angle, press), angle)
 
 
 def outlined(guard: Guard, start: Start, length: float, speed: float) -> TrackedOutline:
