@@ -37,14 +37,14 @@ class SurfaceTrace:
 NO_TRACE = SurfaceTrace(*(frozen(np.empty(shape)) for shape in ((0, 3), (0, 3), 0, 0)))
 
 
-def smoothed_surface(ticks: list[SurfaceReading]) -> SurfaceTrace:
-    """The trace through a stroke's ticks."""
+def smoothed_surface(ticks: list[SurfaceReading], heading: Floats) -> SurfaceTrace:
+    """The trace through the ticks of a stroke along a (2,) heading of the pad."""
     ticks = [tick for tick in ticks if tick.depth_sigma < SUREST]
     if len(ticks) < LEAST:
         return NO_TRACE
     points = np.array([tick.point for tick in ticks])
     normals = np.array([tick.normal for tick in ticks])
-    travel = travel_of(points, normals)
+    travel = travel_of(ticks, heading)
     order = np.argsort(travel, kind="stable")
     size = max(1, int(np.ceil(len(ticks) / KNOTS)))
     s, through, facing = (_grouped(v[order], size) for v in (travel, points, normals))
@@ -64,16 +64,13 @@ def smoothed_surface(ticks: list[SurfaceReading]) -> SurfaceTrace:
     return SurfaceTrace(frozen(drawn), frozen(facing_there), frozen(at), frozen(sigma))
 
 
-def travel_of(points: Floats, normals: Floats) -> Floats:
-    """(n,) [mm] along a stroke: steps along its running direction, which noise across it does not lengthen."""
-    reach = max(1, len(points) // 40)
-    ahead = points[np.minimum(np.arange(len(points)) + reach, len(points) - 1)]
-    behind = points[np.maximum(np.arange(len(points)) - reach, 0)]
-    along = ahead - behind
+def travel_of(ticks: list[SurfaceReading], heading: Floats) -> Floats:
+    """(n,) [mm] along a stroke: steps along the pad's heading on the surface, which noise does not shorten."""
+    points, normals = np.array([t.point for t in ticks]), np.array([t.normal for t in ticks])
+    along = np.array([t.world_from_sensor[:3, :2] @ heading for t in ticks])
     along -= np.sum(along * normals, axis=1, keepdims=True) * normals
-    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     middle = along[1:] + along[:-1]
-    middle /= np.maximum(np.linalg.norm(middle, axis=1, keepdims=True), 1e-12)
+    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
     return np.concatenate([[0.0], np.cumsum(np.sum(np.diff(points, axis=0) * middle, axis=1))])
 
 

@@ -176,13 +176,14 @@ def follow_surface(
         at, travel, since = seen.world_from_sensor, travel + step, since + step
     if guard.pending.latency > 0.0:
         seen = guard.hold(3 + round(guard.pending.latency / guard.period))
+        travel += float((seen.world_from_sensor[:3, 3] - at[:3, 3]) @ (at[:3, :2] @ heading))
     return Stroke(
         Contacts.concatenate(kept),
         np.concatenate(cells) if cells else np.empty((0, 3)),
         tuple(sight(line, seen) for line in find_lines(seen.image, 3)) if ended != "lost" else (),
         ended,
         travel,
-        smoothed_surface(readings),
+        smoothed_surface(readings, heading),
         tuple(servo.forces),
         tuple(servo.wanted),
         tuple(readings),
