@@ -79,7 +79,8 @@ def track_surface(run: FeltRun, speed: float, say: Say) -> SurfaceTrack:
     say("feeling the curvature")
     seen = dwell(run.guard, pad.config.averaged)
     felt = feel(seen.image)
-    curvature = four_direction_curvature(seen.image, felt) if felt else None
+    cut = bool(pad.sightings())  # by an edge, which four directions would take for curvature
+    curvature = four_direction_curvature(seen.image, felt) if felt and not cut else None
     contacts = Contacts.concatenate([first, *(stroke.contacts for stroke in strokes)])
     return SurfaceTrack(
         contacts,
