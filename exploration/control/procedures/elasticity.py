@@ -13,7 +13,7 @@ import numpy as np
 
 from exploration.control.procedures.approach import advance, retreat
 from exploration.control.procedures.hardness import NotPressed
-from exploration.control.procedures.press import PRESS, PressConfig, Presser, find_spot
+from exploration.control.procedures.press import PRESS, PressConfig, Presser, deepest, find_spot
 from exploration.devices.guard import Guard
 
 SERVES = "surface: hardness"
@@ -52,6 +52,9 @@ def elasticity(
     spot = find_spot(guard, pressing)
     if spot is None:
         return NotPressed("no contact to press on; approach and settle first")
+    deep, why = deepest(guard, pressing)
+    if deep < pressing.least * pressing.light:
+        return NotPressed(why)
     presser = Presser(guard, spot, pressing)
     direction, home = presser.normal, guard.world_from_sensor
 
@@ -69,7 +72,7 @@ def elasticity(
     before = [height() for _ in range(config.touches)]
     presser = Presser(guard, spot, pressing)
     presser.normal = direction
-    travel, depth = presser.hold_at(pressing.deep, config.hold)
+    travel, depth = presser.hold_at(deep, config.hold)
     force = guard.hold().force
     after = [height() for _ in range(config.touches)]
     if None in before or None in after:

@@ -76,7 +76,7 @@ def press(guard: Guard, cycles: int = 1, config: PressConfig = PressConfig()) ->
     spot = find_spot(guard, config)
     if spot is None:
         return _nothing("no contact to press on; approach and settle first")
-    deep, why = _deepest(guard, config)
+    deep, why = deepest(guard, config)
     if deep < config.least * config.light:
         return _nothing(why)
     presser = Presser(guard, spot, config)
@@ -157,7 +157,7 @@ class Presser:
         return self._seen
 
 
-def _deepest(guard: Guard, config: PressConfig) -> tuple[float, str]:
+def deepest(guard: Guard, config: PressConfig) -> tuple[float, str]:
     """How deep the skin may be pressed [mm] within force and range; what bounds it."""
     calibration = guard.calibrations[guard.active]
     array = guard.sensor.array
