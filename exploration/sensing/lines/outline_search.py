@@ -26,7 +26,7 @@ from exploration.sensing.lines.outline_starts import (
 )
 from exploration.sensing.lines.region import NO_TERMS, ONE, THREE, TWO, WHOLE, Region, Terms
 from exploration.sensing.lines.region_fit import RegionFit, fit_region, unexplained
-from exploration.sensing.lines.residual_starts import blob, dip, trough
+from exploration.sensing.lines.residual_starts import blob, dip, opposite, trough
 from exploration.sensing.lines.seen import seen_of_disc
 from exploration.sensing.response import Response
 from primitives.arrays import Floats
@@ -143,7 +143,17 @@ def _pairs(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterabl
 
 
 def _triples(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
-    return _joined(evidence, best, 3, THREE[:2], config) if evidence.most > 2 else ()
+    """Three lines; also the best two, and the far side of the bar that either begins."""
+    if evidence.most < 3:
+        return
+    yield from _joined(evidence, best, 3, THREE[:2], config)
+    if len(best.region.sides) == 2 and not best.region.signs and best.region.terms == TWO[0]:
+        image = evidence.image
+        depth = np.where(np.isfinite(image.sigma), image.depth, 0.0)
+        for i, side in enumerate(best.region.sides):
+            angle, offset = best.parameters[3 + 2 * i : 5 + 2 * i].tolist()
+            far = opposite((angle, offset, side), depth, image.array.x, image.array.y)
+            yield Region((*best.region.sides, far[2]), THREE[0]), [*best.parameters[3:], *far[:2]]
 
 
 def _joined(

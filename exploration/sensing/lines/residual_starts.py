@@ -70,6 +70,16 @@ def trough(left: Floats, x: Floats, y: Floats, height: float, size: tuple[float,
     return [(angle, offset + half, 1.0), (angle, offset - half, -1.0)]
 
 
+def opposite(line: Straight, depth: Floats, x: Floats, y: Floats) -> Straight:
+    """The far side of a bar that begins at a line: what is felt has its middle halfway across."""
+    angle, offset, side = line
+    gx, gy = np.meshgrid(x, y)
+    inside = side * (gy * cos(angle) - gx * sin(angle) - offset)
+    felt = np.where(inside > 0.0, np.maximum(depth, 0.0), 0.0)
+    width = 2.0 * float((felt * inside).sum()) / max(float(felt.sum()), 1e-12)
+    return angle, offset + side * width, -side
+
+
 def means(values: Floats) -> Floats:
     """Means over 3 x 3, the rim counted twice."""
     padded = np.pad(values, 1, mode="edge")
