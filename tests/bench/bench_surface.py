@@ -1,0 +1,69 @@
+"""Surface strokes and four-direction curvature in closed loop: late stage, erring poses, noisy array."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from exploration.control.latency import measure_latency
+from exploration.control.procedures.land import land
+from exploration.control.procedures.stroke_curvature import stroke_curvature
+from exploration.control.track_surface import follow_surface
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import PoseNoise, simulate
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.csg import Csg, Cube, Cylinder, Sphere
+from models.solid import Solid
+from primitives.pose import pose
+
+SEEDS = 100
+DOWN = np.diag([1.0, -1.0, -1.0])
+BODIES: dict[str, tuple[Csg, float, str]] = {
+    "plane": (Cube((160.0, 160.0, 40.0)), 20.0, "plane"),
+    "sphere R 15": (Sphere(15.0), 15.0, "sphere"),
+    "cylinder R 20": (Cylinder(20.0, 160.0).turned("y", np.pi / 2), 20.0, "cylinder"),
+    "sphere R 60": (Sphere(60.0), 60.0, "sphere"),
+}
+
+
+def run(seeds: int = SEEDS) -> list[dict[str, Any]]:
+    """Rows of every body."""
+    rows: list[dict[str, Any]] = []
+    for name, (tree, top, kind) in BODIES.items():
+        solid = Solid.from_csg(tree, 0.001)
+        felt = np.array([_one(solid, top, kind, seed) for seed in range(seeds)])
+        position, normal = np.sqrt(np.mean(felt[:, :2] ** 2, axis=0))
+        for metric, value, unit, asked in (
+            ("position, RMS", position, "mm", "<= 0.03"),
+            ("normal, RMS", normal, "deg", "<= 0.3"),
+            ("mean force against set point", float(np.mean(felt[:, 2])), "share", "0.9 to 1.1"),
+            ("type right", 100.0 * float(np.mean(felt[:, 3])), "%", ">= 98"),
+            ("radius error over stated sigma", float(np.sqrt(np.mean(felt[:, 4] ** 2))), "", "<= 1.3"),
+        ):
+            row = {"bench": "surface", "method": name, "metric": metric, "value": float(value), "unit": unit}
+            rows.append({**row, "asked": asked})
+    return rows
+
+
+def _one(solid: Solid, top: float, kind: str, seed: int) -> tuple[float, float, float, float, float]:
+    """RMS error [mm] and of the normal [deg], force share, whether the type is right, radius in sigmas."""
+    spec = load_sensor("lts210")
+    spec = replace(spec, electronics=replace(spec.electronics, noise=0.05))
+    rng = np.random.default_rng(seed)
+    noise = PoseNoise(0.05, 0.02, 0.0, np.radians(0.02))
+    start = pose(DOWN, [1.0, -1.0, top + 6.0])
+    stage, arrays = simulate(solid, [spec], rng, pose_noise=noise, start_pose=start, latency=0.02)
+    guard = Guard(stage, arrays, [Calibration.nominal(spec)])
+    guard.pending.latency = measure_latency(guard).seconds
+    land(guard, np.array([0.0, 0.0, -1.0]), 20.0, 25.0)
+    found = stroke_curvature(guard)
+    radius, sigma = found.radius
+    z = (radius - top) / sigma if np.isfinite(radius) and kind != "plane" else 0.0
+    stroke = follow_surface(guard, np.array([np.cos(0.7), np.sin(0.7)]), 40.0, 0, 0)
+    trace = stroke.trace
+    off = float(np.sqrt(np.mean(solid.signed_distance(trace.points) ** 2)))
+    facing = np.clip(np.sum(solid.normals(trace.points) * trace.normals, axis=1), -1.0, 1.0)
+    turn = float(np.degrees(np.sqrt(np.mean(np.arccos(facing) ** 2))))
+    force = float(np.mean(stroke.forces) / np.mean(stroke.set_points))
+    return off, turn, force, float(found.type == kind), z
