@@ -25,6 +25,7 @@ from exploration.sensing.lines.short_skin import on_its_skin
 from exploration.sensing.response import response_of
 from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.order import Ordered
+from exploration.sensing.surfaces.smooth_fit import RIDGE
 from primitives.arrays import Floats
 
 PARALLEL = 0.3  # [sine of the angle] between the two edges of a ridge
@@ -98,16 +99,19 @@ def readings_of_outline(image: TactileImage, outline: Outline) -> list[Reading]:
     return out
 
 
-def rivals(image: TactileImage, limit: float) -> list[Reading]:
+def rivals(image: TactileImage, ordered: Ordered) -> list[Reading]:
     """What the two strongest straight rims of a frame, as an edge each and as a corner, and the circle through all
     of its edge points, may say against a dome.
     """
     response = response_of(image)
+    limit = ordered.chi2 + SETTLED
     points = edge_points(image, response)
     found = peaks(points, image, 2, response)
     out = []
     everything = np.ones(len(points), dtype=bool)
-    circle = circle_through(points, everything, LONGEST) if len(points) > 2 else None
+    circle = (
+        circle_through(points, everything, LONGEST) if len(points) > 2 and ordered.shape != RIDGE else None
+    )
     if circle is not None:
         rim = Region((), NO_TERMS if circle[3] > 0 else WHOLE, (circle[3],))
         rival = _fitted(image, rim, np.array(circle[:3]), limit)

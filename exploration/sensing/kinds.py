@@ -31,7 +31,7 @@ from exploration.sensing.surfaces.smooth_fit import SmoothContact
 KINDS = ("nothing", "flat", "edge", "ridge", "corner", "curved")
 SHARP = 0.3  # [1/mm] curvature from which a smooth contact is a ridge or a corner
 LEAST = 0.002  # probability left to every kind
-PRIOR = {"nothing": 0.1, "smooth": 0.35, "edge": 0.15, "ridge": 0.25, "corner": 0.15}
+PRIOR = {"nothing": 0.1, "smooth": 0.3, "edge": 0.12, "ridge": 0.35, "corner": 0.13}
 UNFITTED = {
     "nothing": {"curved": 0.02, "corner": 0.04},
     "edge": {"corner": 0.1, "curved": 0.01},

@@ -18,7 +18,6 @@ from types import MappingProxyType
 import numpy as np
 
 from exploration.sensing.cut_readings import (
-    SETTLED,
     Reading,
     as_wall,
     reading_of_lines,
@@ -45,12 +44,13 @@ from exploration.sensing.surfaces.local_surface import (
 )
 from exploration.sensing.surfaces.order import Ordered, order_contact
 from exploration.sensing.surfaces.ridge_ends import DOUBTED, cut_at_ends
-from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, held, smooth_contact
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, held, smooth_contact, unexplained
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points
 
 UNREADABLE = "the frame holds values that are not finite, or no living taxel"
+BLOCK, ALIKE, PLAIN = 2.6, 0.0, 0.5  # [sigma] of blocks, of neighbors and of chi2, that a plain dome leaves
 LIKELY = 0.95  # probability of a reading from which its lines are told
 UNEXPLAINED = 3.0  # [standard deviations of chi2] of misfit from which the whole outline is looked for
 
@@ -90,8 +90,10 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
     if verdict != NO_EDGE:
         if not _explained(smooth):
             return _with_outline(image, max_lines, contact, dome, ordered, smooth, ())
-        readings = rivals(image, ordered.chi2 + SETTLED)
-        wall = as_wall(image, ordered)
+        if not _plain(dome):
+            readings = rivals(image, ordered)
+        seen = any(reading.kind == "ridge" for reading in readings)
+        wall = None if seen else as_wall(image, ordered)
         readings += [] if wall is None else [wall]
     kinds, stands = probabilities(contact, ordered, smooth, readings)
     if readings and kinds["edge"] + kinds["corner"] >= 0.5:
@@ -182,6 +184,12 @@ def _touch(
 
 def _explained(surface: LocalSurface, deviations: float = UNEXPLAINED) -> bool:
     return surface.chi2 < surface.dof + deviations * sqrt(2 * surface.dof)
+
+
+def _plain(dome: Footprint) -> bool:
+    """Whether a dome leaves nothing but noise, as not one edge or corner in ten would: no rival need be fitted."""
+    greatest, alike = unexplained(dome.residual)
+    return greatest < BLOCK and alike < ALIKE and dome.chi2 < dome.dof + PLAIN * sqrt(2 * dome.dof)
 
 
 def _sure_face(image: TactileImage, contact: SmoothContact, line: Line) -> LocalSurface | None:
