@@ -1,24 +1,83 @@
 """Compile every numba kernel once, into the cache beside its source: `python -m recognition.warm`.
 
 Part of installing: a kernel compiles the first time that it is called, which would otherwise be in the middle
-of somebody's first exploration.  One whole exploration of a built-in part calls them all.
+of somebody's first exploration.  One whole exploration of a built-in part, one edge and one surface tracked, and a
+recording of frames of every kind call them all.
 """
 
 import tempfile
 import time
 from pathlib import Path
 
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.levels import leveled
+from primitives.arrays import Floats
+from primitives.grain import Grain
 from recognition.config import ExploreOptions
-from recognition.explore import run
+from recognition.explore import run as explore
+from recognition.frames.options import FramesOptions
+from recognition.frames.run import run as frames
+from recognition.tracking.options import TrackOptions
+from recognition.tracking.run import run as track
+from recognition.tracking.view import View
+
+NOISE = 4.0  # [counts]
+SHAPE = (10, 16)
 
 
 def main() -> None:
-    """Explore a block into a folder that is thrown away, and say how long that took."""
+    """Explore, track and perceive into a folder that is thrown away, and say how long that took."""
     began = time.perf_counter()
     print("compiling the kernels, once ...", flush=True)
-    with tempfile.TemporaryDirectory(dir=Path.cwd()) as folder:
-        run(ExploreOptions(part="block", out=Path(folder) / "run"), lambda _: None)
+    with tempfile.TemporaryDirectory(dir=Path.cwd()) as name:
+        folder = Path(name)
+        explore(ExploreOptions(part="block", out=folder / "run"), lambda _: None)
+        perceive_all(folder / "frames.npy")
+        Grain().at(np.zeros((1, 3)))
+        for what in ("edge", "surface"):
+            track(TrackOptions(part="block", out=folder / what, what=what), View())
     print(f"compiled in {time.perf_counter() - began:.1f} s")
+
+
+def perceive_all(path: Path) -> None:
+    """Read a recording of faces, edges, corners, walls, slots, discs, holes and domes, with a dead taxel."""
+    rng = np.random.default_rng(0)
+    pressed = [gaussian_filter(200.0 * face, 1.0) for face in faces()]
+    for counts in pressed:
+        counts[4, 7] *= 0.2
+    stack = np.array([*np.zeros((12, *SHAPE)), *pressed])
+    np.save(path, 30.0 + np.round(stack + NOISE * rng.standard_normal(stack.shape)))
+    for felt in _seen(path):
+        leveled(felt)
+
+
+def _seen(path: Path) -> list[TactileImage]:
+    options = FramesOptions(str(path))
+    recording = options.recording()
+    frames(options, recording)
+    return [felt.image for felt in frames(FramesOptions(str(path), index=14), recording).shown]
+
+
+def faces() -> list[Floats]:
+    """(rows, columns) depth of each kind, before blur."""
+    y, x = np.mgrid[: SHAPE[0], : SHAPE[1]] - np.array(SHAPE)[:, None, None] / 2
+    away = np.hypot(x, y)
+    kinds = [
+        np.ones(SHAPE),
+        x > 0.3 * y,
+        (x > -2) & (y > -1),
+        (x > -2) & (y > -1) & (x + y < 4),
+        np.abs(x) < 2,
+        np.abs(x) > 2,
+        away < 3,
+        away > 2.5,
+        np.maximum(0.0, 1 - away**2 / 12),
+        np.maximum(0.0, 1 - y**2 / 2),
+    ]
+    return [np.asarray(kind, dtype=np.float64) for kind in kinds]
 
 
 if __name__ == "__main__":
