@@ -49,9 +49,9 @@ class TextureConfig:
     taxels: int = 70  # whose places stand for all where the grain is modeled
     lags: int = 16  # that are compared, of
     lag: float = 3.0  # [mm] of travel up to which autocovariances are compared
-    grains: tuple[float, float] = (0.4, 3.0)  # [mm] sizes that are told apart
+    grains: tuple[float, float] = (0.4, 5.0)  # [mm] sizes that are told apart
     expected: float = 1.0  # [mm] size where the signal is too weak to tell
-    sure: float = 4.5  # standard deviations by which a size must differ from the expected one to be told
+    sure: float = 8.0  # standard deviations by which a size must differ from the expected one to be told
     weak: float = 10.0  # times the noise's share that a signal must have for its size to be told
     bands: tuple[float, ...] = (16.0, 8.0, 4.0, 2.0)  # [mm] wavelengths, octave by octave
 
