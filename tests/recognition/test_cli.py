@@ -71,7 +71,7 @@ def test_json_is_one_object_and_nothing_else(command, tmp_path):
 def test_help_lists_the_commands_that_are_built_and_no_other(tmp_path):
     text = palpate("--help", cwd=tmp_path).stdout
     commands = [line.split()[0] for line in text[text.index("Commands:") :].splitlines()[1:] if line.strip()]
-    assert commands == ["explore", "parts", "sensors", "frames", "doctor", "library"]
+    assert commands == ["explore", "track", "probe", "parts", "sensors", "frames", "doctor", "library"]
 
 
 def test_help_loads_no_mathematics(tmp_path):
@@ -223,6 +223,7 @@ def test_a_kill_ends_a_run_in_one_line_and_leaves_a_recording_that_reads_to_its_
     run = subprocess.Popen(
         [sys.executable, "-m", "recognition.cli", "explore", "block", "--out", "run", "--max-touches", "500"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background jobs ignore it
     )  # fmt: skip
     recording = tmp_path / "run" / "episode.mcap"
     while run.poll() is None and not (recording.exists() and recording.stat().st_size > 100_000):

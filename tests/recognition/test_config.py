@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from primitives.errors import PalpateError
-from recognition.config import ExploreOptions, from_toml, parse_numbers, parse_pose, to_toml
 from primitives.toml_text import toml_lines
+from recognition.config import ExploreOptions, from_toml, parse_numbers, parse_pose, to_toml
 
 
 def test_saved_settings_read_back_the_same(tmp_path):

@@ -12,6 +12,7 @@ from recognition.console import interrupts
 def heeded():
     names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = {name: signal.getsignal(getattr(signal, name)) for name in names}
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     interrupts.heed()
     yield
     interrupts.heed()  # forgets
