@@ -7,6 +7,7 @@ surface rises ahead of the pad (a concavity), where it has come round, or after 
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -94,10 +95,15 @@ class Stroke:
     edges: tuple[Sighting, ...]  # as last seen
     ended: Ended
     travel: float  # [mm]
-    trace: SurfaceTrace = NO_TRACE
     forces: tuple[float, ...] = ()  # [N] at every tick
     set_points: tuple[float, ...] = ()  # [N] that were wanted
     readings: tuple[SurfaceReading, ...] = ()  # of every tick
+    heading: Floats | None = None  # (2,) in the pad's plane
+
+    @cached_property
+    def trace(self) -> SurfaceTrace:
+        """Where the surface ran; drawn when it is asked for, because exploring needs the contacts only."""
+        return NO_TRACE if self.heading is None else smoothed_surface(list(self.readings), self.heading)
 
 
 def follow_surface(
@@ -183,10 +189,10 @@ def follow_surface(
         tuple(sight(line, seen) for line in find_lines(seen.image, 3)) if ended != "lost" else (),
         ended,
         travel,
-        smoothed_surface(readings, heading),
         tuple(servo.forces),
         tuple(servo.wanted),
         tuple(readings),
+        heading,
     )
 
 
