@@ -1,0 +1,50 @@
+"""`palpate frames`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from recognition.commands.answering import Json, one_line_errors, print_json
+
+
+def frames(
+    file: Annotated[str, typer.Argument(help="A recording: .mcap, .dsa, .csv, .npy or .npz.")],
+    sensor: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE.toml",
+            help="The array that the frames are from (palpate sensors).",
+            show_default="what the recording says",
+        ),
+    ] = None,
+    index: Annotated[
+        int | None, typer.Option(help="Show this frame in full, counted from 0.", show_default="all")
+    ] = None,
+    png: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="New folder for a picture of each frame in contact.", show_default=False
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Show what each frame of a recording felt: kind of contact, lines, curvature."""
+    with one_line_errors():
+        from recognition.frames.options import FramesOptions
+
+        options = FramesOptions(file, sensor, index, png)
+        recording = options.recording()
+        from recognition.frames.run import run
+        from recognition.frames.terminal import print_frames, telling
+
+        with telling(quiet=as_json) as tell:
+            seen = run(options, recording, tell)
+    if as_json:
+        print_json(seen.summary)
+    else:
+        print_frames(seen, one=index is not None)
+    if png is not None:
+        typer.echo(f"{seen.pictures} pictures in {png}", err=True)

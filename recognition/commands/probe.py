@@ -1,0 +1,97 @@
+"""`palpate probe`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from recognition import flags
+from recognition.commands.answering import Json, one_line_errors, print_json
+from recognition.commands.part_argument import listing_parts_if_unknown, look_at_file
+from recognition.console import interrupts
+
+
+def probe(
+    part: Annotated[str, typer.Argument(help="A built-in part (palpate parts) or a CAD file.")] = "",
+    procedure: Annotated[
+        str, typer.Argument(help="What to do there; without one, all procedures are listed.")
+    ] = "",
+    units: flags.Units = "auto",
+    scale: flags.Scale = 1.0,
+    body: flags.Body = None,
+    facets: flags.Facets = False,
+    workspace: flags.Workspace = flags.EVERYWHERE,
+    pose: flags.Pose = "random",
+    sensor: flags.Sensor = "lts210",
+    noise: flags.Noise = None,
+    pose_noise_mm: flags.PoseNoise = 0.0,
+    force_n: Annotated[float, typer.Option(help="Of an approach, and of compliance [N].")] = 20.0,
+    stiffness: Annotated[
+        float | None,
+        typer.Option(help="Of the simulated object [N/mm^3].", show_default="rigid"),
+    ] = None,
+    roughness_mm: Annotated[
+        float | None,
+        typer.Option(help="Of the simulated object, root mean square [mm].", show_default="smooth"),
+    ] = None,
+    material: Annotated[
+        str | None,
+        typer.Option(metavar="FILE.toml", help="Both of these, face by face.", show_default=False),
+    ] = None,
+    latency_s: Annotated[
+        float, typer.Option(help="By which the simulated stage obeys late [s]; measured, never told.")
+    ] = 0.02,
+    seed: flags.Seed = 0,
+    out: flags.Out = None,
+    overwrite: flags.Overwrite = False,
+    as_json: Json = False,
+) -> None:
+    """Carry one exploratory procedure out on an object: what it felt.
+
+    Exit code 0: the run is whole. 1: it could not begin, or the procedure could not be carried out.
+    """
+    with one_line_errors(exit_code=2):
+        with interrupts.held():
+            from recognition.config import parse_numbers, parse_pose
+            from recognition.probing.options import ProbeOptions
+
+        options = ProbeOptions(
+            part=part,
+            units=units,
+            scale=scale,
+            body=body,
+            facets=facets,
+            workspace=parse_numbers(workspace, 6, "--workspace", "X0,Y0,Z0,X1,Y1,Z1 in mm"),
+            pose=parse_pose(pose),
+            sensors=tuple(sensor.split(",")),
+            noise=noise,
+            pose_noise=pose_noise_mm,
+            seed=seed,
+            out=out,
+            overwrite=overwrite,
+            procedure=procedure,
+            force_n=force_n,
+            stiffness_n_mm3=stiffness,
+            roughness_mm=roughness_mm,
+            material=material,
+            latency_s=latency_s,
+        )
+    with one_line_errors():
+        from recognition.probing.text import requested
+
+        requested(options)
+    with listing_parts_if_unknown(part, "probe"):
+        look_at_file(part)
+        with interrupts.held():
+            from recognition.console import compiling
+            from recognition.probing.run import run
+            from recognition.probing.text import summary_text
+            from recognition.tracking.view import viewing
+
+        with viewing(quiet=as_json) as view, compiling.told(view.say):
+            summary = run(options, view)
+    if as_json:
+        print_json(summary)
+    else:
+        typer.echo(summary_text(summary, view.folder))
