@@ -14,7 +14,7 @@ from typing import NoReturn
 
 import typer
 
-from recognition.commands import builtin, doctor, explore, frames, library, probe, track
+from recognition.commands import builtin, doctor, explore, frames, library, probe, reconstruct, track
 from recognition.commands.answering import INTERRUPTED
 from recognition.console import interrupts
 
@@ -28,6 +28,7 @@ app = typer.Typer(
 )
 for command in (
     explore.explore,
+    reconstruct.reconstruct,
     track.track,
     probe.probe,
     builtin.parts,

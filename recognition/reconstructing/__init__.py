@@ -1,0 +1,1 @@
+"""`palpate reconstruct`: a model from evidence that exists."""

@@ -1,0 +1,141 @@
+"""Read, find the surfaces, reconstruct, write: the steps of `palpate reconstruct`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
+from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
+from primitives.segment import segment
+from primitives.toml_text import toml_lines
+from recognition.assembly import NotClosed
+from recognition.console import bugs, interrupts
+from recognition.progress import Progress
+from recognition.reconstruct import Reconstruction, reconstruct
+from recognition.reconstructing.options import ReconstructSourceOptions
+from recognition.report.felt import felt_faces
+from recognition.report.page import write_report
+from recognition.report.run_report import EMPTY_FRAMES, ReportMesh, RunReport
+from recognition.run_folder import RunFolder
+from recognition.sources import Source, read_source
+from recognition.summary import counted
+from recognition.writing import write_model
+
+_LEAST = 4  # contacts, without which nothing has a volume
+_ROOM = 0.5  # of the contacts' extent, by which the body may reach past them
+Watcher = Callable[[Progress], None]
+
+
+def run(options: ReconstructSourceOptions, watch: Watcher) -> dict[str, Any]:
+    """Leave a run folder; returns what `summary.json` holds."""
+    began = time.perf_counter()
+    watch(Progress("reading", note=str(options.source)))
+    source = read_source(options.source, _LEAST)
+    folder = RunFolder.create(options.out, source.name, options.overwrite)
+    try:
+        with interrupts.held():
+            return _run(options, source, folder, watch, began)
+    except Exception as error:
+        if interrupt := interrupts.behind(error):
+            raise interrupt from None
+        raise bugs.told(error, folder.path) from error
+
+
+def _run(
+    options: ReconstructSourceOptions, source: Source, folder: RunFolder, watch: Watcher, began: float
+) -> dict[str, Any]:
+    felt = source.with_sigma(options.contact_sigma)
+    sigma = float(np.median(felt.contacts.sigma))
+    head = toml_lines({"version": version("palpate"), "command": "reconstruct"})
+    settings = [*head, "", "[settings]", *toml_lines(options.as_settings())]
+    resolved = ["", "[resolved]", *toml_lines({"contact_sigma_mm": sigma, "contacts": len(felt.contacts)})]
+    folder.write_text("config.toml", "\n".join([*settings, *resolved]) + "\n")
+    watch(Progress("reconstructing", note=f"{len(felt.contacts)} contacts", folder=folder.path))
+    made = reconstruct(surfaces(felt.contacts), [], _box(felt.contacts))
+    summary = _summary(options, felt, made, time.perf_counter() - began)
+    watch(Progress("writing", folder=folder.path))
+    summary["files"] = write_model(folder, made)
+    summary["warnings"] = [*summary["warnings"], *summary["files"].pop("warnings", [])]
+    with folder.writing("report.html") as path:
+        write_report(path, _report(options, summary, made))
+    folder.finish(summary)
+    return summary
+
+
+def surfaces(contacts: Contacts) -> PatchGraph:
+    """The faces that the contacts lie on, and those on none left out."""
+    options = MergeOptions()
+    faces = [ranked_face(i, patch.contacts, options) for i, patch in enumerate(segment(contacts))]
+    return PatchGraph(tuple(faces))
+
+
+def _box(contacts: Contacts) -> Floats:
+    low, high = contacts.points.min(axis=0), contacts.points.max(axis=0)
+    room = _ROOM * float(np.linalg.norm(high - low)) + 1.0
+    return np.stack([low - room, high + room])
+
+
+def _summary(
+    options: ReconstructSourceOptions, source: Source, made: Reconstruction, seconds: float
+) -> dict[str, Any]:
+    assembly = None if isinstance(made.assembly, NotClosed) else made.assembly
+    felt = source.felt
+    open_ = "no closed body" if assembly is None else "closed"
+    return {
+        "command": "reconstruct",
+        "version": version("palpate"),
+        "part": source.name,
+        "source": str(source.path),
+        "sensor": felt.sensor,
+        "seed": options.seed,
+        "closed": assembly is not None,
+        "ended": open_,
+        "contacts": len(source.contacts),
+        "contact_sigma_mm": float(np.median(source.contacts.sigma)),
+        "touches": felt.touches,
+        "strokes": felt.strokes,
+        "frames": felt.frames,
+        "travel_mm": felt.travel,
+        "device_seconds": felt.seconds,
+        "wall_seconds": seconds,
+        "faces": made.faces,
+        "edges": made.edges,
+        "primitives": made.primitives,
+        "volume_mm3": None if assembly is None else assembly.solid.volume,
+        "csg": None if assembly is None else {"leaves": sum(1 for _ in assembly.tree.leaves())},
+        "truth": None,
+        "warnings": counted([*source.warnings, *made.warnings]),
+        "files": {},
+    }
+
+
+def _report(options: ReconstructSourceOptions, summary: dict[str, Any], made: Reconstruction) -> RunReport:
+    if isinstance(made.assembly, NotClosed) or made.boundary is None:
+        model = felt_faces(made.faces, made.contacts.points, made.face_of_contact)
+    else:
+        solid = made.assembly.solid
+        model = ReportMesh(solid.vertices, solid.triangles, made.boundary.of_triangle)
+    shown = _thinned(len(made.contacts))
+    return RunReport(
+        summary=summary,
+        settings=options.as_settings(),
+        model=model,
+        contacts=made.contacts.points[shown],
+        contact_face=made.face_of_contact[shown],
+        frames=EMPTY_FRAMES,
+        pad_size=(0.0, 0.0),
+        housing_size=(0.0, 0.0, 0.0),
+    )
+
+
+_DRAWN = 20_000  # contacts that a page shows
+
+
+def _thinned(count: int) -> np.ndarray:
+    return np.unique(np.linspace(0, count - 1, min(count, _DRAWN)).astype(np.int64))

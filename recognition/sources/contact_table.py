@@ -1,0 +1,102 @@
+"""Contacts as text: x,y,z[,nx,ny,nz[,sigma]] in mm, one a line, with or without a header.
+
+Commas, semicolons, tabs or blanks part the columns; lines that begin with # are remarks; a field left empty is not
+known.  With a header the columns may stand in any order, and those with other names are passed over.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+from recognition.sources.bytes_of import bytes_of
+from recognition.sources.columns import Columns
+
+_NAMES = ("x", "y", "z", "nx", "ny", "nz", "sigma")
+_FORM = "x,y,z[,nx,ny,nz[,sigma]] in mm"
+_UNIT = re.compile(r"[\s_]*[\[(]?(mm)[\])]?$")
+
+
+def read_table(path: Path) -> Columns:
+    """The columns of a file of text."""
+    try:
+        text = bytes_of(path).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise PalpateError(f"{path.name} is not text; give contacts as {_FORM}") from None
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    if not lines:
+        raise PalpateError(f"{path.name} holds no contact; give lines of {_FORM}")
+    parted = next((mark for mark in ",;\t" if mark in lines[0]), None)
+    if parted is None and len(lines) > 1:
+        parted = next((mark for mark in ",;\t" if mark in lines[1]), None)
+    first = _fields(lines[0], parted)
+    header = None
+    if not any(_is_number(word) for word in first):
+        header, lines = [_plain(word) for word in first], lines[1:]
+    if not lines:
+        raise PalpateError(f"{path.name} holds a header and no contact; give lines of {_FORM}")
+    rows = _numbers(lines, parted, path.name, 1 if header is None else 2)
+    return _named(rows, header, path.name)
+
+
+def _named(rows: Floats, header: list[str] | None, name: str) -> Columns:
+    width = rows.shape[1]
+    if header is None:
+        if width < 3:
+            raise PalpateError(f"{name} has {width} column{'s' * (width != 1)}; contacts are {_FORM}")
+        normals = rows[:, 3:6] if width >= 6 else None
+        return Columns(rows[:, :3], normals, rows[:, 6] if width >= 7 else None)
+    at = {word: header.index(word) for word in _NAMES if word in header}
+    if missing := [axis for axis in "xyz" if axis not in at]:
+        raise PalpateError(f"{name} has no column {', '.join(missing)}; the columns are {_FORM}")
+    if max(at.values()) >= width:
+        raise PalpateError(f"{name} has more names in its header than columns; contacts are {_FORM}")
+    felt = all(word in at for word in ("nx", "ny", "nz"))
+    return Columns(
+        rows[:, [at[axis] for axis in "xyz"]],
+        rows[:, [at[word] for word in ("nx", "ny", "nz")]] if felt else None,
+        rows[:, at["sigma"]] if "sigma" in at else None,
+    )
+
+
+def _numbers(lines: list[str], parted: str | None, name: str, start: int) -> Floats:
+    if parted is not None:
+        text = "\n".join(lines)
+        if any(mark in text for mark in (2 * parted, parted + "\n", "\n" + parted)) or text[-1] == parted:
+            lines = [parted.join(word.strip() or "nan" for word in line.split(parted)) for line in lines]
+    try:
+        return np.loadtxt(io.StringIO("\n".join(lines)), delimiter=parted, ndmin=2, comments=None)
+    except ValueError:
+        raise PalpateError(_what_is_wrong(lines, parted, name, start)) from None
+
+
+def _what_is_wrong(lines: list[str], parted: str | None, name: str, start: int) -> str:
+    width = len(_fields(lines[0], parted))
+    for number, line in enumerate(lines, start):
+        words = _fields(line, parted)
+        if strange := next((word for word in words if not _is_number(word)), None):
+            return f"{name}, line {number}: {strange[:20]!r} is not a number; contacts are {_FORM}"
+        if len(words) != width:
+            return f"{name}, line {number}: {len(words)} columns where the first has {width}; contacts are {_FORM}"
+    return f"{name} is not a table of numbers; contacts are {_FORM}"
+
+
+def _fields(line: str, parted: str | None) -> list[str]:
+    return [word.strip() for word in line.split(parted)]
+
+
+def _plain(word: str) -> str:
+    return _UNIT.sub("", word.strip().strip("\"'").lower()).strip()
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
