@@ -1,9 +1,9 @@
 """From what each tick saw of an edge to where it ran.
 
 Every tick yields one point of the edge, its direction and the face's normal, with the frame's noise and the
-pose's.  Along the travel s each coordinate is smoothed by a cubic spline (scipy's `make_smoothing_spline`), as
-stiff as cross-validation allows: of the splines through every other reading, the one that misses the readings
-between them least.  A straight edge becomes a straight line of all its ticks, a bent one keeps its bends.
+pose's.  Along the travel s each coordinate is smoothed by a cubic spline (`smoothing_spline`), as stiff as
+cross-validation allows: of the splines through every other reading, the one that misses the readings between them
+least.  A straight edge becomes a straight line of all its ticks, a bent one keeps its bends.
 
 While tracking, the bend of an edge is filtered from what lies behind, and lags where it changes.  Afterwards it is
 smoothed from both sides (Rauch, Tung and Striebel, for a random walk); every frame is fitted once more with it,
@@ -13,8 +13,8 @@ and over less of the edge where it changes: a change of c [1/mm] within a reach 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
+from exploration.control.smoothing_spline import Readings, Spline
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
 from exploration.sensing.response import Response
@@ -25,6 +25,7 @@ LEAST = 8  # ticks of a trace
 SPACING = 1.0  # [mm] between the points of a trace
 KNOTS = 240  # readings that the spline is fitted to; more are averaged in groups
 STIFFNESSES = (*np.geomspace(1e-2, 1e6, 9), np.inf)  # [mm^3] of the smoothing spline; a line at the end
+STEP = 1e-3  # [mm] readings nearer than this are one
 SLACK = 0.002  # share by which a stiffer spline may miss more
 SHORT = 30.0  # [mm] an edge is straight unless its readings clearly say otherwise
 BEND_SIGMA = 0.002  # [1/mm] least to which a smoothed bend is known
@@ -71,16 +72,12 @@ class EdgeTick:
 
 @dataclass(frozen=True)
 class _Run:
-    """The splines through a run of ticks."""
+    """The spline through a run of ticks."""
 
     travel: Floats  # (n,) [mm] of each tick
-    splines: tuple[BSpline, BSpline, BSpline]
-    spread: float  # [mm] of the readings about them
+    spline: Spline  # (3) columns, [mm] over [mm]
+    spread: float  # [mm] of the readings about it
     straight: bool  # whether nothing speaks for a bend
-
-    def at(self, s: Floats, order: int = 0) -> Floats:
-        """(n, 3) the run, or a derivative of it, at travels s."""
-        return np.stack([spline(s, order) for spline in self.splines], axis=1)
 
 
 def smoothed(
@@ -102,7 +99,7 @@ def smoothed(
         return None
     first, last = float(run.travel.min()), float(run.travel.max())
     at = np.linspace(first, last, max(2, int(np.ceil((last - first) / SPACING)) + 1))
-    along = run.at(at, 1)
+    along = run.spline.at(at, 1)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     normals = np.array([tick.normal for tick in ticks])
     order = np.argsort(run.travel)
@@ -111,11 +108,13 @@ def smoothed(
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
     per_point = max(1.0, len(ticks) * SPACING / max(last - first, SPACING))
     sigma = np.full(len(at), run.spread / np.sqrt(per_point))
-    return EdgeTrace(frozen(run.at(at)), frozen(along), frozen(turned), frozen(sigma), closed, touch, stroke)
+    return EdgeTrace(
+        frozen(run.spline.at(at)), frozen(along), frozen(turned), frozen(sigma), closed, touch, stroke
+    )
 
 
 def _drawn(ticks: list[EdgeTick]) -> _Run | None:
-    """Splines through the ticks' points."""
+    """The spline through the ticks' points."""
     if len(ticks) < LEAST:
         return None
     points = np.array([tick.point for tick in ticks])
@@ -126,14 +125,15 @@ def _drawn(ticks: list[EdgeTick]) -> _Run | None:
     s, through, weight = (
         _grouped(v[order], size) for v in (travel, points, 1.0 / np.maximum(sigma, 0.01) ** 2)
     )
-    apart = np.concatenate([[True], np.diff(s) > 1e-6])
+    apart = np.concatenate([[True], np.diff(s) > STEP])
     s, through, weight = s[apart], through[apart], weight[apart] / weight[apart].mean()
     if len(s) < LEAST:
         return None
-    stiffness = _stiffness(s, through, weight)
-    x, y, z = (_spline(s, column, weight, stiffness) for column in through.T)
-    off = points - np.stack([spline(travel) for spline in (x, y, z)], axis=1)
-    return _Run(travel, (x, y, z), float(off.std(axis=0).max()), stiffness >= STIFFNESSES[-1])
+    readings = Readings(s, through, weight)
+    stiffness = _stiffness(readings)
+    spline = readings.smoothed(stiffness)
+    off = points - spline.at(travel)
+    return _Run(travel, spline, float(off.std(axis=0).max()), stiffness >= STIFFNESSES[-1])
 
 
 def _fitted_again(ticks: list[EdgeTick], response: Response, reach: float, drift: float) -> list[EdgeTick]:
@@ -176,31 +176,16 @@ def _bends(ticks: list[EdgeTick], drift: float) -> tuple[Floats, Floats, Floats]
     return travel, np.array(bends), np.sqrt(np.maximum(variances, 0.0))
 
 
-def _stiffness(s: Floats, points: Floats, weight: Floats) -> float:
+def _stiffness(readings: Readings) -> float:
     """The stiffness that predicts readings which it has not seen."""
+    s = readings.places
     if len(s) < 4 * LEAST:
         return float(STIFFNESSES[-1])
-    missed = []
-    for stiffness in STIFFNESSES:
-        total = 0.0
-        for used, held in ((slice(0, None, 2), slice(1, -1, 2)), (slice(1, None, 2), slice(2, -1, 2))):
-            for column in points.T:
-                spline = _spline(s[used], column[used], weight[used], float(stiffness))
-                total += float(np.sum(weight[held] * (spline(s[held]) - column[held]) ** 2))
-        missed.append(total)
+    missed = [readings.missed(float(stiffness)) for stiffness in STIFFNESSES]
     if s[-1] - s[0] < SHORT and missed[-1] <= (1.0 + 2.0 / np.sqrt(len(s))) * min(missed):
         return float(STIFFNESSES[-1])
     best = np.flatnonzero(np.array(missed) <= (1.0 + SLACK) * min(missed))
     return float(STIFFNESSES[int(best.max())])
-
-
-def _spline(s: Floats, column: Floats, weight: Floats, stiffness: float) -> BSpline:
-    """The smoothing spline; the least-squares line, which it becomes in the end, where it is infinitely stiff."""
-    if np.isfinite(stiffness):
-        return make_smoothing_spline(s, column, weight, stiffness)
-    slope, start = np.polyfit(s, column, 1, w=np.sqrt(weight))
-    ends = np.array([s[0], s[-1]])
-    return make_interp_spline(ends, start + slope * ends, k=1)
 
 
 def _travel(points: Floats, tangents: Floats) -> Floats:
