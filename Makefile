@@ -5,7 +5,7 @@ SOURCES := $(shell find primitives models exploration recognition -name '*.py' -
 export PIP_NO_CACHE_DIR := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test bench lint docs clean
+.PHONY: demo test bench soak lint docs clean
 
 demo: $(VENV)/.kernels
 	$(BIN)/palpate explore block --out runs/demo --overwrite
@@ -15,6 +15,9 @@ test: $(VENV)/.dev $(VENV)/.kernels
 
 bench: $(VENV)/.bench $(VENV)/.kernels
 	$(BIN)/python tests/bench
+
+soak: $(VENV)/.dev
+	$(BIN)/python tests/bench/wire_soak.py 1000000
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .
