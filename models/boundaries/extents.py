@@ -20,6 +20,7 @@ from primitives.pose import frame_along
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
 Extent = tuple[float, float]
+_EQUAL = 5e-4  # [1] of the area, by which rectangles round a felt face differ for nothing
 
 
 def anchored(shape: Shape | None, corners: Floats, rim: Floats) -> tuple[Shape | None, Extent]:
@@ -49,7 +50,7 @@ def anchored(shape: Shape | None, corners: Floats, rim: Floats) -> tuple[Shape |
 def rectangle(points: Floats, normal: Floats) -> Extent:
     """Length and width of the least rectangle, by area, round (n, 3) points seen along `normal`.
 
-    Of equal ones (a right triangle has two) the longest.
+    Of equal ones the longest: an acute triangle has three, among which noise would choose.
     """
     flat = (points - points.mean(axis=0)) @ frame_along(normal)[:, :2]
     try:
@@ -62,7 +63,7 @@ def rectangle(points: Floats, normal: Floats) -> Extent:
     across = outline @ np.stack([-sides[:, 1], sides[:, 0]])
     lengths, widths = np.ptp(along, axis=0), np.ptp(across, axis=0)
     areas = lengths * widths
-    best = int(np.argmax(np.where(areas <= areas.min() * (1 + 1e-6), np.maximum(lengths, widths), -np.inf)))
+    best = int(np.argmax(np.where(areas <= areas.min() * (1 + _EQUAL), np.maximum(lengths, widths), -np.inf)))
     pair = float(lengths[best]), float(widths[best])
     return max(pair), min(pair)
 

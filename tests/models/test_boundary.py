@@ -165,3 +165,11 @@ def test_a_right_triangle_has_its_longest_side_for_length_however_it_is_turned()
         c, s = np.cos(turn), np.sin(turn)
         turned = corners @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
         assert rectangle(turned, np.array([0.0, 0, 1])) == pytest.approx((50, 24))
+
+
+def test_noise_does_not_choose_among_a_triangles_rectangles() -> None:
+    triangle = np.array([[-30.0, 0.0, 0.0], [30.0, 0.0, 0.0], [0.0, 62.65, 0.0]])
+    rng = np.random.default_rng(5)
+    for _ in range(40):
+        felt = triangle + np.column_stack([rng.normal(0.0, 0.005, (3, 2)), np.zeros(3)])
+        assert rectangle(felt, np.array([0.0, 0, 1])) == pytest.approx((69.46, 54.11), abs=0.05)
