@@ -73,9 +73,10 @@ class Computed:
 class Entry:
     """One object of a library."""
 
-    def __init__(self, name: str, source: Source, file: Path | None = None) -> None:
+    def __init__(self, name: str, source: Source, file: Path | None = None, material: str = "") -> None:
         self.name = name
         self.file = file  # that it was read from; None for one that is in memory only
+        self.material = material  # as `library.toml` says it: a word, or a file
         self._source = source
 
     @cached_property

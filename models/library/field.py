@@ -22,7 +22,7 @@ from primitives.arrays import Floats, frozen
 class FieldConfig:
     """How fine the grid is."""
 
-    nodes: int = 40_000  # at most, of 2 bytes
+    nodes: int = 32_000  # at most, of 2 bytes
     margin: float = 0.06  # of the greatest side, round the object's box
 
 
