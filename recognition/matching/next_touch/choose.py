@@ -1,0 +1,118 @@
+"""The next touch: of many reachable approaches, the one that is expected to tell most in its time.
+
+    worth = (bits about the name + share * bits about the pose) * (1 - risk) / seconds
+
+with the seconds of the way there, the advance, settling, and what a failed landing costs (our derivation).  The
+utility is a callable, so that a planner can be handed another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from exploration.devices.protocols import StageLimits
+from exploration.planning.lone_touch import Approach
+from exploration.planning.round_ball import Ball, length_of, way_round
+from models.library import Library
+from primitives.arrays import Floats
+from recognition.matching.next_touch.candidates import CandidateConfig, candidates
+from recognition.matching.next_touch.held import Believed, Held, held
+from recognition.matching.next_touch.information import TouchNoise, information
+from recognition.matching.next_touch.outcomes import Outcomes, foresee
+
+Utility = Callable[[Outcomes, Held], Floats]  # (c,) bits of each approach
+
+
+@dataclass(frozen=True)
+class ChooseConfig:
+    """What a touch costs, and what its bits are worth."""
+
+    speed: float = 50.0  # [mm/s] of an advance
+    settling: float = 1.8  # [s] of a touch, beside its ways
+    failed: float = 5.0  # [s] more, of one that does not settle
+    missed: float = 0.5  # [s] saved where nothing is met
+    pose_share: float = 0.4  # of a bit about the name, that one about its pose is worth
+    least: float = 0.01  # [bits] below which a touch tells nothing
+    candidates: CandidateConfig = field(default_factory=CandidateConfig)
+    noise: TouchNoise = field(default_factory=TouchNoise)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """An approach, and what is expected of it."""
+
+    approach: Approach
+    way: tuple[Floats, ...]  # poses to its start
+    bits: float  # about the name and, by its share, the pose
+    name_bits: float
+    seconds: float
+
+    @property
+    def bits_per_second(self) -> float:
+        """What it was chosen by."""
+        return self.bits / self.seconds
+
+
+@dataclass(frozen=True)
+class NoChoice:
+    """No reachable touch would tell anything; false in a condition."""
+
+    reason: str
+
+    def __bool__(self) -> Literal[False]:
+        return False
+
+
+def choose(
+    belief: Believed,
+    library: Library,
+    here: Floats,
+    ball: Ball,
+    pad: tuple[float, float],
+    limits: StageLimits,
+    rng: np.random.Generator,
+    config: ChooseConfig | None = None,
+    utility: Utility | None = None,
+    reachable: Callable[[Approach], bool] = lambda approach: True,
+) -> Choice | NoChoice:
+    """From the pose (4, 4) `here`, outside a ball that holds the object."""
+    config = config or ChooseConfig()
+    known = held(belief, library)
+    if not len(known):
+        return NoChoice("no object of the library is likely")
+    offered = [a for a in candidates(known, library, ball, rng, config.candidates) if reachable(a)]
+    if not offered:
+        return NoChoice("no approach is within the stage's reach")
+    outcomes = foresee(offered, known.solids, pad)
+    names, poses = information(outcomes, known, config.noise)
+    bits = names + config.pose_share * poses if utility is None else utility(outcomes, known)
+    share = known.weights / max(float(known.weights.sum()), 1e-12)
+    risk = outcomes.risk @ share
+    hits = outcomes.hit @ share
+    length = np.array([a.length for a in offered])
+    advance = outcomes.depth @ share + (1.0 - hits) * length
+    ways = [way_round(here, a.start, ball) for a in offered]
+    travel = np.array([travel_seconds(here, way, limits) for way in ways])
+    seconds = travel + advance / config.speed + config.settling * hits + config.failed * risk
+    worth = bits * (1.0 - risk)
+    best = int(np.argmax(worth / seconds))
+    if worth[best] < config.least:
+        return NoChoice("no reachable touch would tell what is left apart")
+    return Choice(
+        offered[best], tuple(ways[best]), float(worth[best]), float(names[best]), float(seconds[best])
+    )
+
+
+def travel_seconds(here: Floats, way: list[Floats], limits: StageLimits) -> float:
+    """[s] of straight moves between stops; turning goes on while moving."""
+    total = 0.0
+    for stop in way:
+        travel, turning = length_of(here, [stop])
+        moved = travel / limits.speed + limits.speed / limits.acceleration
+        turned = turning / limits.turn_speed + limits.turn_speed / limits.turn_acceleration
+        total, here = total + max(moved, turned), stop
+    return total

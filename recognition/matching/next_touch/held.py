@@ -1,0 +1,113 @@
+"""The part of a belief that a next touch is chosen for: its likeliest hypotheses, with weights that sum to one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from models.library import Library
+from models.solid import Solid
+from primitives.arrays import Floats, Ints, frozen
+from primitives.pose import transform_points
+
+UNKNOWN = "unknown"  # none of the library's objects
+
+
+class Posed(Protocol):
+    """One hypothesis: an object at a pose."""
+
+    @property
+    def name(self) -> str:
+        """Of the object."""
+        ...
+
+    @property
+    def pose(self) -> Floats:
+        """(4, 4) world_from_object."""
+        ...
+
+    @property
+    def log_weight(self) -> float:
+        """Up to a constant."""
+        ...
+
+
+class Believed(Protocol):
+    """A belief over objects and poses."""
+
+    @property
+    def hypotheses(self) -> Sequence[Posed]:
+        """All that are still held."""
+        ...
+
+    @property
+    def probabilities(self) -> Mapping[str, float]:
+        """By name, `unknown` among them."""
+        ...
+
+
+@dataclass(frozen=True)
+class HeldConfig:
+    """How much of a belief is looked at."""
+
+    most: int = 28  # hypotheses
+    each: int = 8  # of one name
+    least: float = 2e-3  # probability of a name, below which it is left out
+
+
+@dataclass(frozen=True)
+class Held:
+    """Hypotheses as solids at their poses."""
+
+    names: tuple[str, ...]  # of each hypothesis
+    solids: tuple[Solid, ...]
+    weights: Floats  # (h,) with `unknown` they sum to one
+    centers: Floats  # (h, 3) [mm]
+    radii: Floats  # (h,) [mm] of balls round the centers that hold the objects
+    unknown: float  # probability of none of these
+
+    @property
+    def groups(self) -> list[Ints]:
+        """Rows of each name."""
+        of = np.array(self.names)
+        return [np.flatnonzero(of == name) for name in dict.fromkeys(self.names)]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+def held(belief: Believed, library: Library, config: HeldConfig | None = None) -> Held:
+    """The likeliest hypotheses, a name's probability shared among its own by their weights."""
+    config = config or HeldConfig()
+    chances = {n: p for n, p in belief.probabilities.items() if n != UNKNOWN and p >= config.least}
+    kept: list[tuple[float, Posed]] = []
+    for name, chance in chances.items():
+        own = sorted((h for h in belief.hypotheses if h.name == name), key=lambda h: -h.log_weight)
+        own = own[: config.each]
+        if own:
+            shares = np.exp(np.array([h.log_weight for h in own]) - own[0].log_weight)
+            kept += [(float(chance * s / shares.sum()), h) for s, h in zip(shares, own, strict=True)]
+    kept = sorted(kept, key=lambda pair: -pair[0])[: config.most]
+    unknown = float(belief.probabilities.get(UNKNOWN, 0.0))
+    weights = np.array([w for w, _ in kept])
+    weights = weights * (1.0 - unknown) / max(float(weights.sum()), 1e-12)
+    solids = tuple(library[h.name].solid.placed(h.pose) for _, h in kept)
+    balls = [_ball(solid) for solid in solids]
+    return Held(
+        tuple(h.name for _, h in kept),
+        solids,
+        frozen(weights),
+        frozen(np.array([b[0] for b in balls]).reshape(-1, 3)),
+        frozen(np.array([b[1] for b in balls])),
+        unknown,
+    )
+
+
+def _ball(solid: Solid) -> tuple[Floats, float]:
+    vertices = solid.body.vertices
+    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
+    radius = float(np.linalg.norm(vertices - middle, axis=1).max())
+    return transform_points(solid.pose, middle[None])[0], radius
