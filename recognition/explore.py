@@ -19,6 +19,7 @@ import numpy as np
 
 from exploration.devices.guard import Guard
 from exploration.planning.explorer import Explorer, ExplorerConfig, Findings
+from exploration.planning.routes import Tool
 from exploration.recordings.mcap import Recorder
 from models.formats import mesh, openscad, step_out
 from models.solid import Solid
@@ -68,7 +69,7 @@ def _run(
     with Recorder(folder.recording) as recorder:
         logbook = Logbook(recorder)
         guard = guarded(world, options, logbook.observe)
-        findings = _explored(guard, options, logbook, folder, progress)
+        findings = _explored(guard, options, logbook, folder, progress, Tool.of(world.spec))
     progress(_stand("reconstructing", guard, findings))
     made = reconstruct(findings.graph, [trace for trace, _ in findings.traces], world.box)
     truth = _compared(made, world.solid)
@@ -98,17 +99,17 @@ def _owning_up(folder: RunFolder) -> Iterator[None]:
 
 
 def _explored(
-    guard: Guard, options: ExploreOptions, logbook: Logbook, folder: RunFolder, progress: Watcher
+    guard: Guard, options: ExploreOptions, logbook: Logbook, folder: RunFolder, progress: Watcher, tool: Tool
 ) -> Findings:
     """What exploration found until it ended, by itself or by a fault, which costs only the rest of it."""
     config = ExplorerConfig(feature=options.feature, max_touches=options.max_touches)
-    explorer = Explorer(guard, np.asarray(options.workspace), config, logbook.announce)
+    explorer = Explorer(guard, np.asarray(options.workspace), config, logbook.announce, tool)
     found, patience = explorer.found, Patience()
     try:
         for findings in explorer.run():
             progress(_stand("exploring", guard, findings))
             known = len(findings.graph.faces) + len(findings.traces)
-            if patience.lost(guard.cost.touches, known, findings.open):
+            if not findings.hollow and patience.lost(guard.cost.touches, known, findings.open):
                 found.ended = GAVE_UP
                 found.warnings.append("the last touches taught nothing new; the object may not be convex")
                 break

@@ -3,7 +3,8 @@
 Every tick: read the surface, look ahead for its end, and command ``v = heading * speed`` in the pad's plane
 with the hybrid law for the rest (`surface_servo`).  The heading is fixed in the sensor frame, so on a curved
 surface the pad follows a geodesic.  A stroke ends short of an edge, where the stage's reach ends, where the
-surface rises ahead of the pad (a concavity), where it has come round, or after its length.
+surface rises ahead of the pad (a concavity), where it has come round, or after its length.  Where it is asked to,
+it also ends at a wall: what meets housing or skin from the side, from which the guard has backed off by then.
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +21,7 @@ from exploration.control.stroke_ends import edge_near, leaves, rises
 from exploration.control.surface_reading import SurfaceReading, read_surface
 from exploration.control.surface_servo import SurfaceServo
 from exploration.control.surface_trace import NO_TRACE, SurfaceTrace, smoothed_surface
-from exploration.devices.guard import Guard, Observation
+from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.surfaces.domed_patch import domed_patch
@@ -31,7 +32,7 @@ from primitives import pose as se3
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 
-Ended = Literal["edge", "length", "closed", "lost", "workspace", "concavity"]
+Ended = Literal["edge", "length", "closed", "lost", "workspace", "concavity", "wall"]
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class StrokeConfig:
     sharper: float = 1.5  # times as curved as where the stroke began, if that was sharp already
     rising: float = 2.0  # times the nominal press, under the pad's front, at which a concavity begins
     room: float = 2.0  # [mm] kept from the end of the stage's reach, beside what it takes to stop
+    walls: bool = False  # whether what is met from the side ends a stroke; else it is a fault
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,7 @@ class Stroke:
 
     contacts: Contacts
     cells: Floats  # (n, 3) [mm] world points under the touched taxels
+    facing: Floats  # (n, 3) the pad's outward normal over each
     edges: tuple[Sighting, ...]  # as last seen
     ended: Ended
     travel: float  # [mm]
@@ -99,6 +102,7 @@ class Stroke:
     set_points: tuple[float, ...] = ()  # [N] that were wanted
     readings: tuple[SurfaceReading, ...] = ()  # of every tick
     heading: Floats | None = None  # (2,) in the pad's plane
+    met: Floats | None = None  # (4, 4) world_from_sensor where a wall was met
 
     @cached_property
     def trace(self) -> SurfaceTrace:
@@ -118,6 +122,8 @@ def follow_surface(
     """Stroke up to `length` [mm] along a (2,) unit `heading` in the pad's plane."""
     kept: list[Contacts] = []
     cells: list[Floats] = []
+    facing: list[Floats] = []
+    met: Floats | None = None
     readings: list[SurfaceReading] = []
     servo = SurfaceServo(guard, gains)
     start = guard.world_from_sensor
@@ -166,6 +172,7 @@ def follow_surface(
             closer = look_closely(guard, seen, felt)
             keep(closer, touch, stroke, kept)
             cells.append(touched_cells(closer, felt))
+            facing.append(np.broadcast_to(-closer.world_from_sensor[:3, 2], cells[-1].shape))
             if closer is not seen:
                 servo.rest()
                 seen, felt = closer, feel(closer.image) or felt
@@ -177,7 +184,13 @@ def follow_surface(
             readings.append(reading)
         bend = max(float(np.linalg.norm(servo.bend @ heading)), 1e-6)
         speed = min(fastest * (0.5 if confirmed else 1.0), config.roll / bend)
-        seen = guard.move(servo.twist(seen, felt, reading, heading, speed))
+        try:
+            seen = guard.move(servo.twist(seen, felt, reading, heading, speed))
+        except (Collision, OverPress) as fault:
+            if not config.walls or fault.seen is None:
+                raise
+            ended, met = "wall", fault.seen.world_from_sensor
+            break
         step = float((seen.world_from_sensor[:3, 3] - at[:3, 3]) @ (at[:3, :2] @ heading))
         at, travel, since = seen.world_from_sensor, travel + step, since + step
     if guard.pending.latency > 0.0:
@@ -186,6 +199,7 @@ def follow_surface(
     return Stroke(
         Contacts.concatenate(kept),
         np.concatenate(cells) if cells else np.empty((0, 3)),
+        np.concatenate(facing) if facing else np.empty((0, 3)),
         tuple(sight(line, seen) for line in find_lines(seen.image, 3)) if ended != "lost" else (),
         ended,
         travel,
@@ -193,6 +207,7 @@ def follow_surface(
         tuple(servo.wanted),
         tuple(readings),
         heading,
+        met,
     )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import dist
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from exploration.devices.pending import Pending
 from exploration.devices.protocols import MotionStage, TactileSensor
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.frame import TactileImage, TaxelFrame
+from exploration.sensing.load import NO_LOAD, load_of
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
@@ -100,6 +102,7 @@ class Guard:
         self.cost = Cost()
         self.pending = Pending(0.0)
         self._last: Observation | None = None
+        self._load = NO_LOAD
         self._trail: deque[Floats] = deque(maxlen=_TRAIL)
 
     @property
@@ -124,6 +127,13 @@ class Guard:
         self.stage.move(_flange_twist(twist, self.sensor.flange_from_sensor))
         return self.observe()
 
+    def use(self, sensor: int) -> None:
+        """Work with another of the arrays on the stage, which stands still meanwhile."""
+        if sensor != self.active:
+            self.active = sensor
+            self._trail.clear()
+            self._last = None
+
     def hold(self, ticks: int = 1) -> Observation:
         """Stand still for some ticks, at least one."""
         seen = self.move(np.zeros(6))
@@ -146,17 +156,15 @@ class Guard:
     def observe(self) -> Observation:
         """Read the next frame, count its cost, show it around, and enforce the limits."""
         seen = self._read()
-        self._enforce(seen, np.isfinite(seen.image.sigma))
+        self._enforce(seen)
         return seen
 
     def _read(self) -> Observation:
         """The next frame, counted and shown around; no limit is looked at."""
         frame = self.sensor.read()
         image = correct(frame, self.calibrations[self.active], self.sensor.array)
-        area = self.sensor.array.pitch[0] * self.sensor.array.pitch[1]
-        live = np.isfinite(image.sigma)
-        force = float(image.stiffness * area * image.depth[live].sum())
-        seen = Observation(frame.time, frame, image, self.world_from_sensor, force, self.active)
+        self._load = load_of(image)
+        seen = Observation(frame.time, frame, image, self.world_from_sensor, self._load.force, self.active)
         self._count(seen)
         for observer in self.observers:
             observer(seen)
@@ -165,31 +173,27 @@ class Guard:
     def _count(self, seen: Observation) -> None:
         self.cost.frames += 1
         if self._last is not None:
-            step = seen.world_from_sensor[:3, 3] - self._last.world_from_sensor[:3, 3]
-            self.cost.travel += float(np.linalg.norm(step))
+            self.cost.travel += dist(seen.world_from_sensor[:3, 3], self._last.world_from_sensor[:3, 3])
             self.cost.seconds += seen.time - self._last.time
         self._last = seen
         self._trail.append(seen.world_from_sensor)
 
-    def _enforce(self, seen: Observation, live: np.ndarray) -> None:
+    def _enforce(self, seen: Observation) -> None:
         alarms = self.stage.events()
         if alarms:
             self._back_off()
             kind = Collision if alarms[0].kind == "collision" else OverPress
             raise kind(f"{alarms[0].kind} of {alarms[0].source} by {alarms[0].amount:.2f} mm", seen)
-        depth = np.where(live, seen.image.depth, 0.0)
-        if seen.force > self.limits.force or _neighborhood_peak(depth) > self.limits.depth:
+        if self._load.force > self.limits.force or self._load.peak > self.limits.depth:
+            pressed = f"pressed to {self._load.force:.1f} N, {self._load.peak:.2f} mm"
             self._back_off()
-            raise OverPress(
-                f"pressed to {seen.force:.1f} N, {depth.max():.2f} mm; lower the press or the speed"
-            )
-        low, high = self.limits.reach[:3], self.limits.reach[3:]
-        at = seen.world_from_sensor[:3, 3]
-        if (at < low).any() or (at > high).any():
+            raise OverPress(f"{pressed}; lower the press or the speed", seen)
+        x, y, z = seen.world_from_sensor[:3, 3].tolist()
+        left, front, bottom, right, back, top = self.limits.reach
+        if not (left <= x <= right and front <= y <= back and bottom <= z <= top):
             self.stage.stop()
-            raise PalpateError(
-                f"the stage would leave its travel at {np.round(at, 1).tolist()} mm; widen reach"
-            )
+            at = [round(x, 1), round(y, 1), round(z, 1)]
+            raise PalpateError(f"the stage would leave its travel at {at} mm; widen reach")
 
     def _back_off(self, distance: float = 5.0) -> None:
         """Back along the way that the array came, which was free, and then off the surface."""
@@ -211,11 +215,3 @@ def _flange_twist(twist: Floats, flange_from_sensor: Floats) -> Floats:
     v = r @ twist[:3]
     lever = (p[1] * w[2] - p[2] * w[1], p[2] * w[0] - p[0] * w[2], p[0] * w[1] - p[1] * w[0])
     return np.array([v[0] + lever[0], v[1] + lever[1], v[2] + lever[2], *w])
-
-
-def _neighborhood_peak(depth: Floats) -> float:
-    """The greatest mean over 2 x 2 taxels, so that one noisy taxel stops nothing."""
-    if min(depth.shape) < 2:
-        return float(depth.max(initial=0.0))
-    mean = 0.25 * (depth[1:, 1:] + depth[:-1, 1:] + depth[1:, :-1] + depth[:-1, :-1])
-    return float(mean.max())

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.consistency import drop_contradicted, drop_edges
+from exploration.planning.consistency import concave, drop_contradicted, drop_edges
 from primitives.arrays import Floats, Ints
 from primitives.classify import RankOptions
 from primitives.evidence import Contacts
@@ -35,6 +35,7 @@ class AttributionConfig:
     least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one at once
     pool: float = 20.0  # [mm] within which the unexplained contacts of several visits are put together
     facing: float = 0.95  # least cosine of their normals with the first one's
+    convex: bool = True  # whether the object may be taken for convex, so that faces may contradict each other
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class Taken:
     loose: Contacts  # what no face explains, from this visit and earlier ones
     home: int | None  # the face that the visit was on
     gone: dict[int, int]  # faces that turned out to be another
+    hollow: bool  # whether the faces bound no convex body
 
 
 def known_face(graph: PatchGraph, contacts: Contacts, config: AttributionConfig) -> int | None:
@@ -86,11 +88,12 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
             home = gone.get(opened, opened)
             loose = without(loose, lot)
             break
-    kept = drop_edges(drop_contradicted(graph))
+    hollow = not config.convex or concave(graph)
+    kept = drop_edges(graph if hollow else drop_contradicted(graph))
     staying = {face.id for face in kept.faces}
     dropped = [face.contacts for face in graph.faces if face.id not in staying]
     graph, loose = _settled(kept, Contacts.concatenate([loose, *dropped]), config)
-    return Taken(graph, loose, home if any(f.id == home for f in graph.faces) else None, gone)
+    return Taken(graph, loose, home if any(f.id == home for f in graph.faces) else None, gone, hollow)
 
 
 def without(contacts: Contacts, taken: Contacts) -> Contacts:

@@ -22,6 +22,9 @@ _MOST = 3  # contradicting contacts that are put down to noise
 _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
 _FEW = 30  # contacts, below which a face may be a poor reading of a larger one
 _LARGER = 1.5  # times as many contacts make a face the larger
+_SOUND = 10  # contacts of a face that is no reading of a rim
+_BEFORE = 3.0  # [mm] in front of a face, from which a contact cannot be of one convex body with it
+_WIDE = 3.0  # [mm] standard deviation of a sound face's contacts across their longer extent
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
 
@@ -41,6 +44,27 @@ def drop_edges(graph: PatchGraph) -> PatchGraph:
         if float(on_edge.mean()) > _EDGE_SHARE or float(on_larger.mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
+
+
+def concave(graph: PatchGraph) -> bool:
+    """Whether two sound faces cannot both bound a convex body: many contacts of one lie well before the other."""
+    sound = [f for f in graph.faces if isinstance(f.fit, Fit) and len(f.contacts) >= _SOUND and _broad(f)]
+    for face in sound:
+        assert isinstance(face.fit, Fit)
+        side = 1.0 if face.fit.convex else -1.0
+        if not face.fit.convex and face.fit.kind != "plane":
+            return True
+        for other in sound:
+            away = side * face.fit.shape.signed_distance(other.contacts.points)
+            if other is not face and int((away > _BEFORE).sum()) >= _SOUND // 2:
+                return True
+    return False
+
+
+def _broad(face: Face) -> bool:
+    """Whether a face was touched over more than the rim that may look like one."""
+    spread = np.linalg.svd(face.contacts.points - face.contacts.points.mean(axis=0), compute_uv=False)
+    return bool(spread[1] / np.sqrt(len(face.contacts)) > _WIDE)
 
 
 def drop_contradicted(graph: PatchGraph) -> PatchGraph:

@@ -1,8 +1,10 @@
-"""Explore a convex object until its boundary is closed.
+"""Explore an object until its boundary is closed.
 
 Find it, lie flush on it, stroke the face under the pad to its edges, roll over every edge to the face behind it,
 touch what the faces so far predict and nothing has touched, and trace every edge.  Each of those is a move; the
-frontier says what is open, and the cheapest open thing comes next.
+frontier says what is open, and the cheapest open thing comes next.  An object is taken for convex, whose faces say
+much about what nobody has touched yet, until a wall or its faces contradict that; then each face is explored for
+itself (`any_form`).
 """
 
 from __future__ import annotations
@@ -13,11 +15,13 @@ import numpy as np
 
 from exploration.control.procedures.approach import ApproachConfig, retreat
 from exploration.devices.guard import Collision, Guard, OverPress
+from exploration.planning.any_form import AnyForm
 from exploration.planning.covering import Covering
 from exploration.planning.crossing import Crossing
 from exploration.planning.findings import Attempts, Done, ExplorerConfig, Findings
 from exploration.planning.frontier import Frontier
 from exploration.planning.pad import Announce, Pad
+from exploration.planning.routes import Tool
 from exploration.planning.search import sweeps
 from exploration.planning.study import Study
 from exploration.planning.tracing import Tracing
@@ -37,11 +41,13 @@ class Explorer:
         box: Floats,
         config: ExplorerConfig | None = None,
         announce: Announce = lambda kind, detail: None,
+        tool: Tool | None = None,
     ) -> None:
         config = config or ExplorerConfig()
         self.guard, self.box, self.config, self.announce = guard, box, config, announce
         self.found = Findings()
         self.pad = Pad(guard, box, announce)
+        self._tool = tool or Tool.of_size(guard.sensor.array.size)
         self._tried = Attempts(config.tries)
         self._study = Study(self.pad, self.found, config.attribution)
         self._crossing = Crossing(self._study, config)
@@ -61,6 +67,12 @@ class Explorer:
             self.found.warnings.append(str(error))
         yield self._say("found the object")
         while self.guard.cost.touches < self.config.max_touches:
+            if self.found.hollow:
+                yield from map(self._say, AnyForm(self._study, self._tool, self.config).run())
+                spent = self.guard.cost.touches >= self.config.max_touches
+                whole = "closed" if not self.found.open else "nothing reachable is open"
+                self.found.ended = "budget" if spent else whole
+                return
             move = self._next(face)
             if move is None:
                 self.found.ended = "closed" if not self.found.open else "nothing reachable is open"

@@ -39,6 +39,11 @@ class FeltFree:
         for key, point in zip(map(tuple, keys.tolist()), points, strict=True):
             self._cells.setdefault(key, point)
 
+    @property
+    def points(self) -> Floats:
+        """(n, 3) all of them [mm]."""
+        return np.array(list(self._cells.values())).reshape(-1, 3)
+
     def contradictions(self, body: HalfSpaces) -> Floats:
         """(n, 3) free places inside a predicted body."""
         if not self._cells:

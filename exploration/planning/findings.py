@@ -41,6 +41,7 @@ class Findings:
 
     graph: PatchGraph = field(default_factory=lambda: PatchGraph(options=CONVEX))
     traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
+    hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""
     open: int = 0  # things still open, when last counted
     note: str = ""

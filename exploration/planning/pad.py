@@ -20,7 +20,7 @@ from exploration.control.procedures.look import look_closely
 from exploration.control.procedures.settle import SettleConfig
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
-from exploration.control.track_surface import Stroke, follow_surface, keep, touched_cells
+from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface, keep, touched_cells
 from exploration.devices.guard import Guard, Observation
 from exploration.planning.felt_free import FeltFree
 from exploration.planning.touched import Touched
@@ -55,6 +55,7 @@ class Pad:
         self.guard, self.box, self.announce, self.config = guard, box, announce, config
         self.covered = Touched()
         self.free = FeltFree()
+        self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self._watched: Floats | None = None  # (3,) where the skin was last looked at for free space
         guard.observers = (*guard.observers, self._watch)
         self.here = Support(np.array([0.0, 0.0, box[5]]), np.array([0.0, 0.0, 1.0]))
@@ -122,13 +123,16 @@ class Pad:
         cost = self.guard.cost
         cost.strokes += 1
         longest = self.config.longest if length is None else length
-        stroke = follow_surface(self.guard, heading, longest, cost.touches, cost.strokes)
-        self.lie(stroke.cells)
+        walls = StrokeConfig(walls=True)
+        stroke = follow_surface(self.guard, heading, longest, cost.touches, cost.strokes, config=walls)
+        self.lie(stroke.cells, stroke.facing)
         return stroke
 
-    def lie(self, cells: Floats) -> None:
-        """Note where the pad lies now, and the (n, 3) cells [mm] that it has covered."""
+    def lie(self, cells: Floats, facing: Floats | None = None) -> None:
+        """Note where the pad lies now, and the (n, 3) cells [mm] that it has covered, with their normals."""
         pose = self.guard.world_from_sensor
+        told = np.broadcast_to(-pose[:3, 2], cells.shape) if facing is None else facing
+        self.felt.append((cells, told))
         felt = feel(self.guard.hold().image)
         offset = np.array([*(felt.centroid if felt else (0.0, 0.0)), 0.0])
         self.here = Support(pose[:3, :3] @ offset + pose[:3, 3], -pose[:3, 2])

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import numpy as np
+
 from exploration.control.sighting import Sighting
+from exploration.control.track_surface import Stroke
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.attribution import AttributionConfig, joined, known_face, take_in
 from exploration.planning.findings import Findings
@@ -13,6 +18,15 @@ from primitives.evidence import Contacts
 _WORTH_CENTERING = 4.0  # [mm] of a stroke, after which the pad goes back to the middle
 
 
+@dataclass(frozen=True)
+class Wall:
+    """Where a stroke met something that stands up from its face."""
+
+    point: Floats  # (3,) [mm] at the pad's leading end, on the face
+    heading: Floats  # (3,) the way of the stroke
+    normal: Floats  # (3,) outward, of the face
+
+
 class Study:
     """What the pad's contacts and sightings become."""
 
@@ -20,6 +34,7 @@ class Study:
         self.pad, self.found, self.config = pad, found, config
         self.loose = Contacts.of([])  # what no face explains yet
         self.seen: list[tuple[Sighting, int]] = []  # edges, each with the face that it was seen from
+        self.walls: list[Wall] = []
 
     def face_here(self) -> int | None:
         """Stroke the face under the pad along two axes, to its edges; the face's id."""
@@ -47,19 +62,38 @@ class Study:
         """Give contacts to the faces that explain them; the face that most of them lie on."""
         taken = take_in(self.found.graph, self.loose, contacts, self.config)
         self.found.graph, self.loose = taken.graph, taken.loose
+        self.found.hollow |= taken.hollow
         self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
         return taken.home
+
+    def note_wall(self, stroke: Stroke) -> bool:
+        """Whether a stroke was ended by what stands up ahead of it, which is remembered."""
+        if stroke.ended not in ("wall", "concavity") or stroke.heading is None:
+            return False
+        pose = self.pad.guard.world_from_sensor if stroke.met is None else stroke.met
+        half = 0.5 * float(np.abs(stroke.heading) @ np.asarray(self.pad.size))
+        way = pose[:3, :2] @ stroke.heading
+        self.found.hollow = True
+        self.walls.append(Wall(pose[:3, 3] + half * way, way, -pose[:3, 2]))
+        return True
+
+    def _back_on(self, pose: Floats) -> bool:
+        """Lie again where a stroke began that a wall has ended."""
+        return self.pad.touch(pose, 6.0, 6.0)
 
     def _stroke_across(self, heading: Floats, strokes: list[Contacts], edges: list[Sighting]) -> None:
         """To the edge on one side, to the edge on the other, and back to the middle."""
         travel = 0.0
         for sign in (1.0, -1.0):
+            began = self.pad.guard.world_from_sensor
             stroke = self.pad.stroke(sign * heading)
             strokes.append(stroke.contacts)
+            if self.note_wall(stroke) and stroke.ended == "wall" and not self._back_on(began):
+                return
             if stroke.ended == "edge":
                 edges.extend(self.pad.sightings(sign * heading))
             travel = stroke.travel
             if stroke.ended in ("closed", "lost"):
                 return
         if travel > _WORTH_CENTERING:
-            self.pad.stroke(heading, travel / 2.0)
+            self.note_wall(self.pad.stroke(heading, travel / 2.0))

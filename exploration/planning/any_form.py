@@ -1,0 +1,240 @@
+"""Explore an object of any form: face by face, to rims and walls, until nothing that the pad can reach is open.
+
+Three kinds of things are open.  A wall that ended a stroke, and no known face explains: the pad turns to face it.
+A rim that no known face explains: the pad rolls over it.  Surface that goes on where nothing was felt: the pad
+strokes toward it, or comes down on it.  Inside edges are where two touched faces meet, because no taxel looks
+sideways.  What was tried in vain a few times is given up, and left unknown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from exploration.control.procedures.approach import retreat, touched
+from exploration.control.sighting import Sighting
+from exploration.control.track_surface import Stroke
+from exploration.devices.guard import Collision, OverPress
+from exploration.planning.findings import Attempts, Done, ExplorerConfig
+from exploration.planning.frontier import Predicted
+from exploration.planning.local_frontier import LocalFrontier
+from exploration.planning.routes import Tool, route
+from exploration.planning.study import Study, Wall
+from exploration.planning.surface_map import SurfaceMap
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.fit import Fit
+
+
+@dataclass(frozen=True)
+class AnyFormConfig:
+    """How walls, rims and open surface are gone for."""
+
+    standoff: float = 10.0  # [mm]
+    overtravel: float = 8.0  # [mm]
+    rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
+    overlap: float = 4.0  # [mm] of the pad that stays over the rim
+    above: float = 1.2  # [mm] of the housing over a face whose wall it comes to
+    met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
+    wall_tries: int = 2
+    rim_tries: int = 3
+    beside: float = 9.0  # [mm] between tries that count as one thing
+
+
+class AnyForm:
+    """Carries on where the object has turned out not to be convex."""
+
+    def __init__(
+        self, study: Study, tool: Tool, config: ExplorerConfig, own: AnyFormConfig | None = None
+    ) -> None:
+        self.study, self.tool, self.config, self.own = study, tool, config, own or AnyFormConfig()
+        self.pad, self.found = study.pad, study.found
+        self.felt = SurfaceMap()
+        self._taken = 0
+        self._walls = Attempts(self.own.wall_tries, self.own.beside)
+        self._rims = Attempts(self.own.rim_tries, self.own.beside)
+        self._open = Attempts(config.tries - 1, 2.5)
+        study.config = replace(study.config, convex=False)
+
+    def run(self) -> Iterator[str]:
+        """Make moves until nothing is left to try; yields what each one did."""
+        face: int | None = None
+        while self.pad.guard.cost.touches < self.config.max_touches:
+            move = self._next(face)
+            if move is None:
+                return
+            try:
+                done, note = move()
+            except (OverPress, Collision) as error:
+                self.found.warnings.append(str(error))
+                done, note = None, f"backed off: {error}"
+            face = done
+            yield note
+
+    def _next(self, face: int | None) -> Callable[[], Done] | None:
+        self._take_in()
+        frontier = LocalFrontier(self.found.graph.faces, self.felt, self.pad.free.points, self.config.feature)
+        opened, rims = frontier.open(), frontier.rims()
+        walls = [wall for wall in self.study.walls if not self._stands(wall)]
+        self.found.open = len(opened.points) + len(rims) + len(walls)
+        here = self.pad.guard.world_from_sensor[:3, 3]
+        left = self._open.unfinished(opened)
+        on_face = left.face == face
+        if face is not None and on_face.any() and self.pad.touches():
+            near = left.points[on_face]
+            goal = near[np.argmin(np.linalg.norm(near - here, axis=1))]
+            return lambda: self._stroke_to(goal, face)
+        todo: list[tuple[float, Callable[[], Done]]] = []
+        standing = [wall for wall in walls if not self._walls.given_up(wall.point)]
+        todo += [(_away(wall.point, here), partial(self._face_wall, wall)) for wall in standing]
+        leading = [rim for rim, _ in rims if not self._rims.given_up(rim.point)]
+        todo += [(_away(rim.point, here), partial(self._cross, rim)) for rim in leading]
+        if not todo and len(left.points):
+            nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
+            return lambda: self._come_down(left, nearest)
+        return min(todo, key=lambda item: item[0])[1] if todo else None
+
+    def _take_in(self) -> None:
+        for points, facing in self.pad.felt[self._taken :]:
+            self.felt.add(points, facing)
+        self._taken = len(self.pad.felt)
+
+    def _stands(self, wall: Wall) -> bool:
+        """Whether a known face stands where a stroke met something."""
+        for face in self.found.graph.faces:
+            if isinstance(face.fit, Fit):
+                away = abs(float(face.fit.shape.signed_distance(wall.point[None])[0]))
+                side = 1.0 if face.fit.convex else -1.0
+                if (
+                    away < self.own.met
+                    and side * face.fit.shape.normals(wall.point[None])[0] @ wall.heading < -0.3
+                ):
+                    return True
+        return False
+
+    def _stroke_to(self, goal: Floats, face: int) -> Done:
+        self._open.note(goal)
+        here = self.pad.guard.world_from_sensor
+        toward = here[:3, :2].T @ (goal - here[:3, 3])
+        distance = float(np.linalg.norm(toward))
+        if distance < 1.0:
+            return face, "lay on what was open"
+        stroke = self.pad.stroke(toward / distance, distance + 0.5 * self.config.feature)
+        self.study.note_wall(stroke)
+        if stroke.travel < 1.0:
+            self._open.note(goal)
+        home = self.study.take_in(stroke.contacts) if len(stroke.contacts) else face
+        return self._still_on(stroke, home), "stroked what was open"
+
+    def _still_on(self, stroke: Stroke, face: int | None) -> int | None:
+        return None if stroke.ended in ("wall", "lost") else face
+
+    def _face_wall(self, wall: Wall) -> Done:
+        """Turn to face what a stroke met, just above the face that the pad lay on."""
+        self._walls.note(wall.point)
+        half = self.tool.high[:2].min()
+        lift = half + self.own.above
+        along = np.cross(wall.normal, wall.heading)
+        for shift in (0.0, 8.0, -8.0, 16.0, -16.0):
+            at = wall.point + lift * wall.normal + shift * along
+            target = se3.pose(self.pad.attitude(-wall.heading, along), at)
+            if self._touch(target):
+                return self.study.face_here(), "touched a wall"
+            if self._went:
+                return None, "nothing was where a stroke met a wall"
+        return None, "no way led to a wall"
+
+    def _cross(self, rim: Sighting) -> Done:
+        """Roll over a rim onto the face behind it."""
+        tried = self._rims.count(rim.point)
+        self._rims.note(rim.point)
+        reach = 0.5 * min(self.pad.size) - self.own.overlap
+        rolls = self.own.rolls[tried % len(self.own.rolls) :] + self.own.rolls[: tried % len(self.own.rolls)]
+        for roll in rolls:
+            angle = np.radians(roll)
+            normal = np.cos(angle) * rim.normal + np.sin(angle) * rim.outward
+            down = np.cos(angle) * rim.outward - np.sin(angle) * rim.normal
+            for shift in (0.0, 7.0, -7.0):
+                at = rim.point + max(reach, 0.0) * down + shift * rim.tangent
+                if self._touch(se3.pose(self.pad.attitude(normal, rim.tangent), at)):
+                    return self.study.face_here(), "crossed a rim"
+                if self._went:
+                    return None, "crossed a rim and met nothing"
+        return None, "no way led over a rim"
+
+    def _come_down(self, left: Predicted, nearest: int) -> Done:
+        """Lie on open surface where the pad has room, with as much of it under the pad as may be."""
+        point, normal, face = left.points[nearest], left.normals[nearest], int(left.face[nearest])
+        self._open.note(point)
+        hx, hy = (0.5 * np.asarray(self.pad.size) - 1.0).tolist()
+        best: list[tuple[float, Floats]] = []
+        for along in self._alongs(normal):
+            turn = se3.frame_along(-normal, along)
+            for sx in (0.0, 0.5, -0.5, 0.9, -0.9):
+                for sy in (0.0, 0.5, -0.5, 0.9, -0.9):
+                    pose = se3.pose(turn, point + turn @ np.array([sx * hx, sy * hy, 0.0]))
+                    local = (left.points - pose[:3, 3]) @ pose[:3, :3]
+                    under = (np.abs(local) < [hx, hy, 2.0]).all(axis=1) & (left.face == face)
+                    best.append((-float(under.sum()) + 0.1 * float(np.hypot(sx, sy)), pose))
+        for _, pose in sorted(best, key=lambda item: item[0]):
+            if self._clear(pose):
+                if self._touch(pose):
+                    return self.study.face_here(), "came down on what was open"
+                return None, "what seemed open was not there"
+        self._open.note(point)
+        return None, "the pad has no room on what is open"
+
+    def _alongs(self, normal: Floats) -> list[Floats]:
+        """Directions for the pad's x axis in a plane: along and across the faces that stand on it."""
+        out: list[Floats] = []
+        for face in self.found.graph.faces:
+            if isinstance(face.fit, Fit) and face.fit.kind == "plane":
+                across = np.cross(face.fit.shape.normals(np.zeros((1, 3)))[0], normal)
+                if np.linalg.norm(across) > 0.3:
+                    across = across / np.linalg.norm(across)
+                    out += [
+                        w for w in (across, np.cross(normal, across)) if all(abs(w @ o) < 0.98 for o in out)
+                    ]
+        return out[:6] or [self.pad.guard.world_from_sensor[:3, 0]]
+
+    def _clear(self, pose: Floats) -> bool:
+        return bool(self.tool.clear(pose[None], self._obstacles(), 0.6, -1.0)[0])
+
+    def _obstacles(self) -> Floats:
+        self._take_in()
+        return self.felt.points
+
+    _went = False  # whether the last touch had a way
+
+    def _touch(self, target: Floats) -> bool:
+        """Go round what is known to before a (4, 4) target, and touch it; `_went` says whether there was a way."""
+        self._went = False
+        standoff = target @ se3.pose(translation=[0.0, 0.0, -self.own.standoff])
+        obstacles = self._obstacles()
+        if not self._clear(target) or not self.tool.clear(standoff[None], obstacles, 1.0, 1.0)[0]:
+            return False
+        guard = self.pad.guard
+        poses = route(self.tool, guard.world_from_sensor, standoff, obstacles, self._ways())
+        if poses is None:
+            return False
+        self._went = True
+        for k, pose in enumerate(poses):
+            if guard.go_to(pose, until=None if k == 0 else lambda seen: touched(seen.image)) is not None:
+                retreat(guard, 4.0)
+                return False
+        return self.pad.touch(target, self.own.standoff, self.own.overtravel)
+
+    def _ways(self) -> Floats:
+        """(n, 3) directions that may lead out: the way that each face looks."""
+        out: list[Floats] = []
+        for normal in [*self.felt.facing[:: max(1, len(self.felt.facing) // 200)], *np.eye(3), *-np.eye(3)]:
+            if all(normal @ other < 0.85 for other in out):
+                out.append(normal)
+        return np.array(out)
+
+
+def _away(point: Floats, here: Floats) -> float:
+    return float(np.linalg.norm(point - here))

@@ -1,0 +1,206 @@
+"""What is open on an object of any form, face by face: surface that goes on, and rims that no face explains.
+
+Round every touched place of a face its surface is asked for a little further on.  There it is touched already; or
+free, and the face has a rim in between; or a wall stands in between, and the face ends at an inside edge; or it is
+open.  A rim is explained where another face passes by that looks to its free side (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from exploration.control.sighting import Sighting
+from exploration.planning.frontier import Predicted
+from exploration.planning.surface_map import SurfaceMap
+from primitives.arrays import Bools, Floats
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+
+_AROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+
+
+@dataclass(frozen=True)
+class LocalFrontierConfig:
+    """Distances on a face."""
+
+    beside: float = 2.2  # [mm] a place this near a free one is past the rim
+    depth: tuple[float, float] = (
+        -1.5,
+        -0.12,
+    )  # [mm] of a free place from the surface, to say it is not there
+    rim: float = 3.4  # [mm] from a free place, within which a touched one lies at a rim
+    explained: float = 2.5  # [mm] from a rim, within which a face that explains it passes
+    felt: float = 16.0  # [mm] from a rim, within which that face was touched
+    least_rim: int = 4  # touched cells of one
+    cluster: float = 6.0  # [mm] between neighbors of one rim
+
+
+@dataclass(frozen=True)
+class _Known:
+    face: Face
+    fit: Fit
+    side: float  # of the shape's normals, outward
+    cells: Floats  # (n, 3) touched places on it
+
+
+class LocalFrontier:
+    """The open things of one moment."""
+
+    def __init__(
+        self,
+        faces: Sequence[Face],
+        felt: SurfaceMap,
+        free: Floats,
+        feature: float,
+        config: LocalFrontierConfig | None = None,
+    ) -> None:
+        self.config, self.reach = config or LocalFrontierConfig(), min(max(feature / 2.0, 3.0), 8.0)
+        self.felt, self.free = felt, free
+        self.known: list[_Known] = []
+        for face in faces:
+            if isinstance(face.fit, Fit):
+                side = 1.0 if face.fit.convex else -1.0
+                on = felt.on(face.fit.shape, side)
+                self.known.append(_Known(face, face.fit, side, felt.points[on]))
+
+    def open(self) -> Predicted:
+        """Places where a face may go on and nothing was felt."""
+        points, normals, ids = [np.empty((0, 3))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
+        for own in self.known:
+            if not len(own.cells):
+                continue
+            at, came = self._further(own)
+            keep = ~self._past_rim(own, at, came) & ~self._behind_wall(own, at, came)
+            at = _thinned(at[keep], 0.7 * self.reach)
+            points.append(at)
+            normals.append(own.side * own.fit.shape.normals(at))
+            ids.append(np.full(len(at), own.face.id))
+        return Predicted(np.concatenate(points), np.concatenate(normals), np.concatenate(ids))
+
+    def rims(self) -> list[tuple[Sighting, int]]:
+        """Rims that no known face explains, each as an edge seen from its face; the longest first."""
+        found: list[tuple[int, Sighting, int]] = []
+        for own in self.known:
+            at, out = self._rim(own)
+            left = ~self._explained(own, at, out)
+            at, out = at[left], out[left]
+            for members in _clusters(at, self.config.cluster):
+                if members.sum() < self.config.least_rim:
+                    continue
+                for part in _by_heading(out[members]):
+                    rows = np.flatnonzero(members)[part]
+                    if len(rows) >= self.config.least_rim:
+                        found.append((len(rows), _sighting(own, at[rows], out[rows]), own.face.id))
+        return [(edge, face) for _, edge, face in sorted(found, key=lambda item: -item[0])]
+
+    def _further(self, own: _Known) -> tuple[Floats, Floats]:
+        """(m, 3) places a little further than touched ones, not touched themselves; and where they came from."""
+        normals = own.fit.shape.normals(own.cells)
+        u = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        v = np.cross(normals, u)
+        steps = [self.reach * (np.cos(a) * u + np.sin(a) * v) for a in _AROUND]
+        at = own.fit.shape.project(np.concatenate([own.cells + step for step in steps]))
+        came = np.tile(own.cells, (len(steps), 1))
+        fresh = KDTree(own.cells).query(at)[0] > 0.75 * self.reach
+        return at[fresh], came[fresh]
+
+    def _past_rim(self, own: _Known, at: Floats, came: Floats) -> Bools:
+        free = self._free_of(own)
+        out = np.zeros(len(at), dtype=bool)
+        if len(free) and len(at):
+            tree = KDTree(free)
+            for share in (0.6, 0.8, 1.0):
+                out |= tree.query(came + share * (at - came))[0] < self.config.beside
+        return out
+
+    def _behind_wall(self, own: _Known, at: Floats, came: Floats) -> Bools:
+        """Whether another touched face stands between, or the place is inside its material."""
+        out = np.zeros(len(at), dtype=bool)
+        for other in self.known:
+            if other is own or not len(other.cells) or not len(at):
+                continue
+            before = other.side * other.fit.shape.signed_distance(came)
+            after = other.side * other.fit.shape.signed_distance(at)
+            near = KDTree(other.cells).query(at)[0] < self.config.felt
+            out |= near & (before > -1.0) & (after < 1.2) & (after < before - 0.3)
+        return out
+
+    def _free_of(self, own: _Known) -> Floats:
+        """(n, 3) free places that say where the face is not."""
+        if not len(self.free):
+            return self.free
+        low, high = self.config.depth
+        above = own.side * own.fit.shape.signed_distance(self.free)
+        return self.free[(above > low) & (above < high)]
+
+    def _rim(self, own: _Known) -> tuple[Floats, Floats]:
+        """(n, 3) touched cells beside free ones, and the ways out of the face there."""
+        free = self._free_of(own)
+        if not len(free) or not len(own.cells):
+            return np.empty((0, 3)), np.empty((0, 3))
+        distance, nearest = KDTree(free).query(own.cells)
+        at = own.cells[distance < self.config.rim]
+        out = free[nearest[distance < self.config.rim]] - at
+        normals = own.fit.shape.normals(at)
+        out = out - (out * normals).sum(axis=1, keepdims=True) * normals
+        length = np.linalg.norm(out, axis=1)
+        return at[length > 0.2], out[length > 0.2] / length[length > 0.2, None]
+
+    def _explained(self, own: _Known, at: Floats, out: Floats) -> Bools:
+        told = np.zeros(len(at), dtype=bool)
+        for other in self.known:
+            if other is own or not len(other.cells) or not len(at):
+                continue
+            near = np.abs(other.fit.shape.signed_distance(at)) < self.config.explained
+            looks = (other.side * other.fit.shape.normals(at) * out).sum(axis=1) > 0.1
+            told |= near & looks & (KDTree(other.cells).query(at)[0] < self.config.felt)
+        return told
+
+
+def _sighting(own: _Known, at: Floats, out: Floats) -> Sighting:
+    outward = out.mean(axis=0)
+    point: Floats = at[int(np.argmin(np.linalg.norm(at - at.mean(axis=0), axis=1)))]
+    normal = own.side * own.fit.shape.normals(point[None])[0]
+    outward = outward - (outward @ normal) * normal
+    outward = outward / np.linalg.norm(outward)
+    tangent = np.cross(normal, outward)
+    return Sighting(point + outward, tangent, outward, normal, 1.0, float(np.ptp(at @ tangent)))
+
+
+def _by_heading(out: Floats) -> list[Bools]:
+    """Masks of the ways out that look alike: a rim that turns is several."""
+    left, parts = np.ones(len(out), dtype=bool), []
+    while left.any():
+        first = out[np.flatnonzero(left)[0]]
+        part = left & (out @ first > 0.7)
+        parts.append(part)
+        left &= ~part
+    return parts
+
+
+def _clusters(points: Floats, within: float) -> list[Bools]:
+    left, out = np.ones(len(points), dtype=bool), []
+    while left.any():
+        member = np.zeros(len(points), dtype=bool)
+        member[np.flatnonzero(left)[0]] = True
+        while True:
+            grown = left & (KDTree(points[member]).query(points)[0] < within)
+            if grown.sum() == member.sum():
+                break
+            member = grown
+        out.append(member)
+        left &= ~member
+    return out
+
+
+def _thinned(points: Floats, spacing: float) -> Floats:
+    """One of every lot of points that share a cell."""
+    if not len(points):
+        return points
+    _, first = np.unique(np.round(points / spacing).astype(int), axis=0, return_index=True)
+    return np.asarray(points[np.sort(first)])

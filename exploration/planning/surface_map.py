@@ -1,0 +1,59 @@
+"""What was felt, place by place: touched cells with the way they face, and places that the skin found free.
+
+On an object of any form each face is explored for itself.  The pad on a face tells of every place under it whether
+the face is there, touched, or is not, free.  What is neither is open (our derivation; compare the frontiers of
+mobile robots, Yamauchi 1997).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from primitives.arrays import Bools, Floats
+from primitives.shapes import Shape
+
+CELL = 2.0  # [mm] touched places nearer than this, that face alike, are one
+
+
+class SurfaceMap:
+    """Grows with every stroke."""
+
+    def __init__(self) -> None:
+        self._cells: dict[tuple[int, ...], Floats] = {}
+        self._rows: Floats | None = None
+        self._tree: KDTree | None = None
+
+    def add(self, points: Floats, facing: Floats) -> None:
+        """Remember (n, 3) touched places [mm] and their outward normals, roughly."""
+        if not len(points):
+            return
+        keys = np.concatenate([np.round(points / CELL), np.round(2.0 * facing)], axis=1).astype(int)
+        rows = np.concatenate([points, facing], axis=1)
+        for key, row in zip(map(tuple, keys.tolist()), rows, strict=True):
+            self._cells.setdefault(key, row)
+        self._rows = self._tree = None
+
+    @property
+    def points(self) -> Floats:
+        """(n, 3) [mm]."""
+        return self._table[:, :3]
+
+    @property
+    def facing(self) -> Floats:
+        """(n, 3) outward normals, roughly."""
+        return self._table[:, 3:]
+
+    @property
+    def _table(self) -> Floats:
+        if self._rows is None:
+            self._rows = np.array(list(self._cells.values())).reshape(-1, 6)
+        return self._rows
+
+    def on(self, shape: Shape, side: float, near: float = 0.8, facing: float = 0.9) -> Bools:
+        """(n,) which cells lie on a surface whose outward normal is `side` times its own."""
+        if not len(self.points):
+            return np.zeros(0, dtype=bool)
+        away = np.abs(shape.signed_distance(self.points)) < near
+        alike = side * (shape.normals(self.points) * self.facing).sum(axis=1) > facing
+        return np.asarray(away & alike)
