@@ -45,6 +45,11 @@ class TriangleTree:
         low, high = self._corners.min(axis=1), self._corners.max(axis=1)
         self._boxes, self._nodes, self._order = _build(low, high)
 
+    @property
+    def arrays(self) -> tuple[Floats, Ints, Ints]:
+        """Boxes, nodes and the triangles' order, as `models.rays.triangle_kernels` reads them."""
+        return self._boxes, self._nodes, self._order
+
     def nearest(self, points: Floats) -> Nearest:
         """The nearest point of the mesh to each of (n, 3) points [mm]."""
         wanted = np.ascontiguousarray(points, dtype=np.float64)

@@ -1,0 +1,68 @@
+"""What touch has given, and what was known before: the input of matching.
+
+Contacts may carry normals or not, and free space bounds where material can be.  Lengths are in mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from primitives.arrays import Floats, frozen
+from primitives.errors import PalpateError
+from primitives.evidence import Contacts, EdgeTrace, FreeSpace
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that is known of one object by touch."""
+
+    contacts: Contacts
+    traces: tuple[EdgeTrace, ...] = ()
+    free: FreeSpace | None = None
+    scale_known: bool = True  # whether the contacts' sigma is theirs; else it is estimated with the pose
+    normal_scale_known: bool = True  # the same of their normals
+    covers: tuple[FreeSpace, ...] = ()  # bodies in the way: what touched them says nothing of the object
+
+    def checked(self) -> Evidence:
+        """Itself without broken rows; raises where nothing is left to match."""
+        c = self.contacts
+        whole = np.isfinite(c.points).all(axis=1) & np.isfinite(c.sigma) & (c.sigma > 0)
+        for cover in self.covers:
+            whole &= ~cover.contains(c.points, margin=-3.0 * float(np.max(c.sigma, initial=0.0)))
+        if not whole.any():
+            raise PalpateError("there is no contact to match; give at least one row x,y,z of finite numbers in mm")
+        return self if whole.all() else replace(self, contacts=c.select(whole))
+
+    def with_contacts(self, more: Contacts) -> Evidence:
+        """After further contacts."""
+        return replace(self, contacts=Contacts.concatenate([self.contacts, more]))
+
+    @property
+    def lacking(self) -> int:
+        """How many contacts have no normal."""
+        return int((~self.contacts.has_normal).sum())
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Where the middle of the object may be: anywhere in a ball; its orientation is not known."""
+
+    center: Floats  # (3,) [mm]
+    radius: float  # [mm]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "center", frozen(np.asarray(self.center, dtype=float).reshape(3)))
+        if not (np.isfinite(self.radius) and self.radius > 0 and np.isfinite(self.center).all()):
+            raise PalpateError("a prior needs a finite center and a radius above 0 mm (--prior-center, --prior-radius)")
+
+    @staticmethod
+    def around(contacts: Contacts, radius: float = 200.0) -> Prior:
+        """Round the contacts themselves, where nothing is known."""
+        return Prior(np.median(contacts.points, axis=0), radius)
+
+    @property
+    def volume(self) -> float:
+        """[mm^3]."""
+        return 4.0 / 3.0 * np.pi * self.radius**3

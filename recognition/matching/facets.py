@@ -1,0 +1,170 @@
+"""The point of a mesh that a contact most likely touched: near, and with the normal that was felt.
+
+With p and m the contact's point and normal and s, n those of the surface, the cost that is minimized over the
+whole surface is::
+
+    |p - s|^2 / sigma^2 + |m - n|^2 / tau^2
+
+so that a contact beside an edge finds the face that its normal tells, not the nearest one (our derivation: the
+exponent of the joint normal density).  Nodes are pruned by the first term alone, and nothing beyond `cap` is
+looked for.  Normals are interpolated between corners, which share them across edges flatter than `CREASE`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from models.body import Body
+from primitives.arrays import Floats, Ints
+
+CREASE = np.deg2rad(30.0)  # [rad] a fold sharper than this is an edge of the object, not of its facets
+_STACK = 64
+
+
+class Facets(NamedTuple):
+    """A mesh as the kernels read it."""
+
+    corners: Floats  # (t, 3, 3) [mm]
+    flat: Floats  # (t, 3) unit normals
+    normals: Floats  # (t, 3, 3) at the corners, unit
+    boxes: Floats  # (m, 6)
+    nodes: Ints  # (m, 2)
+    order: Ints  # (t,)
+
+
+def facets_of(body: Body) -> Facets:
+    """Of a body's triangles, once for each body."""
+    return body.remembered("facets", lambda: _made(body))
+
+
+def _made(body: Body) -> Facets:
+    tree = body.tree
+    flat = np.ascontiguousarray(body.triangle_normals)
+    corners = np.ascontiguousarray(body.vertices[body.triangles])
+    sides = np.roll(corners, -1, axis=1) - corners
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    at = body.triangles.ravel()
+    order = np.argsort(at, kind="stable")
+    first = np.searchsorted(at[order], np.arange(len(body.vertices) + 1))
+    normals = _corner_normals(body.triangles, flat, area, order // 3, first, float(np.cos(CREASE)))
+    return Facets(corners, flat, normals, *tree.arrays)
+
+
+@njit(cache=True)
+def _corner_normals(triangles, flat, area, around, first, crease):  # type: ignore[no-untyped-def]
+    out = np.empty((len(triangles), 3, 3))
+    for t in range(len(triangles)):
+        for k in range(3):
+            v = triangles[t, k]
+            x, y, z = 0.0, 0.0, 0.0
+            for r in range(first[v], first[v + 1]):
+                o = around[r]
+                along = flat[t, 0] * flat[o, 0] + flat[t, 1] * flat[o, 1] + flat[t, 2] * flat[o, 2]
+                if along >= crease:
+                    x += area[o] * flat[o, 0]
+                    y += area[o] * flat[o, 1]
+                    z += area[o] * flat[o, 2]
+            length = np.sqrt(x * x + y * y + z * z)
+            if length > 0.0:
+                out[t, k, 0], out[t, k, 1], out[t, k, 2] = x / length, y / length, z / length
+            else:
+                out[t, k] = flat[t]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def likeliest(p, m, felt, sigma, tau, cap, mesh, stack, reach, found):  # type: ignore[no-untyped-def]
+    """The least cost below `cap`, or `cap`; `found` becomes (s, n), the surface point and its normal.
+
+    `m` counts only where `felt`.  `stack` and `reach` are scratch of at least 64.
+    """
+    corners, flat, normals, boxes, nodes, order = mesh
+    best, over, spread = cap, 1.0 / (sigma * sigma), 1.0 / (tau * tau)
+    stack[0], depth = 0, 1
+    reach[0] = _away(p, boxes, 0) * over
+    while depth > 0:
+        depth -= 1
+        if reach[depth] >= best:
+            continue
+        first, count = nodes[stack[depth], 0], nodes[stack[depth], 1]
+        if count == 0:
+            left, right = _away(p, boxes, first) * over, _away(p, boxes, first + 1) * over
+            near, far = first, first + 1
+            if right < left:
+                near, far, left, right = far, near, right, left
+            if right < best:
+                stack[depth], reach[depth] = far, right
+                depth += 1
+            if left < best:
+                stack[depth], reach[depth] = near, left
+                depth += 1
+            continue
+        for k in range(first, first + count):
+            t = order[k]
+            if felt:
+                along = m[0] * flat[t, 0] + m[1] * flat[t, 1] + m[2] * flat[t, 2]
+                widest = np.sqrt(best) * tau + 0.5
+                if widest < 3.0 and along < np.cos(widest):
+                    continue
+            u, v, away = _closest(p, corners[t])
+            cost = away * over
+            if cost >= best:
+                continue
+            w = 1.0 - u - v
+            nx = w * normals[t, 0, 0] + u * normals[t, 1, 0] + v * normals[t, 2, 0]
+            ny = w * normals[t, 0, 1] + u * normals[t, 1, 1] + v * normals[t, 2, 1]
+            nz = w * normals[t, 0, 2] + u * normals[t, 1, 2] + v * normals[t, 2, 2]
+            length = np.sqrt(nx * nx + ny * ny + nz * nz)
+            nx, ny, nz = nx / length, ny / length, nz / length
+            if felt:
+                cost += ((m[0] - nx) ** 2 + (m[1] - ny) ** 2 + (m[2] - nz) ** 2) * spread
+            if cost < best:
+                best = cost
+                for axis in range(3):
+                    a = corners[t, 0, axis]
+                    found[axis] = a + u * (corners[t, 1, axis] - a) + v * (corners[t, 2, axis] - a)
+                found[3], found[4], found[5] = nx, ny, nz
+    return best
+
+
+@njit(cache=True, inline="always")
+def _away(p, boxes, node):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for axis in range(3):
+        beyond = max(boxes[node, axis] - p[axis], p[axis] - boxes[node, 3 + axis], 0.0)
+        total += beyond * beyond
+    return total
+
+
+@njit(cache=True)
+def _closest(p, corners):  # type: ignore[no-untyped-def]
+    """Barycentric (u, v) of the nearest point of a triangle, and its squared distance (Ericson 2005, 5.1.5)."""
+    ax, ay, az = corners[0, 0], corners[0, 1], corners[0, 2]
+    bx, by, bz = corners[1, 0] - ax, corners[1, 1] - ay, corners[1, 2] - az
+    cx, cy, cz = corners[2, 0] - ax, corners[2, 1] - ay, corners[2, 2] - az
+    px, py, pz = p[0] - ax, p[1] - ay, p[2] - az
+    d1, d2 = bx * px + by * py + bz * pz, cx * px + cy * py + cz * pz
+    bb, bc, cc = bx * bx + by * by + bz * bz, bx * cx + by * cy + bz * cz, cx * cx + cy * cy + cz * cz
+    d3, d4, d5, d6 = d1 - bb, d2 - bc, d1 - bc, d2 - cc
+    u, v = 0.0, 0.0
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    if d1 <= 0 and d2 <= 0:
+        u = 0.0
+    elif d3 >= 0 and d4 <= d3:
+        u = 1.0
+    elif vc <= 0 and d1 >= 0 and d3 <= 0:
+        u = d1 / (d1 - d3)
+    elif d6 >= 0 and d5 <= d6:
+        v = 1.0
+    elif vb <= 0 and d2 >= 0 and d6 <= 0:
+        v = d2 / (d2 - d6)
+    elif va <= 0 and d4 >= d3 and d5 >= d6:
+        v = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        u = 1.0 - v
+    else:
+        u, v = vb / (va + vb + vc), vc / (va + vb + vc)
+    x, y, z = px - u * bx - v * cx, py - u * by - v * cy, pz - u * bz - v * cz
+    return u, v, x * x + y * y + z * z
