@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, cast
 
@@ -15,6 +16,9 @@ from models.brep import Brep
 from models.display import display_mesh
 from models.explained import freeform_area_fraction, unassigned_area_fraction
 from models.formats.units import Units
+from models.library.build import read_part
+from models.library.folder import model_files
+from models.library.settings import read_settings
 from models.part import Part, load_part
 from models.symmetry import symmetry
 from primitives.errors import PalpateError
@@ -42,6 +46,22 @@ def show(
 ) -> ShownBoundary:
     """A built-in part, or a model in a file of any supported format, with its boundary in its own frame."""
     part = load_part(name_or_path, cast(Units, units), scale, body, facets)
+    brep, _ = labeled_boundary(part.solid)
+    return ShownBoundary(part, brep, _summary(part, brep))
+
+
+def show_object(folder: Path, name: str, units: str = "auto", scale: float = 1.0) -> ShownBoundary:
+    """An object of a library, read from its file as the library's settings say."""
+    settings = read_settings(folder, units, scale)
+    files = {file.name: file for file in model_files(folder, settings)}
+    by_file = {file.path.name: file for file in files.values()}
+    found = files.get(name) or by_file.get(name)
+    if found is None:
+        near = get_close_matches(name, files, n=1, cutoff=0.5) if name else []
+        hint = f"; did you mean {near[0]}?" if near else ""
+        what = f"no object {name!r} in {folder}{hint}" if name else f"which object of {folder}? give its name"
+        raise PalpateError(f"{what} (palpate library list {folder} shows all)")
+    part = replace(read_part(found), name=found.name)
     brep, _ = labeled_boundary(part.solid)
     return ShownBoundary(part, brep, _summary(part, brep))
 

@@ -1,8 +1,8 @@
 """The CAD files of a folder, each with its name, its settings and a key that changes when its object may.
 
 A file's name is its shown name (`library.toml`), else its stem; where two files would share one, both are called
-by their whole file names.  The key is a hash of the content, of the settings and of every file that the content names
-(OpenSCAD's include, use and import; the buffers of a .gltf).
+by their whole file names.  The key is a hash of the content, of the settings and of every file that the
+content names (OpenSCAD's include, use and import; the buffers of a .gltf).
 """
 
 from __future__ import annotations

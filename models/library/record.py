@@ -1,8 +1,8 @@
 """What is stored of an object: arrays, and one JSON text for what is no array.
 
 The mesh is thinned to some `triangles`, and knows the boundary's face behind every one of them;
-points along edges are thinned within `chord`.  Both keep a record small; faces, extents, areas, volume and symmetry
-are those of the part as it was read.
+points along edges are thinned within `chord`.  Both keep a record small; faces, extents, areas, volume and
+symmetry are those of the part as it was read.
 """
 
 from __future__ import annotations

@@ -4,7 +4,8 @@
     .palpate/KEY.npz           one object, named by the key of its content and settings
 
 Objects and index are renamed into place, so a kill leaves whole files only; what was made until then is found
-again by its key.  A lock lets one builder work at a time; it ends with the process that holds it, however that ends.
+again by its key.  A lock lets one builder work at a time; it ends with the process that
+holds it, however that ends.
 """
 
 from __future__ import annotations
