@@ -14,7 +14,9 @@ from typing import NoReturn
 
 import typer
 
-from recognition.commands import builtin, doctor, explore, frames, library, probe, reconstruct, track
+from recognition.commands import builtin, doctor, experiment, explore, frames, library, probe, reconstruct, track
+from recognition.commands.locate import locate
+from recognition.commands.recognize import recognize
 from recognition.commands.answering import INTERRUPTED
 from recognition.console import interrupts
 
@@ -31,6 +33,9 @@ for command in (
     reconstruct.reconstruct,
     track.track,
     probe.probe,
+    experiment.experiment,
+    locate,
+    recognize,
     builtin.parts,
     builtin.sensors,
     frames.frames,
