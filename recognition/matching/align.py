@@ -65,7 +65,11 @@ def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, mesh):
                 r = q - center
                 far = max(far, r @ r)
                 jd[:3] = u
-                jd[3], jd[4], jd[5] = r[1] * u[2] - r[2] * u[1], r[2] * u[0] - r[0] * u[2], r[0] * u[1] - r[1] * u[0]
+                jd[3], jd[4], jd[5] = (
+                    r[1] * u[2] - r[2] * u[1],
+                    r[2] * u[0] - r[0] * u[2],
+                    r[0] * u[1] - r[1] * u[0],
+                )
                 w = weight / (s * s)
                 for p in range(6):
                     b[p] -= w * (e @ u) * jd[p]

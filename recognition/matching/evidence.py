@@ -32,7 +32,9 @@ class Evidence:
         for cover in self.covers:
             whole &= ~cover.contains(c.points, margin=-3.0 * float(np.max(c.sigma, initial=0.0)))
         if not whole.any():
-            raise PalpateError("there is no contact to match; give at least one row x,y,z of finite numbers in mm")
+            raise PalpateError(
+                "there is no contact to match; give at least one row x,y,z of finite numbers in mm"
+            )
         return self if whole.all() else replace(self, contacts=c.select(whole))
 
     def with_contacts(self, more: Contacts) -> Evidence:
@@ -55,7 +57,9 @@ class Prior:
     def __post_init__(self) -> None:
         object.__setattr__(self, "center", frozen(np.asarray(self.center, dtype=float).reshape(3)))
         if not (np.isfinite(self.radius) and self.radius > 0 and np.isfinite(self.center).all()):
-            raise PalpateError("a prior needs a finite center and a radius above 0 mm (--prior-center, --prior-radius)")
+            raise PalpateError(
+                "a prior needs a finite center and a radius above 0 mm (--prior-center, --prior-radius)"
+            )
 
     @staticmethod
     def around(contacts: Contacts, radius: float = 200.0) -> Prior:

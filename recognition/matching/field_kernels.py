@@ -87,7 +87,11 @@ def descend(pose, points, normals, felt, s, a, c, rounds, target):  # type: igno
             r = q - center
             far = max(far, r[0] * r[0] + r[1] * r[1] + r[2] * r[2])
             jd[0], jd[1], jd[2] = g[0], g[1], g[2]
-            jd[3], jd[4], jd[5] = r[1] * g[2] - r[2] * g[1], r[2] * g[0] - r[0] * g[2], r[0] * g[1] - r[1] * g[0]
+            jd[3], jd[4], jd[5] = (
+                r[1] * g[2] - r[2] * g[1],
+                r[2] * g[0] - r[0] * g[2],
+                r[0] * g[1] - r[1] * g[0],
+            )
             weight = 1.0 / (1.0 + d * d / (s * s * c)) ** 2 / (s * s)
             for u in range(6):
                 b[u] -= weight * d * jd[u]
@@ -98,7 +102,14 @@ def descend(pose, points, normals, felt, s, a, c, rounds, target):  # type: igno
                 e = m - g
                 weight = 1.0 / (1.0 + (e @ e) / (a * a * c)) ** 2 / (a * a)
                 jn[:] = 0.0
-                jn[0, 4], jn[0, 5], jn[1, 3], jn[1, 5], jn[2, 3], jn[2, 4] = m[2], -m[1], -m[2], m[0], m[1], -m[0]
+                jn[0, 4], jn[0, 5], jn[1, 3], jn[1, 5], jn[2, 3], jn[2, 4] = (
+                    m[2],
+                    -m[1],
+                    -m[2],
+                    m[0],
+                    m[1],
+                    -m[0],
+                )
                 h += weight * (jn.T @ jn)
                 b -= weight * (jn.T @ e)
         for u in range(3):

@@ -57,7 +57,9 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     """What the evidence says of which object of the library it is, and where; `starts` are poses to try as well."""
     config = config or MatchConfig()
     if len(library) == 0:
-        raise PalpateError("the library holds no object; add CAD files to its folder (palpate library build DIR)")
+        raise PalpateError(
+            "the library holds no object; add CAD files to its folder (palpate library build DIR)"
+        )
     if not 0.0 <= unknown < 1.0:
         raise PalpateError(f"the prior of an unknown object must be from 0 to 1, not {unknown}")
     evidence = evidence.checked()
@@ -69,7 +71,7 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     known = {name: [p for n, p in starts if n == name] for name in library}
     modes = [m for name in library for m in _modes(library[name], evidence, prior, known[name], config)]
     each = np.log((1.0 - unknown) / len(library))
-    log_names = {name: -np.inf for name in library}
+    log_names = dict.fromkeys(library, -np.inf)
     for m in modes:
         name = m.hypothesis.name
         log_names[name] = float(np.logaddexp(log_names[name], each + m.log_known))
@@ -105,7 +107,9 @@ def _modes(entry: Entry, evidence: Evidence, prior: Prior, starts: Sequence[Floa
     wider = max(1.0, 0.35 * np.sqrt(target.area / len(target.points)) / float(np.median(sigma)))
     done = refine(np.ascontiguousarray(poses), points, normals, felt, sigma, tau, mesh, wider)
     volume = 4.0 / 3.0 * np.pi * (0.5 * target.size) ** 3
-    scale, turn = _scales(done.distances, done.angles, felt, sigma, tau, evidence, target, volume, config.noise)
+    scale, turn = _scales(
+        done.distances, done.angles, felt, sigma, tau, evidence, target, volume, config.noise
+    )
     like, off = log_likelihoods(done.distances, done.angles, felt, sigma * scale, tau * turn, target.area,
                                 target.size, volume, config.noise)  # fmt: skip
     copies = np.log(max(entry.symmetry.order, 1.0)) if np.isfinite(entry.symmetry.order) else 0.0
@@ -116,12 +120,16 @@ def _modes(entry: Entry, evidence: Evidence, prior: Prior, starts: Sequence[Floa
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
         if float(np.linalg.norm(world[:3, :3] @ target.center + world[:3, 3] - prior.center)) > prior.radius:
             continue
-        covariance, log_volume = _spread_of(done.information[k] / max(scale**2, 1e-12), done.poses[k], points, target)
+        covariance, log_volume = _spread_of(
+            done.information[k] / max(scale**2, 1e-12), done.poses[k], points, target
+        )
         if any(_same(entry, m.hypothesis, world, target, covariance) for m in modes):
             continue
         at = log_volume + copies - np.log(prior.volume) - _ROTATIONS
         away = np.abs(entry.solid.signed_distance(points @ world[:3, :3] - world[:3, 3] @ world[:3, :3]))
-        made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float(away.mean()), frozen(like[k]))
+        made = Hypothesis(
+            entry.name, frozen(world), 0.0, frozen(covariance), float(away.mean()), frozen(like[k])
+        )
         bound = _free(evidence, target, world, float(np.median(sigma)))
         modes.append(_Mode(made, float(like[k].sum() + at + bound), float(off[k].sum() + at + bound)))
     return modes

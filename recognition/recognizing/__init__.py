@@ -1,0 +1,1 @@
+"""What `locate` and `recognize` do between their flags and their answer."""

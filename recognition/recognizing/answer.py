@@ -1,0 +1,78 @@
+"""A belief as `locate` and `recognize` answer: candidates with pose, uncertainty and probability."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from models.library import Entry
+from primitives.arrays import Floats
+from primitives.pose import quaternion_wxyz
+from recognition.matching import Belief, Evidence, Hypothesis
+from recognition.matching.belief import UNKNOWN
+
+_LEAST = 1e-4  # a candidate less probable than this is not told, unless it is the best of its object
+
+
+def pose_json(world_from_object: Floats) -> dict[str, Any]:
+    """As in every summary."""
+    return {
+        "translation_mm": world_from_object[:3, 3].tolist(),
+        "quaternion_wxyz": quaternion_wxyz(world_from_object).tolist(),
+    }
+
+
+def candidate(h: Hypothesis, entry: Entry, probability: float) -> dict[str, Any]:
+    """One object at one pose."""
+    return {
+        "name": h.name,
+        "probability": probability,
+        "pose": pose_json(h.pose),
+        "pose_sigma": {
+            "translation_mm": h.translation_sigma,
+            "rotation_deg": float(np.degrees(h.rotation_sigma)),
+        },
+        "symmetry": entry.symmetry.name,
+        "residual_mm": h.residual,
+    }
+
+
+def objects(belief: Belief, library: Mapping[str, Entry], most: int = 10) -> list[dict[str, Any]]:
+    """One candidate an object, likeliest first, each at its likeliest pose."""
+    ranked = sorted(belief.probabilities.items(), key=lambda item: -item[1])
+    best = [(belief.best(name), p) for name, p in ranked if name != UNKNOWN]
+    told = [candidate(h, library[h.name], p) for h, p in best if h is not None]
+    return [c for i, c in enumerate(told[:most]) if i == 0 or c["probability"] >= _LEAST]
+
+
+def modes(belief: Belief, entry: Entry, most: int = 32) -> list[dict[str, Any]]:
+    """One candidate a mode of the pose; their probabilities sum to one."""
+    weights = np.array([h.log_weight for h in belief.hypotheses])
+    share = np.exp(weights - weights.max())
+    share = share / share.sum()
+    pairs = zip(belief.hypotheses[:most], share, strict=False)
+    return [candidate(h, entry, float(p)) for h, p in pairs]
+
+
+def why(belief: Belief) -> dict[str, Any]:
+    """What separated the winner from the runner-up."""
+    ranked = sorted(belief.probabilities.items(), key=lambda item: -item[1])
+    if len(ranked) < 2:
+        return {"runner_up": None, "separating_contacts": []}
+    first, second = ranked[0][0], ranked[1][0]
+    named = [name for name, _ in ranked if name != UNKNOWN]
+    rival = second if second != UNKNOWN else (named[1] if len(named) > 1 else None)
+    contacts: Sequence[int] = belief.separating(first, rival) if rival and first != UNKNOWN else ()
+    return {"runner_up": second, "separating_contacts": list(contacts)}
+
+
+def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
+    """What a person should know before the answer is used."""
+    said = []
+    if evidence.lacking:
+        said.append(f"{evidence.lacking} contacts have no normal; with normals far fewer contacts are enough")
+    if belief.confidence < 0.95:
+        said.append(f"not sure: {belief.decision} has {100 * belief.confidence:.0f} %; give more contacts")
+    return said

@@ -1,0 +1,103 @@
+"""`locate` and `recognize`: a source, a model or a library, and the answer as `--json` prints it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.formats.units import Units
+from models.library import Library
+from models.part import load_part
+from primitives.arrays import Floats
+from recognition.matching import Evidence, Prior, match
+from recognition.recognizing.answer import modes, objects, warnings_of, why
+from recognition.sources import read_source
+
+_NORMAL_SIGMA = 0.037  # [rad] where nobody told: 3 degrees in total; its scale is then estimated
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What both commands are told."""
+
+    source: str
+    sigma: float | None = None  # [mm] of contacts; None: as the file says, else estimated
+    center: Floats | None = None  # (3,) [mm] of the prior
+    radius: float = 200.0  # [mm]
+
+
+def evidence_of(asked: Asked) -> tuple[Evidence, list[str]]:
+    """The contacts of a source, their noise as told or to be estimated."""
+    source = read_source(asked.source)
+    told = source.measured_sigma or asked.sigma is not None
+    contacts = source.with_sigma(asked.sigma).contacts
+    contacts = replace(contacts, normal_sigma=np.full(len(contacts), _NORMAL_SIGMA))
+    return Evidence(contacts, scale_known=told, normal_scale_known=False), list(source.warnings)
+
+
+def prior_of(asked: Asked, evidence: Evidence) -> Prior:
+    """As told, or round the contacts."""
+    if asked.center is None:
+        return Prior.around(evidence.contacts, asked.radius)
+    return Prior(asked.center, asked.radius)
+
+
+def locate(asked: Asked, model: str, units: Units, scale: float, body: int | None) -> dict[str, Any]:
+    """Every pose of one known model that the contacts allow, with its probability."""
+    evidence, said = evidence_of(asked)
+    part = load_part(model, units, scale, body)
+    library = Library.of({part.name: part.solid})
+    began = time.perf_counter()
+    belief = match(evidence, library, prior_of(asked, evidence), unknown=0.0)
+    told = modes(belief, library[part.name])
+    return {
+        "command": "locate",
+        "decision": part.name,
+        "confidence": told[0]["probability"],
+        "contacts": len(evidence.contacts),
+        "wall_seconds": time.perf_counter() - began,
+        "candidates": told,
+        "why": {"runner_up": part.name if len(told) > 1 else None, "separating_contacts": []},
+        "truth": None,
+        "warnings": [*said, *part.warnings],
+    }
+
+
+def recognize(asked: Asked, folder: Path, units: Units, scale: float) -> dict[str, Any]:
+    """Which object of a library was touched, and where it is."""
+    evidence, said = evidence_of(asked)
+    library = _library(folder, units, scale)
+    began = time.perf_counter()
+    belief = match(evidence, library, prior_of(asked, evidence))
+    return {
+        "command": "recognize",
+        "decision": belief.decision,
+        "confidence": belief.confidence,
+        "unknown": belief.probabilities.get("unknown", 0.0),
+        "contacts": len(evidence.contacts),
+        "wall_seconds": time.perf_counter() - began,
+        "candidates": objects(belief, library),
+        "why": why(belief),
+        "truth": None,
+        "warnings": [*said, *warnings_of(belief, evidence)],
+    }
+
+
+def _library(folder: Path, units: Units, scale: float) -> Library:
+    opened = getattr(Library, "open", None)
+    if opened is not None:
+        library: Library = opened(folder)
+        return library
+    from models.formats.intake import looks_like_a_file
+    from primitives.errors import PalpateError
+
+    files = sorted(
+        f for f in folder.glob("*") if f.is_file() and looks_like_a_file(str(f)) and f.suffix != ".toml"
+    )
+    if not files:
+        raise PalpateError(f"{folder} holds no CAD file; give a folder of models with --library DIR")
+    return Library.of({f.stem: load_part(f, units, scale).solid for f in files})

@@ -1,0 +1,31 @@
+"""What `palpate locate` and `palpate recognize` print."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from recognition.report.terminal import table_text
+
+
+def summary_text(summary: Mapping[str, Any]) -> str:
+    """The decision, then the candidates as a table."""
+    s = summary
+    head = (
+        f"{s['decision']}: {100 * s['confidence']:.1f} % sure from {s['contacts']} contacts, "
+        f"in {s['wall_seconds']:.2f} s"
+    )
+    rows = [
+        {
+            "object": c["name"],
+            "probability": f"{c['probability']:.4f}",
+            "x, y, z [mm]": ", ".join(f"{x:.2f}" for x in c["pose"]["translation_mm"]),
+            "quaternion w, x, y, z": ", ".join(f"{x:.4f}" for x in c["pose"]["quaternion_wxyz"]),
+            "+- mm": f"{c['pose_sigma']['translation_mm']:.2g}",
+            "+- deg": f"{c['pose_sigma']['rotation_deg']:.2g}",
+            "symmetry": c["symmetry"],
+            "residual [mm]": f"{c['residual_mm']:.3g}",
+        }
+        for c in s["candidates"]
+    ]
+    return "\n".join([head, table_text(rows), *(f"note: {line}" for line in s["warnings"])])
