@@ -2,13 +2,14 @@
 
 The faces' planes, cylinders, cones and spheres are regularized together, tested for closure, and those that
 touch the body are named: the body is the intersection of the insides of its convex surfaces, less the holes.
-Concave boundaries made of several surfaces need cells that are labelled solid or free, which this is the first
-case of: one cell, inside everything.
+Where contacts lie outside a surface that such a body would be inside of, the body is not convex: then the cells
+between the surfaces are labelled solid or free by the contacts' normals, and the body is the shortest list of
+primitives that holds the solid ones (`concave`).  That asks for contacts on every face, with outward normals.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -19,9 +20,10 @@ from models.solid import Solid
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.fit import Fit
-from primitives.shapes import Plane, Shape
+from primitives.shapes import Plane, Shape, Torus
 from primitives.shared_error import with_shared_error
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
+from recognition.assembly.concave import concave_pieces, contradicts_convex
 from recognition.assembly.pieces import Piece, pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
 
@@ -47,6 +49,9 @@ class AssemblyOptions:
     regularity: RegularityOptions = field(default_factory=RegularityOptions)
     closure: ClosureOptions = field(default_factory=ClosureOptions)
     facet: float = 0.005  # [mm] between the mesh and the surfaces
+    reach_sigmas: float = 6.0  # of a contact, past which it is outside a convex body
+    least_step: float = 0.1  # [mm] the same, however sure the contact
+    on_body: float = 0.5  # [mm] from a surface's contacts to the model, so that it has the surface
 
 
 @dataclass(frozen=True)
@@ -80,12 +85,14 @@ def assemble(
     """The body inside all faces, or where they leave the (2, 3) workspace `box` [mm] open."""
     options = options or AssemblyOptions()
     fits = tuple(outward(with_shared_error(f.fit, f.contacts)) for f in faces)
-    toroidal = [i for i, f in enumerate(fits) if f.kind == "torus"]
-    if toroidal:
-        return NotClosed("a torus face is not yet built into a body", tuple(toroidal))
     regularized = regularize(fits, options.regularity)
     speaker = _speakers(len(fits), regularized)
     distinct = sorted(set(speaker))
+    touched = [_touched(regularized.shapes[i], i, speaker, fits, faces) for i in distinct]
+    if _is_concave([regularized.shapes[i] for i in distinct], distinct, fits, touched, faces, options):
+        whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options)
+        if not isinstance(whole, NotClosed) or any(f.kind == "torus" for f in fits):
+            return whole
     shells = [i for i in distinct if fits[i].convex]
     holes = [i for i in distinct if not fits[i].convex]
     found = hull([regularized.shapes[i] for i in shells], box, options.closure)
@@ -102,21 +109,97 @@ def assemble(
     named = tuple(_renumbered(p, kept) for p in named)
     tree = tree_of(named)
     surface_of_fit = tuple(s if s in kept else None for s in speaker)
+    warnings = _unused(faces, fits, surface_of_fit)
+    solid = Solid.from_csg(tree, options.facet)
+    return Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
+
+
+def _is_concave(
+    shapes: Sequence[Shape],
+    distinct: Sequence[int],
+    fits: Sequence[Fit],
+    touched: Sequence[tuple[Floats, Floats]],
+    faces: Sequence[FittedFace],
+    options: AssemblyOptions,
+) -> bool:
+    """Whether contacts lie where no intersection of insides, less its holes, can have a surface."""
+    if any(isinstance(shape, Torus) for shape in shapes):
+        return True
+    if not any(f.contacts.has_normal.any() for f in faces):
+        return False
+    sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
+    allowed = max(options.reach_sigmas * sigma, options.least_step)
+    convex = np.array([fits[i].convex for i in distinct])
+    return contradicts_convex(shapes, convex, touched, allowed)
+
+
+def _touched(
+    shape: Shape, speaker_of: int, speaker: Sequence[int], fits: Sequence[Fit], faces: Sequence[FittedFace]
+) -> tuple[Floats, Floats]:
+    """Contacts of every face on a surface, put on it, with the normals that it has there."""
+    mine = [faces[i].contacts for i, s in enumerate(speaker) if s == speaker_of]
+    felt = Contacts.concatenate(mine)
+    points = shape.project(felt.points)
+    normals = shape.normals(points)
+    known = felt.has_normal
+    facing = np.where(known, (np.nan_to_num(felt.normals) * normals).sum(axis=1), 0.0)
+    side = 1.0 if fits[speaker_of].convex or isinstance(shape, Plane) else -1.0
+    sign = np.where(known, np.sign(facing), side)
+    return points, normals * sign[:, None]
+
+
+def _from_cells(
+    faces: Sequence[FittedFace],
+    fits: tuple[Fit, ...],
+    regularized: Regularized,
+    speaker: Sequence[int],
+    distinct: Sequence[int],
+    touched: Sequence[tuple[Floats, Floats]],
+    options: AssemblyOptions,
+) -> Assembly | NotClosed:
+    """Any body: the list of primitives that the cells between the surfaces ask for."""
+    found = concave_pieces([regularized.shapes[i] for i in distinct], touched)
+    if isinstance(found, NotClosed):
+        return found
+    named = tuple(_renumbered(p, distinct) for p in found)
+    tree = tree_of(named)
+    solid = Solid.from_csg(tree, options.facet)
+    near = [np.abs(solid.signed_distance(points)) for points, _ in touched]
+    on = {
+        i for i, away in zip(distinct, near, strict=True) if len(away) and np.median(away) < options.on_body
+    }
+    surface_of_fit = tuple(s if s in on else None for s in speaker)
     warnings = tuple(
+        f"face {i} ({fits[i].kind}, {len(faces[i].contacts)} contacts) lies on no surface of the model"
+        for i, s in enumerate(surface_of_fit)
+        if s is None
+    )
+    return Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
+
+
+def _unused(
+    faces: Sequence[FittedFace], fits: tuple[Fit, ...], surface_of_fit: tuple[int | None, ...]
+) -> tuple[str, ...]:
+    return tuple(
         f"face {i} ({fits[i].kind}, {len(faces[i].contacts)} contacts) does not touch the body; left out"
         for i, s in enumerate(surface_of_fit)
         if s is None
     )
-    solid = Solid.from_csg(tree, options.facet)
-    return Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
 
 
 def tree_of(named: Sequence[Piece]) -> Csg:
     """The intersection of the pieces, less those to subtract."""
     tree = named[0].placed
     for piece in named[1:]:
-        tree = tree - piece.placed if piece.operation == "subtract" else tree & piece.placed
+        tree = _OPERATIONS[piece.operation](tree, piece.placed)
     return tree
+
+
+_OPERATIONS: dict[str, Callable[[Csg, Csg], Csg]] = {
+    "add": lambda tree, piece: tree | piece,
+    "subtract": lambda tree, piece: tree - piece,
+    "intersect": lambda tree, piece: tree & piece,
+}
 
 
 def outward(fit: Fit) -> Fit:

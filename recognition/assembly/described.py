@@ -133,8 +133,10 @@ def _size(piece: Piece) -> list[float]:
     if isinstance(solid, ConeSolid):
         width = 2 * max(solid.bottom_radius, solid.top_radius)
         return [width, width, solid.height]
-    assert isinstance(solid, SphereSolid)
-    return [2 * solid.radius] * 3
+    if isinstance(solid, SphereSolid):
+        return [2 * solid.radius] * 3
+    low, high = solid.bounds()
+    return [float(side) for side in high - low]
 
 
 def _coincide(face: Shape, fitted: Shape) -> bool:

@@ -30,8 +30,8 @@ _ROUND = 1.0  # [mm] open sides end at a multiple of this
 class Piece:
     """One primitive, and which surface made each of its sides."""
 
-    kind: str  # "cube", "cylinder", "cone" or "sphere"
-    operation: str  # "intersect", or "subtract" for a hole
+    kind: str  # "cube", "cylinder", "cone", "sphere", "torus" or "polyhedron"
+    operation: str  # "intersect" or "add", or "subtract" for a hole
     solid: Csg  # centered, axis along z
     world_from_piece: Floats  # (4, 4)
     body: int | None  # the round surface, if there is one
@@ -76,6 +76,35 @@ def pieces(
     out = [p if p.body is None or convex[p.body] else replace(p, operation="subtract") for p in out]
     order = sorted(range(len(out)), key=lambda k: (out[k].operation == "subtract", -len(out[k].surfaces), k))
     return tuple(out[k] for k in order)
+
+
+def round_piece(
+    body: int, shape: Shape, slab: tuple[int | None, int | None], shapes: Sequence[Shape], corners: Floats
+) -> Piece:
+    """A cylinder or cone between the planes of a slab, which is told along the shape's own axis."""
+    ends = [_plane(shapes, k) for k in slab]
+    if isinstance(shape, Cylinder):
+        return _cylinder(body, shape, slab, ends, corners)
+    assert isinstance(shape, Cone)
+    return _cone(body, shape, slab, ends, corners)
+
+
+def slab_cube(
+    frame: Floats, slabs: Sequence[tuple[int | None, int | None]], shapes: Sequence[Shape], corners: Floats
+) -> Piece:
+    """A box of three slabs along the columns of a frame, its planes turned to look out of it."""
+    planes: dict[int, Plane] = {}
+    for axis, slab in zip(frame.T, slabs, strict=True):
+        for k, outward in zip(slab, (-axis, axis), strict=True):
+            if (plane := _plane(shapes, k)) is not None and k is not None:
+                planes[k] = Plane(plane.origin, plane.normal if plane.normal @ outward > 0 else -plane.normal)
+    right = frame if np.linalg.det(frame) > 0 else frame * np.array([1.0, 1.0, -1.0])
+    return _cube(right, planes, corners)
+
+
+def _plane(shapes: Sequence[Shape], k: int | None) -> Plane | None:
+    shape = None if k is None else shapes[k]
+    return shape if isinstance(shape, Plane) else None
 
 
 def _caps(rounds: dict[int, Shape], planes: dict[int, Plane]) -> dict[tuple[int, int], int]:

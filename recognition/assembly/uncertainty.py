@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from primitives.arrays import Floats
-from primitives.shapes import Cone, Cylinder, Shape, Sphere
+from primitives.shapes import Cone, Cylinder, Shape, Sphere, Torus
 from recognition.assembly.pieces import Piece
 from recognition.assembly.regularities import Regularized
 
@@ -46,20 +46,29 @@ def piece_sigma(piece: Piece, regularized: Regularized) -> Sigma:
     shape = regularized.shapes[piece.body]
     size = np.zeros(len(regularized.step))
     size[regularized.slices[piece.body].stop - 1] = 1.0
+    if isinstance(shape, Torus):
+        wide = np.zeros(len(regularized.step))
+        wide[regularized.slices[piece.body].stop - 2] = 1.0
+        width, height = _deviation(2 * (wide + size), regularized), _deviation(2 * size, regularized)
+        return {
+            "radius_mm": _deviation(wide, regularized),
+            "minor_radius_mm": _deviation(size, regularized),
+            "extent_mm": [width, width, height],
+        }
     if isinstance(shape, Cylinder | Sphere):
         radius = _deviation(size, regularized)
         across: list[float | None] = [2 * radius, 2 * radius]
         last = lengths if isinstance(shape, Cylinder) else [2 * radius]
         return {"radius_mm": radius, "extent_mm": [*across, *last]}
-    bottom, top = piece.ends[0]
+    bottom, top = piece.ends[0] if piece.ends else (None, None)
     radii = [_cone_radius(shape, piece.body, cap, size, regularized) for cap in (bottom, top)]
-    height = (
+    tall = (
         _deviation(_cone_height(piece.body, bottom, top, regularized), regularized)
         if bottom is not None
         else None
     )
-    width = None if radii[0] is None else 2 * radii[0]
-    out: Sigma = {"extent_mm": [width, width, height]}
+    wide_end = None if radii[0] is None else 2 * radii[0]
+    out: Sigma = {"extent_mm": [wide_end, wide_end, tall]}
     for name, radius_sigma in zip(("bottom_radius_mm", "top_radius_mm"), radii, strict=True):
         if radius_sigma is not None:
             out[name] = radius_sigma

@@ -1,0 +1,112 @@
+"""Surfaces cut space into cells: which there are, what touch says of each, and where they meet.
+
+A cell is all of space on the same side of every surface.  Its sides are read off sample points: an even grid, the
+two sides of every contact, and the two sides of points on every surface, so that thin cells are found where they
+touch a surface.  A facet is where two cells meet on one surface.  Its area follows from the grid: points within
+h / 2 of a surface stand for their share of the slab's volume over h (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import qmc
+
+from primitives.arrays import Bools, Floats, Ints, frozen
+from primitives.shapes import Shape
+
+
+@dataclass(frozen=True)
+class ArrangementOptions:
+    """How finely space is sampled."""
+
+    grid: int = 32_768  # points over the box
+    aside: float = 1e-3  # of the box's diagonal: how far beside a contact its two sides are looked at
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """The cells between m surfaces."""
+
+    outside: Bools  # (c, m) which surfaces a cell lies outside of
+    volume: Floats  # (c,) [mm^3] of it within the box; zero where no grid point fell
+    beyond: Floats  # (c,) share of that volume outside the box of the contacts
+    solid_votes: Floats  # (c,) contacts that say that it is solid
+    free_votes: Floats  # (c,) contacts, and swept places, that say that it is free
+    pairs: Ints  # (f, 2) the cells inside and outside of a facet's surface
+    area: Floats  # (f,) [mm^2] of the facet
+
+    def __len__(self) -> int:
+        return len(self.outside)
+
+
+def arrange(
+    shapes: Sequence[Shape],
+    points: Floats,
+    normals: Floats,
+    free: Floats,
+    room: Floats,
+    options: ArrangementOptions | None = None,
+) -> Arrangement:
+    """Of contacts at (n, 3) points with outward (n, 3) normals, and (k, 3) places known to be free.
+
+    `room` (2, 3) holds the contacts with some space round them.
+    """
+    options = options or ArrangementOptions()
+    low, high = room
+    span = high - low
+    aside = options.aside * float(np.linalg.norm(span))
+    grid = low + span * _even(options.grid)
+    to_surface = _distances(shapes, grid)
+    slab = 2.0 * float(np.prod(span) / len(grid)) ** (1.0 / 3.0)
+    near = [np.flatnonzero(np.abs(to_surface[:, i]) < slab / 2) for i in range(len(shapes))]
+    on = [
+        grid[rows] - to_surface[rows, i, None] * shape.normals(grid[rows])
+        for i, (rows, shape) in enumerate(zip(near, shapes, strict=True))
+    ]
+    surface = np.repeat(np.arange(len(shapes)), [len(rows) for rows in near])
+    felt = np.concatenate([points - aside * normals, points + aside * normals, free])
+    beside = _distances(shapes, np.concatenate([np.empty((0, 3)), *on])) > 0
+    inner, outer = beside.copy(), beside.copy()
+    inner[np.arange(len(surface)), surface] = False
+    outer[np.arange(len(surface)), surface] = True
+    found, cell = _distinct(np.concatenate([to_surface > 0, _distances(shapes, felt) > 0, inner, outer]))
+    count, g, n, s = len(found), len(grid), len(points), len(surface)
+    of_grid, behind, before = cell[:g], cell[g : g + n], cell[g + n : g + len(felt)]
+    sides = cell[g + len(felt) :]
+    box = np.stack([points.min(axis=0), points.max(axis=0)]) + np.outer([-1, 1], [2 * aside] * 3)
+    away = ((grid < box[0]) | (grid > box[1])).any(axis=1)
+    held = np.bincount(of_grid, minlength=count).astype(float)
+    gone = np.bincount(of_grid, away, minlength=count)
+    keys, which = np.unique(sides[:s] * count + sides[s:], return_inverse=True)
+    volume = float(np.prod(span)) / g
+    return Arrangement(
+        frozen(found, bool),
+        frozen(held * volume),
+        frozen(gone / np.maximum(held, 1)),
+        frozen(np.bincount(behind, minlength=count).astype(float)),
+        frozen(np.bincount(before, minlength=count).astype(float)),
+        frozen(np.stack([keys // count, keys % count], axis=1), np.int64),
+        frozen(np.bincount(which, minlength=len(keys)) * volume / slab),
+    )
+
+
+def _even(count: int) -> Floats:
+    """(count, 3) of the unit cube, the same every time."""
+    return np.asarray(qmc.Sobol(3, scramble=True, rng=np.random.default_rng(0)).random(count))
+
+
+def _distances(shapes: Sequence[Shape], points: Floats) -> Floats:
+    if not shapes:
+        return np.empty((len(points), 0))
+    return np.stack([shape.signed_distance(points) for shape in shapes], axis=1)
+
+
+def _distinct(rows: Bools) -> tuple[Bools, Ints]:
+    """The distinct rows, and which of them each row is."""
+    packed = np.ascontiguousarray(np.packbits(rows, axis=1))
+    keys = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()
+    _, first, which = np.unique(keys, return_index=True, return_inverse=True)
+    return rows[first], which

@@ -1,0 +1,129 @@
+"""Surfaces of any solid -> primitives added and subtracted in order: cells, labels, the shortest list.
+
+What touch must give: fits whose contacts lie on them, most contacts with outward normals, and at least one
+contact on every face that the body shall have; a face that nothing touched is closed by its neighbors or stays open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import HalfspaceIntersection
+
+from models.csg import Polyhedron
+from models.csg import Torus as TorusSolid
+from primitives.arrays import Bools, Floats
+from primitives.errors import PalpateError
+from primitives.pose import pose
+from primitives.shapes import Plane, Shape, Sphere, Torus
+from recognition.assembly.arrangement import arrange
+from recognition.assembly.closure import NotClosed
+from recognition.assembly.labels import solid_cells
+from recognition.assembly.pieces import Piece, pieces, round_piece, slab_cube
+from recognition.assembly.search import Step, shortest
+from recognition.assembly.vocabulary import Vocabulary, frame_of
+
+_ROOM = 0.15  # of the contacts' extent, by which the sampled room reaches past them
+_VOTE = 6.0  # [nats] of a contact on the wrong side
+_SPACE = 10.0  # [nats] per contact, of the whole volume wrongly filled
+
+Touched = Sequence[tuple[Floats, Floats]]  # per surface (n, 3) points and (n, 3) outward normals
+
+
+def concave_pieces(
+    shapes: Sequence[Shape], touched: Touched, free: Floats | None = None
+) -> tuple[Piece, ...] | NotClosed:
+    """The list whose solid the contacts bound; `touched[i]` are those of surface i."""
+    points = np.concatenate([p for p, _ in touched])
+    normals = np.concatenate([n for _, n in touched])
+    if not len(points):
+        return NotClosed("no contact has a normal, so nothing says which side is solid")
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = np.stack([low, high]) + np.outer([-1, 1], [_ROOM * float(np.linalg.norm(high - low))] * 3)
+    found = arrange(shapes, points, normals, np.empty((0, 3)) if free is None else free, room)
+    solid = solid_cells(found)
+    if not solid.any():
+        return NotClosed("the contacts' normals leave no cell solid")
+    vocabulary = Vocabulary(shapes, found.outside)
+    scale = _SPACE * len(points) / max(float(found.volume.sum()), 1e-9)
+    weight = _VOTE * (found.solid_votes + found.free_votes) + scale * found.volume
+    state = shortest(vocabulary, solid, weight)
+    if not state.steps:
+        return NotClosed("no list of primitives explains the contacts")
+    corners = np.array(np.meshgrid(*np.stack([low, high]).T)).reshape(3, -1).T
+    return tuple(_piece(step, vocabulary, corners, room) for step in state.steps)
+
+
+def contradicts_convex(shapes: Sequence[Shape], convex: Bools, touched: Touched, allowed: float) -> bool:
+    """Whether contacts lie outside a surface that a convex body, less its holes, would be inside of."""
+    for shape, inside in zip(shapes, convex, strict=True):
+        for points, _ in touched:
+            away = shape.signed_distance(points) * (1.0 if inside else -1.0)
+            if len(away) and float(np.quantile(away, 0.9)) > allowed:
+                return True
+    return False
+
+
+def _piece(step: Step, vocabulary: Vocabulary, corners: Floats, room: Floats) -> Piece:
+    candidate, shapes = step.candidate, vocabulary.shapes
+    if candidate.kind == "cube":
+        assert candidate.frame is not None
+        axes = vocabulary.frames[candidate.frame]
+        made = slab_cube(frame_of(vocabulary.directions, axes), candidate.slabs, shapes, corners)
+    elif candidate.kind == "prism":
+        made = _polyhedron(candidate.sides, shapes, room)
+    else:
+        assert candidate.body is not None
+        shape = shapes[candidate.body]
+        if isinstance(shape, Sphere):
+            made = pieces([shape], [True], np.zeros(1), corners)[0]
+            made = replace(made, body=candidate.body)
+        elif isinstance(shape, Torus):
+            ring = TorusSolid(shape.radius, shape.minor_radius)
+            made = Piece("torus", "add", ring, pose(shape.frame, shape.center), candidate.body, ())
+        else:
+            slab = candidate.slabs[0] if candidate.slabs else (None, None)
+            along = vocabulary.along(candidate.body)
+            if along is not None and vocabulary.directions[along].axis @ shape.direction < 0:
+                slab = (slab[1], slab[0])
+            made = round_piece(candidate.body, shape, slab, shapes, corners)
+    return replace(made, operation=step.operation)
+
+
+def _polyhedron(sides: Sequence[tuple[int, bool]], shapes: Sequence[Shape], room: Floats) -> Piece:
+    """The corners where the sides and the room's walls meet, each face in order round its normal."""
+    rows = []
+    for i, outside in sides:
+        plane = shapes[i]
+        assert isinstance(plane, Plane)
+        normal = -plane.normal if outside else plane.normal
+        rows.append([*normal, -float(normal @ plane.origin)])
+    low, high = room
+    walls = np.concatenate([np.eye(3), -np.eye(3)])
+    halves = np.array([*rows, *np.column_stack([walls, -np.concatenate([high, -low])])])
+    return Piece("polyhedron", "add", _corners_of(halves), np.eye(4), None, ())
+
+
+def _corners_of(halves: Floats) -> Polyhedron:
+    from recognition.assembly.closure import _greatest_ball
+
+    inside = _greatest_ball(halves, 1e-6)
+    if inside is None:
+        raise PalpateError("the sides of a prism hold no space")
+    raw = np.asarray(HalfspaceIntersection(halves, inside).intersections)
+    raw = raw[np.isfinite(raw).all(axis=1)]
+    size = float(np.ptp(raw, axis=0).max())
+    _, first = np.unique(np.round(raw / (1e-7 * size)), axis=0, return_index=True)
+    corners = raw[np.sort(first)]
+    faces = []
+    for normal, offset in zip(halves[:, :3], halves[:, 3], strict=True):
+        mine = np.flatnonzero(np.abs(corners @ normal + offset) < 1e-6 * size)
+        if len(mine) < 3:
+            continue
+        arms = corners[mine] - corners[mine].mean(axis=0)
+        first_arm = arms[np.argmax((arms**2).sum(axis=1))]
+        turn = np.arctan2(np.cross(first_arm, arms) @ normal, arms @ first_arm)
+        faces.append(tuple(int(k) for k in mine[np.argsort(turn)]))
+    return Polyhedron(tuple(map(tuple, corners.tolist())), tuple(faces))

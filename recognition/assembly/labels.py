@@ -1,0 +1,71 @@
+"""Which cells are solid: the labels that contacts make likeliest, by a minimum cut.
+
+With contacts at a density rho over the felt surface, a boundary of area a without a contact has the probability
+exp(-rho a); a contact whose inner side is free, or whose outer side is solid, is a stray, of a fixed small
+probability.  So, with s of {0, 1} the labels (our derivation)::
+
+    -ln p = stray * (votes against) + sum over facets rho a [s_inner != s_outer],
+
+which is submodular: its minimum is a minimum cut (Greig, Porteous and Seheult 1989).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+
+from primitives.arrays import Bools, Floats
+from recognition.assembly.arrangement import Arrangement
+
+_SCALE = 1000.0  # of nats, for a flow of whole numbers
+_MOST = 1_000_000_000  # capacity that nothing cuts
+
+
+@dataclass(frozen=True)
+class LabelOptions:
+    """Probabilities, in nats."""
+
+    stray: float = 6.0  # of a contact that lies on no boundary, or on one turned the other way
+    outside: float = 50.0  # of material past all contacts, for a cell of which all lies there
+
+
+def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bools:
+    """(c,) whether a cell is solid."""
+    options = options or LabelOptions()
+    touched = float(found.solid_votes.sum())
+    supported = (found.solid_votes[found.pairs[:, 0]] > 0) & (found.free_votes[found.pairs[:, 1]] > 0)
+    supported |= (found.solid_votes[found.pairs[:, 1]] > 0) & (found.free_votes[found.pairs[:, 0]] > 0)
+    density = touched / max(float(found.area[supported].sum()), 1e-9)
+    volume = max(float(found.volume.sum()), 1e-9)
+    whole = found.beyond > 0.5
+    to_free = options.stray * found.free_votes + np.where(whole, options.outside, 0.0)
+    to_free = to_free + touched * found.beyond * found.volume / volume
+    to_solid = options.stray * found.solid_votes
+    return _cut(to_solid, to_free, found, density)
+
+
+def _cut(to_solid: Floats, to_free: Floats, found: Arrangement, density: float) -> Bools:
+    count = len(found)
+    source, sink = count, count + 1
+    everyone = np.arange(count)
+    a, b = found.pairs.T
+    cost = density * found.area
+    rows = np.concatenate([np.full(count, source), everyone, a, b])
+    columns = np.concatenate([everyone, np.full(count, sink), b, a])
+    weight = np.concatenate([to_solid, to_free, cost, cost])
+    top = max(float(to_solid.sum() + to_free.sum()), 1.0)
+    scale = min(_SCALE, _MOST / top)
+    capacity = np.minimum(np.round(weight * scale), _MOST).astype(np.int32)
+    network = csr_array(coo_array((capacity, (rows, columns)), shape=(count + 2, count + 2)))
+    network.sum_duplicates()
+    flow = maximum_flow(network, source, sink).flow
+    left = csr_array(network - flow)
+    left.data = np.where(left.data > 0, left.data, 0)
+    left.eliminate_zeros()
+    reached = breadth_first_order(left, source, return_predecessors=False)
+    solid = np.zeros(count + 2, dtype=bool)
+    solid[reached] = True
+    return np.asarray(solid[:count])

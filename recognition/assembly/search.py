@@ -1,0 +1,127 @@
+"""The shortest list of primitives, added and subtracted in order, that holds the solid cells and no others.
+
+A beam search: a state is the cells that are solid so far; a step adds or subtracts the candidate whose cells
+lower the mismatch most.  Mismatch is counted in nats, as evidence against, and a leaf costs what its parameters
+cost to say, so the list is as long as the evidence pays for (minimum description length; our derivation).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from primitives.arrays import Bools, Floats
+from recognition.assembly.vocabulary import Candidate, Vocabulary
+
+
+@dataclass(frozen=True)
+class SearchOptions:
+    """How hard to look."""
+
+    beam: int = 6  # states kept
+    tried: int = 6  # candidates tried from each, of each operation
+    leaf: float = 20.0  # [nats] of a primitive
+    most: int = 80  # leaves at most
+    seeds: int = 2  # wrong cells from which prisms are grown, of each operation
+
+
+@dataclass(frozen=True)
+class Step:
+    """One entry of the list."""
+
+    operation: str  # "add" or "subtract"
+    candidate: Candidate
+
+
+@dataclass(frozen=True)
+class State:
+    """What a list holds."""
+
+    steps: tuple[Step, ...]
+    held: Bools  # (c,)
+    wrong: float  # [nats]
+    price: float  # [nats] of the leaves
+
+    @property
+    def cost(self) -> float:
+        """What is left wrong, and what was said."""
+        return self.wrong + self.price
+
+
+def shortest(
+    vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions | None = None
+) -> State:
+    """The cheapest list for (c,) solid cells whose mismatch costs (c,) `weight` [nats] each."""
+    options = options or SearchOptions()
+    start = State((), np.zeros(len(solid), dtype=bool), float(weight[solid].sum()), 0.0)
+    best, beam = start, [start]
+    for _ in range(options.most):
+        grown: dict[bytes, State] = {}
+        for state in beam:
+            for after in _steps(state, vocabulary, solid, weight, options):
+                key = np.packbits(after.held).tobytes()
+                if key not in grown or after.cost < grown[key].cost - 1e-9:
+                    grown[key] = after
+        ranked = sorted(grown.values(), key=lambda s: s.cost)
+        beam = [s for s in ranked if s.cost < best.cost + 2 * options.leaf][: options.beam]
+        if not beam:
+            break
+        if beam[0].cost < best.cost - 1e-9:
+            best = beam[0]
+        elif len(beam[0].steps) > len(best.steps) + 2:
+            break
+    return pruned(best, vocabulary, solid, weight, options)
+
+
+def _steps(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> list[State]:
+    missing, extra = solid & ~state.held, ~solid & state.held
+    out = []
+    for operation in ("add", "subtract"):
+        adding = operation == "add"
+        if not (adding or state.steps) or not (missing if adding else extra).any():
+            continue
+        right, spoiled = (missing, ~solid & ~state.held) if adding else (extra, solid & state.held)
+        worth = weight * (right.astype(float) - spoiled)
+        found = [candidate for _, candidate in vocabulary.best(worth, options.tried)]
+        seeds = np.argsort(-np.where(right, weight, 0.0), kind="stable")[: options.seeds]
+        for seed in seeds:
+            sides = vocabulary.grown(int(seed), worth) if right[seed] else None
+            if sides is not None and len(sides.sides) > 1:
+                found.append(sides)
+        for candidate in found:
+            after = _after(state, Step(operation, candidate), vocabulary, solid, weight, options)
+            if after.wrong < state.wrong - 1e-9:
+                out.append(after)
+    return out
+
+
+def _after(
+    state: State, step: Step, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    mask = vocabulary.mask(step.candidate)
+    held = state.held | mask if step.operation == "add" else state.held & ~mask
+    wrong = float(weight[held != solid].sum())
+    return State((*state.steps, step), held, wrong, state.price + options.leaf * step.candidate.price)
+
+
+def pruned(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    """Without the steps that later ones made needless."""
+    improved = True
+    while improved and len(state.steps) > 1:
+        improved = False
+        for skip in range(len(state.steps)):
+            steps = [step for k, step in enumerate(state.steps) if k != skip]
+            if steps[0].operation != "add":
+                continue
+            shorter = State((), np.zeros(len(solid), dtype=bool), 0.0, 0.0)
+            for step in steps:
+                shorter = _after(shorter, step, vocabulary, solid, weight, options)
+            if shorter.cost < state.cost - 1e-9:
+                state, improved = shorter, True
+                break
+    return state

@@ -1,0 +1,232 @@
+"""The primitives that surfaces can bound, each as the cells that it holds.
+
+A box takes a slab of each of three perpendicular directions; a slab lies between two parallel planes, or ends at
+one and is open beyond.  Round surfaces take a slab along their axis.  A conjunction of sides of planes that is
+neither is a prism or a polyhedron; those are grown from one cell, dropping side after side while that pays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from primitives.arrays import Bools, Floats, Ints
+from primitives.pose import frame_along
+from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
+
+_PARALLEL = 1e-3  # [rad] within which directions are one
+Slab = tuple[int | None, int | None]  # the planes below and above, None where it is open
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One primitive: a round surface with its slab, a box of three slabs, or sides of planes."""
+
+    kind: str  # "cube", "cylinder", "cone", "sphere", "torus" or "prism" (of any sides)
+    body: int | None = None
+    frame: int | None = None  # index of the box's frame
+    slabs: tuple[Slab, ...] = ()
+    sides: tuple[tuple[int, bool], ...] = ()  # of a prism: planes, and whether it lies outside each
+
+    @property
+    def price(self) -> float:
+        """In leaves: what a person would rather not read costs more."""
+        return 1.0 if self.kind != "prism" else 1.2 + 0.1 * max(0, len(self.sides) - 3)
+
+
+@dataclass(frozen=True)
+class Direction:
+    """Parallel planes in order."""
+
+    axis: Floats  # (3,)
+    planes: tuple[int, ...]  # by rising height along the axis
+    bin: Ints  # (c,) how many of them each cell lies above
+
+
+class Vocabulary:
+    """All candidates over the cells of an arrangement."""
+
+    def __init__(self, shapes: Sequence[Shape], outside: Bools) -> None:
+        self.shapes, self.outside = shapes, outside
+        self.directions = _directions(shapes, outside)
+        self.frames = list(_frames(self.directions))
+        self._round = list(self._round_candidates())
+        masks = [self.mask(candidate) for candidate in self._round]
+        self._masks = np.array(masks, dtype=np.float32).reshape(len(masks), len(outside))
+
+    def mask(self, candidate: Candidate) -> Bools:
+        """(c,) the cells that a candidate holds."""
+        inside = np.ones(len(self.outside), dtype=bool)
+        if candidate.body is not None:
+            inside &= ~self.outside[:, candidate.body]
+        for plane, out in candidate.sides:
+            inside &= self.outside[:, plane] == out
+        if candidate.kind == "cube":
+            assert candidate.frame is not None
+            axes = self.frames[candidate.frame]
+            for axis, slab in zip(axes, candidate.slabs, strict=True):
+                if axis is not None:
+                    inside &= _within(self.directions[axis], slab)
+        elif candidate.slabs and candidate.body is not None:
+            along = self.along(candidate.body)
+            assert along is not None
+            inside &= _within(self.directions[along], candidate.slabs[0])
+        return inside
+
+    def along(self, body: int) -> int | None:
+        """The direction of planes across a round surface's axis."""
+        axis = self.shapes[body].direction
+        near = (
+            k for k, d in enumerate(self.directions) if np.linalg.norm(np.cross(d.axis, axis)) < _PARALLEL
+        )
+        return next(near, None)
+
+    def best(self, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
+        """The candidates whose cells are worth most, best first."""
+        found: list[tuple[float, Candidate]] = []
+        if len(self._round):
+            totals = self._masks @ worth.astype(np.float32)
+            order = np.argsort(-totals, kind="stable")[:most]
+            found += [(float(totals[i]), self._round[i]) for i in order]
+        for number in range(len(self.frames)):
+            found += self._best_boxes(number, worth, most)
+        found.sort(key=lambda pair: -pair[0])
+        return found[: 2 * most]
+
+    def grown(self, cell: int, worth: Floats) -> Candidate | None:
+        """Sides of planes round a cell, as few as are worth most."""
+        planes = [i for i, s in enumerate(self.shapes) if isinstance(s, Plane)]
+        if not planes:
+            return None
+        agree = self.outside[:, planes] == self.outside[cell, planes]
+        kept = np.ones(len(planes), dtype=bool)
+        missing = (~agree).sum(axis=1)
+        total = float(worth[missing == 0].sum())
+        while kept.sum() > 1:
+            alone = missing == 1
+            gains = np.array(
+                [float(worth[alone & ~agree[:, k]].sum()) if kept[k] else -np.inf for k in range(len(planes))]
+            )
+            k = int(np.argmax(gains))
+            if gains[k] < -1e-9:
+                break
+            kept[k] = False
+            total += float(gains[k])
+            missing = missing - ~agree[:, k]
+        sides = tuple((planes[k], bool(self.outside[cell, planes[k]])) for k in np.flatnonzero(kept))
+        return Candidate("prism", sides=sides)
+
+    def _round_candidates(self) -> Iterator[Candidate]:
+        for i, shape in enumerate(self.shapes):
+            if isinstance(shape, Sphere):
+                yield Candidate("sphere", i)
+            elif isinstance(shape, Torus):
+                yield Candidate("torus", i)
+            elif not isinstance(shape, Plane):
+                kind = "cylinder" if isinstance(shape, Cylinder) else "cone"
+                along = self.along(i)
+                planes = () if along is None else self.directions[along].planes
+                for slab in _slabs(planes):
+                    yield Candidate(kind, i, slabs=() if along is None else (slab,))
+
+    def _best_boxes(self, number: int, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
+        """All boxes of a frame at once, from the cumulative sums over its bins."""
+        axes = self.frames[number]
+        counts = [1 if k is None else len(self.directions[k].planes) + 1 for k in axes]
+        bins = [0 if k is None else self.directions[k].bin for k in axes]
+        table = np.zeros(counts)
+        np.add.at(table, tuple(np.broadcast_to(b, len(worth)) for b in bins), worth)
+        padded = np.pad(table, ((1, 0),) * 3).cumsum(0).cumsum(1).cumsum(2)
+        ends = [np.array(list(combinations(range(n + 1), 2))) for n in counts]
+        x, y, z = (e.T for e in ends)
+        total = np.zeros([len(e) for e in ends])
+        for sx, ix in ((1, x[1]), (-1, x[0])):
+            for sy, iy in ((1, y[1]), (-1, y[0])):
+                for sz, iz in ((1, z[1]), (-1, z[0])):
+                    total += sx * sy * sz * padded[np.ix_(ix, iy, iz)]
+        flat = total.ravel()
+        # an end that is open says less than one at a plane, so of equal boxes the more open stands
+        openness = sum(
+            np.reshape((e[:, 0] == 0) * 1.0 + (e[:, 1] == n), [-1 if j == k else 1 for j in range(3)])
+            for k, (e, n) in enumerate(zip(ends, counts, strict=True))
+        )
+        order = np.lexsort((-np.broadcast_to(openness, total.shape).ravel(), -np.round(flat, 6)))[:most]
+        out = []
+        for position in order:
+            spans = [e[i] for e, i in zip(ends, np.unravel_index(position, total.shape), strict=True)]
+            slabs = tuple(
+                (None, None) if k is None else self._slab(self.directions[k], span)
+                for k, span in zip(axes, spans, strict=True)
+            )
+            out.append((float(flat[position]), Candidate("cube", frame=number, slabs=slabs)))
+        return out
+
+    @staticmethod
+    def _slab(direction: Direction, span: Ints) -> Slab:
+        planes = direction.planes
+        low, high = int(span[0]), int(span[1])
+        return (None if low == 0 else planes[low - 1]), (None if high > len(planes) else planes[high - 1])
+
+
+def _within(direction: Direction, slab: Slab) -> Bools:
+    low = 0 if slab[0] is None else direction.planes.index(slab[0]) + 1
+    high = len(direction.planes) if slab[1] is None else direction.planes.index(slab[1])
+    return np.asarray((direction.bin >= low) & (direction.bin <= high))
+
+
+def _slabs(planes: Sequence[int]) -> Iterator[Slab]:
+    ends = [None, *planes]
+    for i, low in enumerate(ends):
+        for high in [*planes[i:], None]:
+            yield low, high
+
+
+def _directions(shapes: Sequence[Shape], outside: Bools) -> list[Direction]:
+    axes: list[Floats] = []
+    members: list[list[int]] = []
+    for i, shape in enumerate(shapes):
+        if not isinstance(shape, Plane):
+            continue
+        for axis, group in zip(axes, members, strict=True):
+            if np.linalg.norm(np.cross(axis, shape.normal)) < _PARALLEL:
+                group.append(i)
+                break
+        else:
+            normal = shape.normal
+            axes.append(normal if normal[np.argmax(np.abs(normal))] > 0 else -normal)
+            members.append([i])
+    out = []
+    for axis, group in zip(axes, members, strict=True):
+        order = sorted(group, key=lambda i, a=axis: float(shapes[i].anchor @ a))  # type: ignore[misc]
+        above = [outside[:, i] == (shapes[i].direction @ axis > 0) for i in order]
+        out.append(Direction(axis, tuple(order), np.sum(above, axis=0).astype(np.int64)))
+    return out
+
+
+def _frames(directions: list[Direction]) -> Iterator[tuple[int | None, int | None, int | None]]:
+    """Perpendicular directions by threes, then pairs and single ones that are in no three."""
+
+    def upright(a: int, b: int) -> bool:
+        return bool(abs(float(directions[a].axis @ directions[b].axis)) < _PARALLEL)
+
+    everyone = range(len(directions))
+    threes = [t for t in combinations(everyone, 3) if all(upright(a, b) for a, b in combinations(t, 2))]
+    yield from threes
+    held = {pair for t in threes for pair in combinations(t, 2)}
+    twos = [p for p in combinations(everyone, 2) if upright(*p) and p not in held]
+    yield from ((a, b, None) for a, b in twos)
+    paired = {k for t in (*threes, *twos) for k in t}
+    yield from ((k, None, None) for k in everyone if k not in paired)
+
+
+def frame_of(directions: Sequence[Direction], axes: tuple[int | None, int | None, int | None]) -> Floats:
+    """(3, 3) rotation whose columns are the directions of a box's frame."""
+    first = directions[axes[0]].axis if axes[0] is not None else np.eye(3)[2]
+    if axes[1] is None:
+        turned = frame_along(first)
+        return np.stack([turned[:, 2], turned[:, 0], turned[:, 1]], axis=1)
+    second = directions[axes[1]].axis
+    return np.stack([first, second, np.cross(first, second)], axis=1)
