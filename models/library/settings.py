@@ -63,7 +63,7 @@ def read_settings(folder: Path, units: str = "auto", scale: float = 1.0) -> Fold
     path = folder / FILE
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return FolderSettings(base)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         reason = (isinstance(error, OSError) and error.strerror) or str(error).splitlines()[0]
