@@ -1,7 +1,10 @@
 """Surfaces of any solid -> primitives added and subtracted in order: cells, labels, the shortest list.
 
 What touch must give: fits whose contacts lie on them, most contacts with outward normals, and at least one
-contact on every face that the body shall have; a face that nothing touched is closed by its neighbors or stays open.
+contact on every face that the body shall have; one that nothing touched is closed by its neighbors or stays open.
+
+Where a plane touches a cylinder along a line, the cells beside the line have no surface between them.  A separator
+is added there: the plane through the cylinder's axis and across the tangent one (after Shapiro and Vossler 1993).
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ from models.csg import Torus as TorusSolid
 from primitives.arrays import Bools, Floats
 from primitives.errors import PalpateError
 from primitives.pose import pose
-from primitives.shapes import Plane, Shape, Sphere, Torus
+from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
 from recognition.assembly.arrangement import arrange
 from recognition.assembly.closure import NotClosed
 from recognition.assembly.labels import solid_cells
@@ -27,6 +30,8 @@ from recognition.assembly.vocabulary import Vocabulary, frame_of
 
 _ROOM = 0.15  # of the contacts' extent, by which the sampled room reaches past them
 _VOTE = 6.0  # [nats] of a contact on the wrong side
+_TANGENT = 0.01  # [rad], and share of a radius, within which a plane touches a cylinder
+_TOUCHING = 0.05  # [mm] the same, however small the radius
 _SPACE = 10.0  # [nats] per contact, of the whole volume wrongly filled
 
 Touched = Sequence[tuple[Floats, Floats]]  # per surface (n, 3) points and (n, 3) outward normals
@@ -41,6 +46,7 @@ def concave_pieces(
     if not len(points):
         return NotClosed("no contact has a normal, so nothing says which side is solid")
     low, high = points.min(axis=0), points.max(axis=0)
+    measured, shapes = len(shapes), [*shapes, *separators(shapes)]
     room = np.stack([low, high]) + np.outer([-1, 1], [_ROOM * float(np.linalg.norm(high - low))] * 3)
     found = arrange(shapes, points, normals, np.empty((0, 3)) if free is None else free, room)
     solid = solid_cells(found)
@@ -53,7 +59,42 @@ def concave_pieces(
     if not state.steps:
         return NotClosed("no list of primitives explains the contacts")
     corners = np.array(np.meshgrid(*np.stack([low, high]).T)).reshape(3, -1).T
-    return tuple(_piece(step, vocabulary, corners, room) for step in state.steps)
+    made = [_piece(step, vocabulary, corners, room) for step in state.steps]
+    return tuple(replace(piece, ends=_felt(piece.ends, measured)) for piece in made)
+
+
+def separators(shapes: Sequence[Shape]) -> list[Plane]:
+    """The planes that part cells which tangent surfaces leave undecided; each once."""
+    out: list[Plane] = []
+    planes = [shape for shape in shapes if isinstance(shape, Plane)]
+    for shape in shapes:
+        if not isinstance(shape, Cylinder):
+            continue
+        for plane in planes:
+            away = abs(float((shape.origin - plane.origin) @ plane.normal))
+            upright = abs(float(plane.normal @ shape.axis)) < _TANGENT
+            if not upright or abs(away - shape.radius) > max(_TANGENT * shape.radius, _TOUCHING):
+                continue
+            made = Plane(shape.origin, np.cross(shape.axis, plane.normal))
+            if not any(_same_plane(made, other) for other in (*planes, *out)):
+                out.append(made)
+    return out
+
+
+def _same_plane(a: Plane, b: Plane) -> bool:
+    turned = float(np.linalg.norm(np.cross(a.normal, b.normal)))
+    return turned < _TANGENT and abs(float((a.origin - b.origin) @ b.normal)) < _TOUCHING
+
+
+def _felt(
+    ends: tuple[tuple[int | None, int | None], ...], measured: int
+) -> tuple[tuple[int | None, int | None], ...]:
+    """Ends at separators are no surface's."""
+
+    def kept(k: int | None) -> int | None:
+        return k if k is not None and k < measured else None
+
+    return tuple((kept(a), kept(b)) for a, b in ends)
 
 
 def contradicts_convex(shapes: Sequence[Shape], convex: Bools, touched: Touched, allowed: float) -> bool:
