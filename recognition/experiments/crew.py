@@ -20,6 +20,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import IO
 
 from primitives.errors import PalpateError
 from recognition.experiments import carried
@@ -102,18 +103,24 @@ class Worker:
             return self.process
         self.end()
         command = [sys.executable, "-m", "recognition.experiments.worker", str(self.scratch)]
+        with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said:
+            return self._started(command, said)
+
+    def _started(self, command: Sequence[str], said: IO[str]) -> subprocess.Popen[str]:
         self.process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
+            stderr=said,
             text=True,
             encoding="utf-8",
             env={**os.environ, **ONE_THREAD, "PYTHONHASHSEED": "0"},
             start_new_session=True,
         )
         if not _exchange(self.process, {"kinds": list(self.kinds)}):
-            raise PalpateError("a worker does not start; `palpate doctor` says what is missing")
+            said.seek(0)
+            last = (said.read().strip().splitlines() or ["it said nothing"])[-1]
+            raise PalpateError(f"a worker does not start ({last}); `palpate doctor` says what is missing")
         self.floor = _resident(self.process.pid)
         return self.process
 
