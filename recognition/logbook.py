@@ -17,6 +17,7 @@ from exploration.devices.guard import Guard, Observation
 from exploration.recordings.mcap import Recorder
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.load import load_of
 from primitives.arrays import Floats
 from recognition.console.interrupts import checkpoint
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
@@ -96,16 +97,13 @@ class Thinned:
 
 def wrench(image: TactileImage) -> Floats:
     """(6,) force [N] and torque about the pad's center [N mm], in the sensor's frame."""
-    array = image.array
-    area = array.pitch[0] * array.pitch[1]
-    pressed = np.where(np.isfinite(image.sigma), image.depth, 0.0) * (image.stiffness * area)
-    return np.array([0.0, 0.0, -pressed.sum(), -(array.y @ pressed).sum(), (pressed @ array.x).sum(), 0.0])
+    load = load_of(image)
+    return np.array([0.0, 0.0, -load.force, load.about_x, load.about_y, 0.0])
 
 
 def force_sigma(image: TactileImage) -> float:
     """[N] standard deviation of the sum over the taxels."""
-    live = image.sigma[np.isfinite(image.sigma)]
-    return float(image.stiffness * image.array.pitch[0] * image.array.pitch[1] * np.sqrt((live**2).sum()))
+    return load_of(image).sigma
 
 
 def _lines(item: _Kept) -> Floats:

@@ -11,6 +11,7 @@ zero only that it is below its threshold.  Both are censored: as sigma they get 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -53,6 +54,26 @@ class Calibration:
         out: Floats = self.gain * self.stiffness
         return out
 
+    @cached_property
+    def per_count(self) -> Floats:
+        """(rows, columns) [mm / count] of a faint press."""
+        return frozen(1.0 / self.counts_per_depth)
+
+    @cached_property
+    def quiet(self) -> Floats:
+        """(rows, columns) [mm] sigma of an untouched taxel; infinite where it is dead."""
+        return frozen(np.where(self.dead, np.inf, self.noise * self.per_count))
+
+    @cached_property
+    def usual_gain_sigma(self) -> float:
+        """Relative 1 sigma to which a gain is known, root mean square."""
+        return float(np.sqrt(np.mean(np.square(self.gain_sigma))))
+
+    @cached_property
+    def any_dead(self) -> bool:
+        """Whether some taxel is known to be dead."""
+        return bool(self.dead.any())
+
     @staticmethod
     def nominal(spec: SensorSpec) -> "Calibration":
         """From the data sheet alone: gains are known to their spread, dead taxels not at all."""
@@ -87,23 +108,25 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
             f"frame {frame.counts.shape}, calibration {calibration.zero.shape} and array {array.name} "
             f"{array.shape} differ in shape: use the calibration made for this array"
         )
-    per_count = 1.0 / (calibration.gain * calibration.stiffness)
-    signal = np.where(calibration.dead, 0.0, (frame.counts - calibration.zero) * per_count)
-    noise = np.hypot(calibration.noise * per_count, calibration.gain_sigma * np.maximum(signal, 0.0))
+    signal, noise = (frame.counts - calibration.zero) * calibration.per_count, calibration.quiet
+    if calibration.any_dead:
+        signal[calibration.dead] = 0.0
+    if calibration.usual_gain_sigma > 0.0:
+        noise = np.hypot(noise, calibration.gain_sigma * np.maximum(signal, 0.0))
     if calibration.threshold > 0.0 or frame.counts.max() >= calibration.full_scale:
-        noise = np.hypot(noise, _censored(frame.counts, signal, per_count, calibration))
+        noise = np.hypot(noise, _censored(frame.counts, signal, calibration.per_count, calibration))
     depth = signal
     if calibration.curve is not STRAIGHT:
         depth, noise = calibration.curve.depth(signal), noise * calibration.curve.slope(signal)
     return TactileImage(
         array,
         frozen(depth),
-        frozen(np.where(calibration.dead, np.inf, noise)),
+        frozen(noise),
         calibration.spread,
         calibration.stiffness,
         frame.time,
         calibration.margin,
-        float(np.sqrt(np.mean(np.square(calibration.gain_sigma)))),
+        calibration.usual_gain_sigma,
         calibration.response,
     )
 

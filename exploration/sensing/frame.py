@@ -7,12 +7,13 @@ by depth(x, y) has its surface at z = -depth, and its outward normal there is al
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 
 import numpy as np
 
 from exploration.sensing.response import Response
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 
 
 @dataclass(frozen=True)
@@ -34,15 +35,15 @@ class TaxelArray:
         """(x, y) extent of the sensing area [mm]."""
         return self.columns * self.pitch[0], self.rows * self.pitch[1]
 
-    @property
+    @cached_property
     def x(self) -> Floats:
         """(columns,) taxel centers [mm]."""
-        return (np.arange(self.columns, dtype=np.float64) - (self.columns - 1) / 2) * self.pitch[0]
+        return frozen((np.arange(self.columns, dtype=np.float64) - (self.columns - 1) / 2) * self.pitch[0])
 
-    @property
+    @cached_property
     def y(self) -> Floats:
         """(rows,) taxel centers [mm]."""
-        return (np.arange(self.rows, dtype=np.float64) - (self.rows - 1) / 2) * self.pitch[1]
+        return frozen((np.arange(self.rows, dtype=np.float64) - (self.rows - 1) / 2) * self.pitch[1])
 
 
 @dataclass(frozen=True)

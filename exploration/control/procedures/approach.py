@@ -15,6 +15,7 @@ import numpy as np
 from exploration.control.servo import ServoGains
 from exploration.devices.guard import Guard, Observation
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.load import stands_out
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -56,15 +57,7 @@ def touched(image: TactileImage, config: ApproachConfig = ApproachConfig()) -> b
 
     Sums over 3 x 3 taxels are compared with their own standard deviation.
     """
-    live = np.isfinite(image.sigma)
-    if not live.any():
-        return False
-    sigma = float(np.median(image.sigma[live]))
-    depth = np.where(live, image.depth, 0.0)
-    pad = np.pad(depth, 1)
-    r, c = depth.shape
-    total = sum(pad[i : i + r, j : j + c] for i in range(3) for j in range(3))
-    return bool(np.max(total) > config.sigmas * 3.0 * sigma)
+    return stands_out(image, config.sigmas)
 
 
 def advance(
