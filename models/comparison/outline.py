@@ -114,6 +114,8 @@ def mirrored(whole: Outline) -> Outline:
 
 def _centroid(points: Floats) -> Floats:
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    if not steps.sum() > 0:
+        return np.asarray(points.mean(axis=0))
     middle: Floats = steps @ (points[1:] + points[:-1]) / 2 / steps.sum()
     return middle
 

@@ -1,6 +1,7 @@
 """Poses refined on the exact surface, with the curvature of the likelihood there.
 
-Gauss-Newton on the residuals of `facets.likeliest`; a contact counts by how likely it is no outlier.
+Gauss-Newton on the residuals of `facets.likeliest`; a contact counts by how likely it is no outlier, or, for the
+absolute distances' sum, by one over its distance.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ class Aligned(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, mesh):  # type: ignore[no-untyped-def]
+def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolute, mesh):  # type: ignore[no-untyped-def]
     """Refine each of (k, 3, 4) poses; noise is `wider` times itself at first and as it is at last."""
     k, n = len(poses), len(points)
     poses = poses.copy()
@@ -70,7 +71,7 @@ def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, mesh):
                     r[2] * u[0] - r[0] * u[2],
                     r[0] * u[1] - r[1] * u[0],
                 )
-                w = weight / (s * s)
+                w = 1.0 / (s * max(d, 0.02 * s)) if absolute else weight / (s * s)
                 for p in range(6):
                     b[p] -= w * (e @ u) * jd[p]
                     for o in range(6):
@@ -95,12 +96,10 @@ def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, mesh):
             if long > np.sqrt(far):
                 x *= np.sqrt(far) / long
             turn(pose, x, center)
-            if step > 3 and wide == 1.0 and long < 1e-4 * np.median(sigma):
-                rounds = rounds
     return poses, distances, angles, information
 
 
 def refine(poses: Floats, points: Floats, normals: Floats, felt: object, sigma: Floats, tau: Floats,
-           mesh: Facets, wider: float, rounds: int = 12, cap: float = 25.0) -> Aligned:  # fmt: skip
+           mesh: Facets, wider: float, rounds: int = 12, cap: float = 25.0, absolute: bool = False) -> Aligned:  # fmt: skip
     """`aligned`, from Python."""
-    return Aligned(*aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, mesh))
+    return Aligned(*aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolute, mesh))

@@ -1,4 +1,4 @@
-"""What is believed after matching: hypotheses of (object, pose), and how probable each object is, or none of them."""
+"""What is believed after matching: hypotheses of (object, pose), and how probable each one is."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Poses that pairs of contacts allow: an interpretation tree of depth two, then all contacts at once.
 
 Contacts a and b can only lie on surface points i and j whose distance is theirs, and whose normals stand to each
-other and to the line between as theirs do (Grimson and Lozano-Perez 1984).  Where both normals are felt such a pair
-fixes the pose; without them the object may still turn about the line, and every turn is tried.  Each pose is scored
-by all contacts on the object's distance field, and the best that differ from each other are kept.
+other and to the line between as theirs do (Grimson and Lozano-Perez 1984).  Where both normals are felt such a
+pair fixes the pose; without them the object may still turn about the line, and every turn is tried.  Each pose is
+scored by all contacts on the object's distance field, and the best that differ from each other are kept.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ class SearchConfig:
     turned_pairs: int = 3  # of contacts without
     kept: int = 48  # poses of an object, after scoring
     turns: int = 30  # tried about a line
-    scored: int = 24  # contacts that score a pose; more are thinned
+    most: int = 1500  # pairs of samples tried for a pair of contacts without normals
+    scored: int = 16  # contacts that score a pose; more are thinned
     angle: float = 0.20  # [rad] by which a normal beside a sample may differ, besides noise
     cap: float = 6.0  # cost beyond which a contact says no more than that it is off
     apart: float = 0.25  # [rad] between poses that are kept; and, times the size, in mm
@@ -49,7 +50,7 @@ def search(contacts: Contacts, target: Target, config: SearchConfig, sigma: floa
     slope = float(np.hypot(config.angle, 2.0 * normal_sigma))
     poses, costs = _searched(
         points, normals, shown, pairs, target.points, target.normals, target.first, target.second, target.starts,
-        target.bin, field, reach, slope, wide, config.cap, config.kept, config.turns, config.apart,
+        target.bin, field, reach, slope, wide, config.cap, config.kept, config.turns, config.most, config.apart,
         0.5 * target.size, near,
     )  # fmt: skip
     order = np.argsort(costs, kind="stable")
@@ -102,47 +103,51 @@ def telling_pairs(points: Floats, normals: Floats, felt: object, config: SearchC
 @njit(cache=True, nogil=True)
 def _searched(  # type: ignore[no-untyped-def]
     points, normals, felt, pairs, sp, sn, first, second, starts, width, field, reach, slope, wide, cap,
-    kept, turns, apart, radius, near,
+    kept, turns, most, apart, radius, near,
 ):  # fmt: skip
     poses, costs = np.zeros((kept, 3, 4)), np.full(kept, np.inf)
     pose, g, scene, model = np.empty((3, 4)), np.empty(3), np.empty((3, 3)), np.empty((3, 3))
+    v = np.empty(3)
     worst = np.inf
     bins = len(starts) - 1
     for row in range(len(pairs)):
         a, b = pairs[row, 0], pairs[row, 1]
         u = points[b] - points[a]
-        distance = np.sqrt(u @ u)
+        distance = np.sqrt(_dot(u, u))
         if distance < 1e-6:
             continue
         u = u / distance
         both = felt[a] and felt[b]
         na, nb = normals[a], normals[b]
         tilt = slope + near / max(distance, near)
-        between, to_a, to_b = _angle(na @ nb), _angle(na @ u), _angle(nb @ u)
+        between, to_a, to_b = _angle(_dot(na, nb)), _angle(_dot(na, u)), _angle(_dot(nb, u))
         low = starts[min(max(int((distance - reach) / width), 0), bins)]
         high = starts[min(max(int((distance + reach) / width) + 1, 0), bins)]
-        steps = 1 if both else turns
-        for at in range(low, high):
+        turned = 1 if both else turns
+        stride = 1 if both else max(1, (high - low) // most)
+        if both:
+            _frame(u, na, nb, scene)
+        else:
+            _turned(u, 0.0, scene)
+        for at in range(low, high, stride):
             for order in range(2):
                 i = first[at] if order == 0 else second[at]
                 j = second[at] if order == 0 else first[at]
-                v = sp[j] - sp[i]
-                length = np.sqrt(v @ v)
+                v[0], v[1], v[2] = sp[j, 0] - sp[i, 0], sp[j, 1] - sp[i, 1], sp[j, 2] - sp[i, 2]
+                length = np.sqrt(_dot(v, v))
                 if length < 1e-6 or abs(length - distance) > reach:
                     continue
-                v = v / length
-                if felt[a] and abs(_angle(sn[i] @ v) - to_a) > tilt:
+                v[0], v[1], v[2] = v[0] / length, v[1] / length, v[2] / length
+                if felt[a] and abs(_angle(_dot(sn[i], v)) - to_a) > tilt:
                     continue
-                if felt[b] and abs(_angle(sn[j] @ v) - to_b) > tilt:
-                    continue
-                if both and abs(_angle(sn[i] @ sn[j]) - between) > slope:
+                if felt[b] and abs(_angle(_dot(sn[j], v)) - to_b) > tilt:
                     continue
                 if both:
-                    _frame(u, na, nb, scene)
+                    if abs(_angle(_dot(sn[i], sn[j])) - between) > slope:
+                        continue
                     _frame(v, sn[i], sn[j], model)
-                for turn in range(steps):
+                for turn in range(turned):
                     if not both:
-                        _turned(u, 0.0, scene)
                         _turned(v, 2.0 * np.pi * turn / turns, model)
                     _put(pose, model, scene, points[a], points[b], sp[i], sp[j])
                     cost = cost_at(pose, points, normals, felt, wide, slope, cap, worst, field, g)
@@ -167,39 +172,64 @@ def _angle(cosine):  # type: ignore[no-untyped-def]
     return np.arccos(min(max(cosine, -1.0), 1.0))
 
 
+@njit(cache=True, nogil=True, inline="always")
+def _dot(a, b):  # type: ignore[no-untyped-def]
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
 @njit(cache=True, nogil=True)
 def _frame(u, na, nb, out):  # type: ignore[no-untyped-def]
     """Columns: the line, the part across it of both normals' sum, or of their difference if that is longer."""
-    plus, minus = na + nb, na - nb
-    plus, minus = plus - (plus @ u) * u, minus - (minus @ u) * u
-    p, m = plus @ plus, minus @ minus
-    e = plus / np.sqrt(max(p, 1e-18)) if p >= 0.05 * m else minus / np.sqrt(max(m, 1e-18))
-    if max(p, m) < 1e-6:
+    along_a, along_b = _dot(na, u), _dot(nb, u)
+    plus, minus = 0.0, 0.0
+    for k in range(3):
+        x, y = na[k] - along_a * u[k], nb[k] - along_b * u[k]
+        out[k, 1], out[k, 2] = x + y, x - y
+        plus += (x + y) * (x + y)
+        minus += (x - y) * (x - y)
+    if max(plus, minus) < 1e-6:
         _turned(u, 0.0, out)
         return
-    out[:, 0], out[:, 1] = u, e
-    out[0, 2], out[1, 2] = u[1] * e[2] - u[2] * e[1], u[2] * e[0] - u[0] * e[2]
-    out[2, 2] = u[0] * e[1] - u[1] * e[0]
+    column, scale = (1, np.sqrt(plus)) if plus >= 0.05 * minus else (2, np.sqrt(minus))
+    for k in range(3):
+        out[k, 0], out[k, 1] = u[k], out[k, column] / scale
+    _across(out)
 
 
 @njit(cache=True, nogil=True)
 def _turned(u, angle, out):  # type: ignore[no-untyped-def]
+    """Columns: the line, and two across it, turned about it."""
     least = 0
     for axis in range(1, 3):
         if abs(u[axis]) < abs(u[least]):
             least = axis
-    e = -u[least] * u
-    e[least] += 1.0
-    e = e / np.sqrt(e @ e)
-    f = np.array([u[1] * e[2] - u[2] * e[1], u[2] * e[0] - u[0] * e[2], u[0] * e[1] - u[1] * e[0]])
+    scale = np.sqrt(max(1.0 - u[least] * u[least], 1e-12))
+    for k in range(3):
+        out[k, 0] = u[k]
+        out[k, 1] = ((1.0 if k == least else 0.0) - u[least] * u[k]) / scale
+    _across(out)
     c, s = np.cos(angle), np.sin(angle)
-    out[:, 0], out[:, 1], out[:, 2] = u, c * e + s * f, c * f - s * e
+    for k in range(3):
+        e, f = out[k, 1], out[k, 2]
+        out[k, 1], out[k, 2] = c * e + s * f, c * f - s * e
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _across(out):  # type: ignore[no-untyped-def]
+    out[0, 2] = out[1, 0] * out[2, 1] - out[2, 0] * out[1, 1]
+    out[1, 2] = out[2, 0] * out[0, 1] - out[0, 0] * out[2, 1]
+    out[2, 2] = out[0, 0] * out[1, 1] - out[1, 0] * out[0, 1]
 
 
 @njit(cache=True, nogil=True)
 def _put(pose, model, scene, pa, pb, si, sj):  # type: ignore[no-untyped-def]
-    pose[:, :3] = model @ scene.T
-    pose[:, 3] = 0.5 * (si + sj) - pose[:, :3] @ (0.5 * (pa + pb))
+    for i in range(3):
+        shift = 0.5 * (si[i] + sj[i])
+        for j in range(3):
+            r = model[i, 0] * scene[j, 0] + model[i, 1] * scene[j, 1] + model[i, 2] * scene[j, 2]
+            pose[i, j] = r
+            shift -= 0.5 * r * (pa[j] + pb[j])
+        pose[i, 3] = shift
 
 
 @njit(cache=True, nogil=True)

@@ -5,13 +5,14 @@ volume V::
 
     p(z | object, pose) = (1 - w) / A  N(d; sigma) N2(angle; tau) + w / V / (4 pi)
 
-with N2 over the sphere of normals, left out where none was felt (Thrun, Burgard and Fox 2005, section 6.3, for the
-mixture; the area, which keeps a larger model from winning for its size, is our derivation).  An object in no library
+with N2 over the sphere of normals, left out where none was felt (Thrun, Burgard and Fox 2005, section 6.3, has
+the mixture; the area, which keeps a larger model from winning for its size, is our derivation).  An object in no library
 is like one of it with every second contact off by some millimeters, or contacts scattered in a ball::
 
     p(z | unknown) = 1/2 p(z | object, pose) + 1/2 / A  exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi))
 
-Scales that nobody told are integrated out over a grid, uniformly in their logarithm.
+Where nobody told how far contacts scatter, Laplace's density exp(-d / b) / 2b takes the normal one's place: its
+tails forgive, and its likeliest pose is that of the least mean distance.
 """
 
 from __future__ import annotations
@@ -33,12 +34,14 @@ class NoiseConfig:
 
 
 def log_likelihoods(distances: Floats, angles: Floats, felt: Floats, sigma: Floats, tau: Floats, area: float,
-                    size: float, volume: float, config: NoiseConfig) -> tuple[Floats, Floats]:  # fmt: skip
+                    size: float, volume: float, config: NoiseConfig, absolute: bool = False) -> tuple[Floats, Floats]:  # fmt: skip
     """(k, n) logarithms of p(z | object, pose) and of p(z | an unknown like it)."""
     d2, a2 = (distances / sigma) ** 2, (angles / tau) ** 2
     turned = np.where(felt, np.exp(-0.5 * np.minimum(a2, 700)) / (2 * np.pi * tau**2), 1.0)
     everywhere = np.where(felt, 1.0 / (4 * np.pi), 1.0)
     near = np.exp(-0.5 * np.minimum(d2, 700)) / (np.sqrt(2 * np.pi) * sigma)
+    if absolute:
+        near = np.exp(-np.sqrt(np.minimum(d2, 5e5))) / (2 * sigma)
     stray = everywhere / volume
     known = (1 - config.outliers) / area * near * turned + config.outliers * stray
     b = config.broad * size

@@ -12,7 +12,7 @@ object's symmetry are this one, so that symmetric poses are one mode and none is
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.special import logsumexp
@@ -41,6 +41,7 @@ class MatchConfig:
     search: SearchConfig = field(default_factory=SearchConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     refined: int = 8  # poses of an object that are refined on its exact surface
+    refined_blind: int = 32  # the same where no normals were felt
     most: int = 400  # contacts that are weighed; more are thinned evenly
     told: int = 64  # hypotheses in the belief
 
@@ -54,7 +55,7 @@ class _Mode:
 
 def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None = None, unknown: float = 0.1,
           starts: Iterable[tuple[str, Floats]] = (), config: MatchConfig | None = None) -> Belief:  # fmt: skip
-    """What the evidence says of which object of the library it is, and where; `starts` are poses to try as well."""
+    """What the evidence says of which object it is, and where; `starts` are poses to try as well."""
     config = config or MatchConfig()
     if len(library) == 0:
         raise PalpateError(
@@ -65,8 +66,7 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     evidence = evidence.checked()
     if len(evidence.contacts) > config.most:
         rows = spread(evidence.contacts, config.most)
-        evidence = Evidence(evidence.contacts.select(rows), evidence.traces, evidence.free, evidence.scale_known,
-                            evidence.normal_scale_known)  # fmt: skip
+        evidence = replace(evidence, contacts=evidence.contacts.select(rows))
     prior = prior or Prior.around(evidence.contacts)
     known = {name: [p for n, p in starts if n == name] for name in library}
     modes = [m for name in library for m in _modes(library[name], evidence, prior, known[name], config)]
@@ -99,19 +99,20 @@ def _modes(entry: Entry, evidence: Evidence, prior: Prior, starts: Sequence[Floa
     points = np.ascontiguousarray(contacts.points)
     normals = np.ascontiguousarray(np.where(felt[:, None], contacts.normals, 0.0))
     sigma, tau = np.array(contacts.sigma), np.maximum(contacts.normal_sigma, 1e-4)
-    mesh = facets_of(entry.solid.body)
+    mesh, absolute = facets_of(entry.solid.body), not evidence.scale_known
     found, _ = search(contacts, target, config.search, float(np.median(sigma)))
-    poses = np.concatenate([found[: config.refined], *(inverse(p)[None, :3] for p in starts)])
+    refined = config.refined if felt.sum() >= 3 else config.refined_blind
+    poses = np.concatenate([found[:refined], *(inverse(p)[None, :3] for p in starts)])
     if len(poses) == 0:
         poses = _laid(points[0], normals[0] if felt[0] else None, target)
     wider = max(1.0, 0.35 * np.sqrt(target.area / len(target.points)) / float(np.median(sigma)))
-    done = refine(np.ascontiguousarray(poses), points, normals, felt, sigma, tau, mesh, wider)
+    done = refine(np.ascontiguousarray(poses), points, normals, felt, sigma, tau, mesh, wider, absolute=absolute)
     volume = 4.0 / 3.0 * np.pi * (0.5 * target.size) ** 3
     scale, turn = _scales(
         done.distances, done.angles, felt, sigma, tau, evidence, target, volume, config.noise
     )
     like, off = log_likelihoods(done.distances, done.angles, felt, sigma * scale, tau * turn, target.area,
-                                target.size, volume, config.noise)  # fmt: skip
+                                target.size, volume, config.noise, absolute)  # fmt: skip
     copies = np.log(max(entry.symmetry.order, 1.0)) if np.isfinite(entry.symmetry.order) else 0.0
     if entry.symmetry.name == "D_inf":
         copies = np.log(2.0)
@@ -143,7 +144,7 @@ def _scales(distances: Floats, angles: Floats, felt: Floats, sigma: Floats, tau:
     for s in grid if not evidence.scale_known else (1.0,):
         for t in grid if not evidence.normal_scale_known and felt.any() else (1.0,):
             like, _ = log_likelihoods(distances, angles, felt, sigma * s, tau * t, target.area, target.size,
-                                      volume, noise)  # fmt: skip
+                                      volume, noise, not evidence.scale_known)  # fmt: skip
             best = max(best, (float(like.sum(axis=1).max()), float(s), float(t)))
     return best[1], best[2]
 
@@ -202,5 +203,5 @@ def _scattered(evidence: Evidence, prior: Prior) -> float:
 
 def _nowhere(evidence: Evidence, prior: Prior) -> str:
     away = float(np.linalg.norm(evidence.contacts.points - prior.center, axis=1).min())
-    return (f"no pose within {prior.radius:g} mm of the prior's center meets the contacts, the nearest of which is "
-            f"{away:.0f} mm from it; move --prior-center or widen --prior-radius")  # fmt: skip
+    return (f"no pose within {prior.radius:g} mm of the prior's center meets the contacts, the nearest "
+            f"{away:.0f} mm away; move --prior-center or widen --prior-radius")  # fmt: skip

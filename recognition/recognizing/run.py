@@ -70,7 +70,7 @@ def locate(asked: Asked, model: str, units: Units, scale: float, body: int | Non
 def recognize(asked: Asked, folder: Path, units: Units, scale: float) -> dict[str, Any]:
     """Which object of a library was touched, and where it is."""
     evidence, said = evidence_of(asked)
-    library = _library(folder, units, scale)
+    library = Library.open(folder, units, scale)
     began = time.perf_counter()
     belief = match(evidence, library, prior_of(asked, evidence))
     return {
@@ -85,19 +85,3 @@ def recognize(asked: Asked, folder: Path, units: Units, scale: float) -> dict[st
         "truth": None,
         "warnings": [*said, *warnings_of(belief, evidence)],
     }
-
-
-def _library(folder: Path, units: Units, scale: float) -> Library:
-    opened = getattr(Library, "open", None)
-    if opened is not None:
-        library: Library = opened(folder)
-        return library
-    from models.formats.intake import looks_like_a_file
-    from primitives.errors import PalpateError
-
-    files = sorted(
-        f for f in folder.glob("*") if f.is_file() and looks_like_a_file(str(f)) and f.suffix != ".toml"
-    )
-    if not files:
-        raise PalpateError(f"{folder} holds no CAD file; give a folder of models with --library DIR")
-    return Library.of({f.stem: load_part(f, units, scale).solid for f in files})
