@@ -41,7 +41,7 @@ Stamp = tuple[int, int]  # size [bytes] and time of the last change [ns]
 
 def model_files(folder: Path, settings: FolderSettings) -> tuple[ModelFile, ...]:
     """The CAD files of a folder, by name."""
-    found = sorted(entry for entry in _listed(folder) if _is_model(entry))
+    found = _listed(folder)
     shown = {path: settings.of(path.name).name for path in found}
     count = Counter(shown[path] or path.stem for path in found)
     names = {}
@@ -62,10 +62,10 @@ def strays(folder: Path, settings: FolderSettings) -> tuple[str, ...]:
     )
 
 
-def stamp(path: Path) -> Stamp:
+def stamp(path: str | Path) -> Stamp:
     """Of a file as it is now; (-1, 0) for one that is gone."""
     try:
-        status = path.stat()
+        status = os.stat(path)
     except OSError:
         return -1, 0
     return status.st_size, status.st_mtime_ns
@@ -103,14 +103,17 @@ def _named(path: Path, data: bytes) -> list[Path]:
 
 def _listed(folder: Path) -> list[Path]:
     try:
-        return [Path(entry.path) for entry in os.scandir(folder)]
+        with os.scandir(folder) as entries:
+            names = sorted(entry.name for entry in entries if _is_model(entry))
     except FileNotFoundError:
         raise PalpateError(f"no folder {folder}; give a folder of CAD files") from None
     except NotADirectoryError:
         raise PalpateError(f"{folder} is a file; give the folder that it is in") from None
     except OSError as error:
         raise PalpateError(f"{folder} cannot be read ({error.strerror}); change its permissions") from None
+    return [folder / name for name in names]
 
 
-def _is_model(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES and not path.name.startswith(".") and not path.is_dir()
+def _is_model(entry: os.DirEntry[str]) -> bool:
+    suffix = os.path.splitext(entry.name)[1].lower()
+    return suffix in SUFFIXES and not entry.name.startswith(".") and not entry.is_dir()

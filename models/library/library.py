@@ -150,7 +150,7 @@ def _in_memory(
 def _current(home: Path, files: tuple[ModelFile, ...], rows: tuple[Row, ...]) -> bool:
     """Whether the index speaks of the files as they are now: no content is read for that."""
     by_name = {row.name: row for row in rows}
-    return set(by_name) == {file.name for file in files} and all(
+    return by_name.keys() == {file.name for file in files} and all(
         _same(home, file, by_name[file.name]) for file in files
     )
 
@@ -160,5 +160,5 @@ def _same(home: Path, file: ModelFile, row: Row) -> bool:
     return (
         row.file == file.path.name
         and row.settings == told
-        and all(stamp(home / path) == known for path, known in row.stamps.items())
+        and all(stamp(f"{home}/{path}") == known for path, known in row.stamps.items())
     )

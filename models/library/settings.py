@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -40,8 +40,7 @@ class FileSettings:
 
     def as_json(self) -> dict[str, Any]:
         """Everything that changes what is made of the file."""
-        kept = asdict(self)
-        return {key: kept[key] for key in ("units", "scale", "body", "facets")}
+        return {"units": self.units, "scale": self.scale, "body": self.body, "facets": self.facets}
 
 
 @dataclass(frozen=True)
