@@ -14,6 +14,9 @@ from scipy.ndimage import gaussian_filter
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
+from models.csg import Sphere
+from models.library import distance_field
+from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.grain import Grain
 from recognition.config import ExploreOptions
@@ -37,6 +40,7 @@ def main() -> None:
         explore(ExploreOptions(part="block", out=folder / "run"), lambda _: None)
         perceive_all(folder / "frames.npy")
         Grain().at(np.zeros((1, 3)))
+        distance_field(Solid.from_csg(Sphere(10.0))).signed_distance(np.zeros((1, 3)))
         for what in ("edge", "surface"):
             track(TrackOptions(part="block", out=folder / what, what=what), View())
     print(f"compiled in {time.perf_counter() - began:.1f} s")
