@@ -27,8 +27,8 @@ from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 class LogConfig:
     """How much is kept for the report."""
 
-    contact_frames: int = 750
-    free_frames: int = 250
+    contact_frames: int = 400
+    free_frames: int = 150
     sigmas: float = 6.0  # a frame is in contact when its force is this far out of its noise
 
 
