@@ -1,6 +1,11 @@
 // Ties slider, view and panels together.
 "use strict";
 
+// Without the sign of a zero that is only rounded to.
+function plain(value, digits) {
+  return value.toFixed(digits).replace(/^-(?=[0.]*$)/, "");
+}
+
 function start() {
   const element = (id) => document.getElementById(id);
   const data = unpack(JSON.parse(element("data").textContent)), { frames } = data;
@@ -18,9 +23,9 @@ function start() {
     drawForce(element("force"), data, moment, theme);
     const pose = scene.padPose(), touch = frames.touch[moment];
     element("now-time").textContent = (frames.times[moment] - frames.times[0]).toFixed(2);
-    element("now-force").textContent = frames.forces[moment].toFixed(2);
+    element("now-force").textContent = plain(frames.forces[moment], 2);
     element("now-touch").textContent = touch < 0 ? "–" : touch + 1;
-    element("now-pad").textContent = [12, 13, 14].map((i) => pose[i].toFixed(1)).join(", ");
+    element("now-pad").textContent = [12, 13, 14].map((i) => plain(pose[i], 1)).join(", ");
     slider.setAttribute("aria-valuetext", `${(frames.times[moment] - frames.times[0]).toFixed(2)} seconds`);
   }
 
