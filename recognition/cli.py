@@ -15,6 +15,7 @@ from typing import NoReturn
 import typer
 
 from recognition.commands import builtin, doctor, experiment, explore, frames, library, probe, reconstruct, track
+from recognition.commands.identify import identify
 from recognition.commands.locate import locate
 from recognition.commands.recognize import recognize
 from recognition.commands.answering import INTERRUPTED
@@ -34,6 +35,7 @@ for command in (
     track.track,
     probe.probe,
     experiment.experiment,
+    identify,
     locate,
     recognize,
     builtin.parts,

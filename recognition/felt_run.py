@@ -88,8 +88,15 @@ class FeltRun:
 
     def finish(self, felt: Mapping[str, Any], contacts: Contacts) -> dict[str, Any]:
         """Write `contacts.csv` and `summary.json`: `felt` between what every run says."""
+        summary = self.told(felt)
+        self.folder.write_contacts(contacts, np.full(len(contacts), -1))
+        self.folder.finish(summary)
+        return summary
+
+    def told(self, felt: Mapping[str, Any]) -> dict[str, Any]:
+        """The summary: `felt` between what every run says."""
         cost = self.guard.cost
-        summary = {
+        return {
             "command": self.command,
             "version": version("palpate"),
             "part": self.world.part.name,
@@ -106,9 +113,6 @@ class FeltRun:
             "warnings": counted([*self.world.part.warnings, *self.warnings, *felt.get("warnings", [])]),
             "files": {"recording": "episode.mcap", "contacts": "contacts.csv"},
         }
-        self.folder.write_contacts(contacts, np.full(len(contacts), -1))
-        self.folder.finish(summary)
-        return summary
 
 
 @contextmanager

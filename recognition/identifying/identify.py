@@ -1,0 +1,282 @@
+"""Touch, match, choose: until it is sure which object it is, or nothing more can be told.
+
+    find the object -> touch -> Evidence -> match() -> Belief -> the next approach -> touch -> ...
+
+A generator, as exploring is: whoever runs it pulls, watches and stops it.  It sees the guard and the library, and
+never the object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from exploration.control.procedures.approach import retreat
+from exploration.devices.guard import Collision, Guard, OverPress
+from exploration.planning.lone_touch import Approach, LoneTouch, joined, touch_once
+from exploration.planning.round_ball import Ball, way_round
+from exploration.planning.search import sweeps
+from models.library import Library
+from primitives.arrays import Floats, frozen
+from primitives.errors import PalpateError
+from primitives.evidence import Contacts
+from recognition.identifying.policies import POLICY, gap_touch
+from recognition.matching import Belief, Evidence, Prior, match
+from recognition.matching.next_touch.choose import Choice, choose
+from recognition.matching.next_touch.held import UNKNOWN, held
+
+Announce = Callable[[str, Mapping[str, object]], None]
+
+
+@dataclass(frozen=True)
+class IdentifyConfig:
+    """When to stop, and how far away to keep."""
+
+    policy: str = "information"
+    confidence: float = 0.95
+    max_touches: int = 40
+    unknown: float = 0.1  # prior probability of none of these
+    least: int = 4  # touches that met something, before which nothing is sure
+    confirmed: int = 2  # touches in a row, after each of which the same name is sure enough
+    placed: float = 0.5  # [mm] error of the place, above which touches go on
+    bounding: int = 4  # touches with normals, from which swept space tells poses apart
+    blind: int = 2  # touches that met something, before which the widest gap is touched
+    idle: int = 3  # touches in a row that were chosen for want of one that tells
+    margin: float = 12.0  # [mm] round the ball that holds the object
+    starts: int = 40  # hypotheses that are tried again after the next touch
+    made: float = 0.12  # [mm] by which an object differs from its model
+    made_angle: float = 0.02  # [rad] likewise
+    held_share: float = 0.99  # of the belief, whose objects the ball must hold
+
+
+@dataclass(frozen=True)
+class Step:
+    """One touch, and what is believed after it."""
+
+    touch: LoneTouch
+    belief: Belief | None  # None while nothing was met
+    choice: Choice | None  # why it was touched there; None where the policy asks nothing
+    seconds: float  # [s] of the device until now
+
+    @property
+    def entropy(self) -> float | None:
+        """[bits] over the names, `unknown` among them."""
+        return None if self.belief is None else entropy_bits(self.belief.probabilities)
+
+
+@dataclass
+class Identifier:
+    """One identification; `evidence`, `belief` and `ended` are read whenever `run` yields."""
+
+    guard: Guard
+    library: Library
+    box: Floats  # (6,) workspace [mm]
+    config: IdentifyConfig = field(default_factory=IdentifyConfig)
+    rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
+    announce: Announce = lambda kind, detail: None
+    touches: list[LoneTouch] = field(default_factory=list)
+    belief: Belief | None = None
+    ended: str = ""
+    warnings: list[str] = field(default_factory=list)
+    _last: LoneTouch | None = None
+    _idle: int = 0
+    _agreed: int = 0
+    _before: str = ""
+
+    def run(self) -> Iterator[Step]:
+        """Touch and match, one touch at a time."""
+        for touch in self._find():
+            yield self._learn(touch, None)
+        if self.belief is None:
+            self.ended = self.ended or "nothing was found in the workspace"
+            return
+        while not self.ended:
+            ball = self.ball()
+            self._leave()
+            approach, choice = self._next(ball)
+            if self.ended:
+                return
+            made = self._touch(approach, ball)
+            if made is not None:
+                yield self._learn(made, choice)
+
+    @property
+    def evidence(self) -> Evidence:
+        """All that was felt."""
+        met = [t for t in self.touches if t.met]
+        contacts = _as_modeled(Contacts.concatenate([t.contacts for t in met]), self.config)
+        traces = tuple(trace for t in met for trace in t.edges)
+        held_still = sum(bool(t.contacts.has_normal.any()) for t in met) >= self.config.bounding
+        return Evidence(contacts, traces, joined([t.free for t in self.touches]) if held_still else None)
+
+    def ball(self) -> Ball:
+        """Holds the object, as far as is believed; it is never smaller than what was felt."""
+        felt = self.evidence.contacts
+        middle, radius = felt.points.mean(axis=0), self._largest()
+        known = None if self.belief is None else held(self.belief, self.library)
+        if known is not None and len(known) and known.unknown < 0.5:
+            share = known.weights / known.weights.sum()
+            middle = share @ known.centers
+            reach = np.linalg.norm(known.centers - middle, axis=1) + known.radii
+            order = np.argsort(reach)
+            enough = np.cumsum(share[order]) >= self.config.held_share
+            radius = float(reach[order][min(int(np.argmax(enough)), len(order) - 1)])
+        elif felt.has_normal.any() and len({t.touch for t in self.touches if t.met}) < 3:
+            middle = middle - 0.5 * radius * np.nanmean(felt.normals, axis=0)
+        radius = min(radius, 1.6 * self._largest())
+        farthest = float(np.linalg.norm(felt.points - middle, axis=1).max(initial=0.0))
+        return Ball(middle, max(radius, farthest) + self.config.margin + 0.5 * max(self._pad))
+
+    @property
+    def _pad(self) -> tuple[float, float]:
+        return self.guard.sensor.array.size
+
+    def _largest(self) -> float:
+        return max(0.5 * float(np.linalg.norm(entry.solid.extent)) for entry in self.library.values())
+
+    def _find(self) -> Iterator[LoneTouch]:
+        """Sweeps through the workspace, from its middle outward, until one meets something."""
+        for start, end in sweeps(self.box, self._pad):
+            if self._spent():
+                return
+            try:
+                self.guard.go_to(start)
+                length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
+                touch = touch_once(self.guard, Approach(start, length))
+            except (OverPress, Collision) as error:
+                self.warnings.append(str(error))
+                self.guard.go_to(start)
+                continue
+            yield touch
+            if touch.met and len(touch.contacts):
+                return
+            self._leave()
+
+    def _spent(self) -> bool:
+        if self.guard.cost.touches >= self.config.max_touches:
+            self.ended = "budget"
+        return bool(self.ended)
+
+    def _learn(self, touch: LoneTouch, choice: Choice | None) -> Step:
+        self._last = touch
+        self.touches.append(touch)
+        if len(self.evidence.contacts):
+            starts = [] if self.belief is None else [(h.name, h.pose) for h in self.belief.hypotheses]
+            self.belief = match(
+                self.evidence, self.library, self._prior(), self.config.unknown, starts[: self.config.starts]
+            )
+        self.announce("touch", {"number": touch.touch, "felt": touch.note, "met": touch.met})
+        self._judge()
+        return Step(touch, self.belief, choice, self.guard.cost.seconds)
+
+    def _prior(self) -> Prior:
+        low, high = self.box[:3], self.box[3:]
+        return Prior(0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)))
+
+    def _judge(self) -> None:
+        """Whether it is sure."""
+        met = sum(t.met for t in self.touches)
+        if self.belief is None or met < self.config.least:
+            return
+        name = self.belief.decision
+        self._agreed = self._agreed + 1 if name == self._before else 1
+        self._before = name
+        if self.belief.confidence < self.config.confidence:
+            self._agreed = 0
+        best = self.belief.best(name)
+        placed = best is None or best.translation_sigma < self.config.placed
+        if self._agreed >= self.config.confirmed and placed:
+            self.ended = "sure"
+
+    def _next(self, ball: Ball) -> tuple[Approach, Choice | None]:
+        if self._spent():
+            return self.touches[-1].approach, None
+        tried, places = len(self.touches), self._places(ball)
+        if self.config.policy != "information":
+            return POLICY[self.config.policy](ball, places, tried, self.rng), None
+        met = sum(t.met for t in self.touches)
+        if self.belief is not None and met >= self.config.blind:
+            here = self.guard.world_from_sensor
+            limits = self.guard.stage.limits
+            found = choose(
+                self.belief, self.library, here, ball, self._pad, limits, self.rng, reachable=self._reachable
+            )
+            if isinstance(found, Choice):
+                self._idle = 0
+                return found.approach, found
+            self._idle += 1
+            if self._idle > self.config.idle:
+                self.ended = found.reason
+        return gap_touch(ball, places, tried, self.rng), None
+
+    def _places(self, ball: Ball) -> Floats:
+        """(n, 3) [mm] where the pad lay, or whence it came where it met nothing."""
+        return np.array([t.pose[:3, 3] if t.met else t.approach.start[:3, 3] for t in self.touches])
+
+    def _reachable(self, approach: Approach) -> bool:
+        low, high = np.array(self.guard.limits.reach[:3]), np.array(self.guard.limits.reach[3:])
+        at = approach.start[:3, 3]
+        return bool((at > low).all() and (at < high).all())
+
+    def _leave(self) -> None:
+        """Back to where the last approach began, the way that the pad came."""
+        if self._last is None:
+            return
+        start, self._last = self._last.approach.start, None
+        try:
+            retreat(self.guard, 8.0)
+            self.guard.go_to(start)
+        except (OverPress, Collision) as error:
+            self.warnings.append(str(error))
+            self._free_itself(start)
+
+    def _free_itself(self, start: Floats) -> None:
+        """After a fault the guard has backed off; the way to `start` is tried once more."""
+        try:
+            self.guard.go_to(start)
+        except (OverPress, Collision) as error:
+            self.warnings.append(str(error))
+
+    def _touch(self, approach: Approach, ball: Ball) -> LoneTouch | None:
+        here = self.guard.world_from_sensor
+        try:
+            for stop in way_round(here, approach.start, ball):
+                self.guard.go_to(stop)
+            return touch_once(self.guard, approach)
+        except (OverPress, Collision) as error:
+            self.warnings.append(str(error))
+            self.guard.cost.touches += 1
+            return None
+
+
+def _as_modeled(contacts: Contacts, config: IdentifyConfig) -> Contacts:
+    """With what an object may differ from its model added to the noise."""
+    return replace(
+        contacts,
+        sigma=frozen(np.hypot(contacts.sigma, config.made)),
+        normal_sigma=frozen(np.hypot(contacts.normal_sigma, config.made_angle)),
+    )
+
+
+def entropy_bits(probabilities: Mapping[str, float]) -> float:
+    """[bits] of a distribution."""
+    p = np.array([value for value in probabilities.values() if value > 0.0])
+    return float(-(p * np.log2(p)).sum()) + 0.0
+
+
+def top(probabilities: Mapping[str, float], count: int = 3) -> list[list[Any]]:
+    """The likeliest names with their probabilities."""
+    ranked = sorted(probabilities.items(), key=lambda item: -item[1])[:count]
+    return [[name, float(p)] for name, p in ranked]
+
+
+def require_objects(library: Library) -> None:
+    """A library with nothing in it recognizes nothing."""
+    if not len(library):
+        raise PalpateError("the library holds no object; add CAD files to its folder")
+
+
+__all__ = ["UNKNOWN", "Identifier", "IdentifyConfig", "Step", "entropy_bits", "require_objects", "top"]

@@ -1,0 +1,147 @@
+"""`palpate identify`: an object among those of a library, touched until it is sure which one it is.
+
+The identifier sees the guard and the library; the object is asked for the truth when all touching has ended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models import parts
+from models.library import Library
+from models.solid import Solid
+from primitives.errors import PalpateError
+from recognition.config import settings
+from recognition.felt_run import FeltRun, felt_run
+from recognition.identifying.answer import candidates_json, truth_json, why_json
+from recognition.identifying.identify import Identifier, IdentifyConfig, Step, require_objects, top
+from recognition.identifying.options import IdentifyOptions
+from recognition.matching.next_touch.choose import Choice, choose
+from recognition.progress import Progress
+from recognition.report.page import write_report
+from recognition.report.run_report import ReportMesh, RunReport
+from recognition.simulation import load_world
+
+Watch = Callable[[Step, Identifier], None]
+
+
+def run(
+    options: IdentifyOptions,
+    library: Library | None = None,
+    told: Callable[[Progress], None] = lambda progress: None,
+    watch: Watch = lambda step, identifier: None,
+) -> dict[str, Any]:
+    """Identify, and leave a run folder; returns what `summary.json` holds."""
+    world = load_world(options)
+    known = opened(options.library) if library is None else library
+    require_objects(known)
+    with felt_run(options, "identify", world, told) as felt:
+        config = IdentifyConfig(options.policy, options.confidence, options.max_touches, options.unknown)
+        rng = np.random.default_rng([options.seed, 1])
+        identifier = Identifier(felt.guard, known, np.asarray(options.workspace), config, rng, felt.announce)
+        identifier.warnings = felt.warnings
+        history = []
+        for step in identifier.run():
+            history.append(_entry(step))
+            watch(step, identifier)
+        felt.announce("ended", {"why": identifier.ended})
+        separate = _separating(identifier)
+    return _finish(felt, options, identifier, history, separate, known)
+
+
+def opened(folder: Path | None) -> Library:
+    """A library's folder; without one the built-in parts."""
+    if folder is not None:
+        return Library.open(folder)
+    return Library.of({name: Solid.from_csg(parts.build(name)) for name in parts.names()})
+
+
+def _entry(step: Step) -> dict[str, Any]:
+    belief = step.belief
+    return {
+        "touch": step.touch.touch,
+        "entropy_bits": step.entropy,
+        "top": [] if belief is None else top(belief.probabilities),
+        "felt": step.touch.note,
+        "device_seconds": step.seconds,
+        "expected_bits": None if step.choice is None else step.choice.bits,
+    }
+
+
+def _separating(identifier: Identifier) -> Choice | None:
+    """The touch that would settle what is left, where it is not sure."""
+    if identifier.belief is None or identifier.ended == "sure":
+        return None
+    guard = identifier.guard
+    try:
+        found = choose(
+            identifier.belief,
+            identifier.library,
+            guard.world_from_sensor,
+            identifier.ball(),
+            guard.sensor.array.size,
+            guard.stage.limits,
+            identifier.rng,
+        )
+    except PalpateError:
+        return None
+    return found if isinstance(found, Choice) else None
+
+
+def _finish(
+    felt: FeltRun,
+    options: IdentifyOptions,
+    identifier: Identifier,
+    history: list[dict[str, Any]],
+    separate: Choice | None,
+    library: Library,
+) -> dict[str, Any]:
+    belief = identifier.belief
+    said: dict[str, Any] = {
+        "decision": None if belief is None else belief.decision,
+        "confidence": 0.0 if belief is None else belief.confidence,
+        "ended": identifier.ended,
+        "policy": options.policy,
+        "library": {"objects": len(library), "folder": None if options.library is None else str(options.library)},
+        "candidates": [] if belief is None else candidates_json(belief, library),
+        "history": history,
+        "why": None if belief is None else why_json(belief, separate),
+        "truth": truth_json(belief, library, felt.world.part.name, felt.world.solid),
+        "warnings": [],
+    }  # fmt: skip
+    contacts = identifier.evidence.contacts
+    summary = felt.told(said) | {
+        "files": {"recording": "episode.mcap", "contacts": "contacts.csv", "report": "report.html"}
+    }
+    report = RunReport(
+        summary=summary,
+        settings=settings(options),
+        model=_model(identifier, library),
+        contacts=contacts.points,
+        contact_face=np.full(len(contacts), -1),
+        frames=felt.logbook.frames(),
+        pad_size=felt.world.spec.array.size,
+        housing_size=felt.world.spec.housing.size,
+        truth=_mesh(felt.world.solid),
+        traces=[trace.points for trace in identifier.evidence.traces],
+    )
+    with felt.folder.writing("report.html") as path:
+        write_report(path, report)
+    felt.folder.write_contacts(contacts, np.full(len(contacts), -1))
+    felt.folder.finish(summary)
+    return summary
+
+
+def _model(identifier: Identifier, library: Library) -> ReportMesh | None:
+    """The object decided for, where it is believed to be."""
+    belief = identifier.belief
+    best = None if belief is None else belief.best(belief.decision)
+    return None if best is None else _mesh(library[best.name].solid.placed(best.pose))
+
+
+def _mesh(solid: Solid) -> ReportMesh:
+    return ReportMesh(solid.vertices, solid.triangles, np.zeros(len(solid.triangles), dtype=np.int64))
