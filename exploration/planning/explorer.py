@@ -24,6 +24,7 @@ from exploration.planning.pad import Announce, Pad
 from exploration.planning.routes import Tool
 from exploration.planning.search import sweeps
 from exploration.planning.study import Study
+from exploration.planning.survey import POLICIES, Survey
 from exploration.planning.tracing import Tracing
 from primitives import pose as se3
 from primitives.arrays import Floats
@@ -66,6 +67,9 @@ class Explorer:
         except (OverPress, Collision) as error:
             self.found.warnings.append(str(error))
         yield self._say("found the object")
+        if self.config.policy != "closure":
+            yield from self._surveyed()
+            return
         while self.guard.cost.touches < self.config.max_touches:
             if self.found.hollow:
                 yield from map(self._say, AnyForm(self._study, self._tool, self.config).run())
@@ -85,6 +89,13 @@ class Explorer:
             face = done if done is not None else face
             yield self._say(note)
         self.found.ended = "budget"
+
+    def _surveyed(self) -> Iterator[Findings]:
+        rng = np.random.default_rng(self.config.seed)
+        policy = next(p for p in POLICIES if p == self.config.policy)
+        yield from map(self._say, Survey(self._study, policy, self.config, rng).run())
+        spent = self.guard.cost.touches >= self.config.max_touches
+        self.found.ended = "budget" if spent else "nothing reachable is open"
 
     def _say(self, note: str) -> Findings:
         self.found.note = note

@@ -33,6 +33,8 @@ class ExplorerConfig:
     region: float = 40.0  # [mm] of open surface that is come at as one
     first_tries: int = 60  # touches after which an object that shows no face is given up
     attribution: AttributionConfig = field(default_factory=AttributionConfig)
+    policy: str = "closure"  # or one of `survey.POLICIES`, to measure against
+    seed: int = 0  # of a policy that draws at random
 
 
 @dataclass

@@ -143,7 +143,8 @@ class LocalFrontier:
         free = self._free_of(own)
         if not len(free) or not len(own.cells):
             return np.empty((0, 3)), np.empty((0, 3))
-        distance, nearest = KDTree(free).query(own.cells)
+        distance, found = KDTree(free).query(own.cells)
+        nearest = np.asarray(found)
         at = own.cells[distance < self.config.rim]
         out = free[nearest[distance < self.config.rim]] - at
         normals = own.fit.shape.normals(at)

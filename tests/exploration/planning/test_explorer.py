@@ -63,3 +63,27 @@ def test_an_empty_workspace_is_said_so():
     explorer.box = small
     assert list(explorer.run()) == []
     assert "nothing was found" in explorer.found.ended
+
+
+@pytest.mark.slow
+def test_a_step_is_explored_to_its_inside_edge_without_a_fault():
+    tree = Cube((60, 40, 15)).at(0, 0, 7.5) | Cube((30, 40, 35)).at(-15, 0, 17.5)
+    explorer, solid = explorer_over(tree, seed=1, max_touches=80)
+    for _ in explorer.run():
+        pass
+    planes = [face for face in explorer.found.graph.faces if face.fit]
+    assert explorer.found.hollow
+    assert explorer.found.ended in ("closed", "nothing reachable is open")
+    assert len(planes) == 8
+    for face in planes:
+        assert np.abs(solid.signed_distance(face.contacts.points)).max() < 0.3
+
+
+@pytest.mark.parametrize("policy", ["grid", "random", "raster"])
+def test_a_policy_without_thought_touches_until_its_budget_ends(policy):
+    explorer, _ = explorer_over(Cube((40.0, 40.0, 40.0)), seed=0, max_touches=6, policy=policy)
+    for _ in explorer.run():
+        pass
+    assert explorer.found.ended == "budget"
+    assert explorer.guard.cost.touches <= 8
+    assert explorer.found.graph.faces
