@@ -20,6 +20,7 @@ from primitives.errors import PalpateError
 from primitives.pose import from_quaternion
 from primitives.toml_text import toml_lines
 
+POLICIES = ("closure", "grid", "random", "raster")
 UNITS = ("auto", "mm", "cm", "m", "in")
 Pose = str | tuple[float, ...]  # "random", "as-is", or (x, y, z [mm], qw, qx, qy, qz)
 _EDGE_NAMES = {"workspace": "workspace_mm", "feature": "feature_mm", "pose_noise": "pose_noise_mm"}
@@ -50,6 +51,7 @@ class ExploreOptions:
     pose_noise: float = 0.0  # [mm] 1 sigma of the stage's reported position
     seed: int = 0
     max_touches: int = 500
+    policy: str = "closure"  # how exploration chooses what it touches
     out: Path | None = None  # None: a new folder below runs/
     overwrite: bool = False
 
@@ -80,6 +82,7 @@ class ExploreOptions:
             f"--pose-noise-mm must be 0 or more, not {self.pose_noise}",
         )
         _require(self.seed >= 0, f"--seed must be 0 or more, not {self.seed}")
+        _require(self.policy in POLICIES, f"--policy {self.policy!r} is not one of {', '.join(POLICIES)}")
         _require(self.max_touches >= 1, f"--max-touches must be 1 or more, not {self.max_touches}")
 
     @property

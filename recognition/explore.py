@@ -102,14 +102,20 @@ def _explored(
     guard: Guard, options: ExploreOptions, logbook: Logbook, folder: RunFolder, progress: Watcher, tool: Tool
 ) -> Findings:
     """What exploration found until it ended, by itself or by a fault, which costs only the rest of it."""
-    config = ExplorerConfig(feature=options.feature, max_touches=options.max_touches)
+    config = ExplorerConfig(
+        feature=options.feature,
+        max_touches=options.max_touches,
+        policy=options.policy,
+        seed=options.seed,
+    )
     explorer = Explorer(guard, np.asarray(options.workspace), config, logbook.announce, tool)
     found, patience = explorer.found, Patience()
     try:
         for findings in explorer.run():
             progress(_stand("exploring", guard, findings))
             known = len(findings.graph.faces) + len(findings.traces)
-            if not findings.hollow and patience.lost(guard.cost.touches, known, findings.open):
+            thinking = not findings.hollow and options.policy == "closure"
+            if thinking and patience.lost(guard.cost.touches, known, findings.open):
                 found.ended = GAVE_UP
                 found.warnings.append("the last touches taught nothing new; the object may not be convex")
                 break

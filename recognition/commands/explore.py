@@ -27,11 +27,15 @@ def explore(
     pose_noise_mm: flags.PoseNoise = 0.0,
     seed: flags.Seed = 0,
     max_touches: Annotated[int, typer.Option(help="Touches after which exploration stops.")] = 500,
+    policy: Annotated[
+        str,
+        typer.Option(help="closure, or to measure against: grid, random, raster.", show_default=True),
+    ] = "closure",
     out: flags.Out = None,
     overwrite: flags.Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Explore a convex object of unknown shape and pose by touch, and reconstruct it.
+    """Explore an object of unknown shape and pose by touch, and reconstruct it.
 
     Exit code 0: the run is whole, and its summary says how it ended. 1: it could not begin, or a fault ended it.
     """
@@ -53,6 +57,7 @@ def explore(
             pose_noise=pose_noise_mm,
             seed=seed,
             max_touches=max_touches,
+            policy=policy,
             out=out,
             overwrite=overwrite,
         )
