@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, cast
 
 import typer
 
@@ -34,6 +34,7 @@ def locate(
     """Find the pose of one known model from contacts: every mode, with its probability."""
     with one_line_errors(exit_code=2):
         with interrupts.held():
+            from models.formats.units import Units as UnitName
             from models.formats.units import checked_flags
             from recognition.config import parse_numbers
             from recognition.recognizing.run import Asked
@@ -50,7 +51,7 @@ def locate(
             from recognition.recognizing.run import locate as run
             from recognition.recognizing.text import summary_text
 
-        summary = run(asked, model, units, scale, body)
+        summary = run(asked, model, cast(UnitName, units), scale, body)
     if as_json:
         print_json(summary)
     else:

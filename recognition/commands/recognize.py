@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, cast
 
 import typer
 
@@ -31,6 +31,7 @@ def recognize(
     """Say which object of a library was touched, and where it is, from evidence that exists."""
     with one_line_errors(exit_code=2):
         with interrupts.held():
+            from models.formats.units import Units as UnitName
             from models.formats.units import checked_flags
             from recognition.recognizing.run import Asked
             from recognition.reconstructing.options import parse_sigma
@@ -42,7 +43,7 @@ def recognize(
             from recognition.recognizing.run import recognize as run
             from recognition.recognizing.text import summary_text
 
-        summary = run(asked, library, units, scale)
+        summary = run(asked, library, cast(UnitName, units), scale)
     if as_json:
         print_json(summary)
     else:

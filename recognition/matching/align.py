@@ -100,6 +100,7 @@ def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolu
 
 
 def refine(poses: Floats, points: Floats, normals: Floats, felt: object, sigma: Floats, tau: Floats,
-           mesh: Facets, wider: float, rounds: int = 12, cap: float = 25.0, absolute: bool = False) -> Aligned:  # fmt: skip
+           mesh: Facets, wider: float, rounds: int = 12, cap: float = 25.0,
+           absolute: bool = False) -> Aligned:  # fmt: skip
     """`aligned`, from Python."""
     return Aligned(*aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolute, mesh))

@@ -6,10 +6,11 @@ volume V::
     p(z | object, pose) = (1 - w) / A  N(d; sigma) N2(angle; tau) + w / V / (4 pi)
 
 with N2 over the sphere of normals, left out where none was felt (Thrun, Burgard and Fox 2005, section 6.3, has
-the mixture; the area, which keeps a larger model from winning for its size, is our derivation).  An object in no library
-is like one of it with every second contact off by some millimeters, or contacts scattered in a ball::
+the mixture; the area, which keeps a larger model from winning for its size, is our derivation).  An object in no
+library is like one of it with every second contact off, half of these by some millimeters and half anywhere::
 
-    p(z | unknown) = 1/2 p(z | object, pose) + 1/2 / A  exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi))
+    p(z | unknown) = 1/2 p(z | object, pose) + 1/4 / V / (4 pi)
+                     + 1/4 / A  exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi))
 
 Where nobody told how far contacts scatter, Laplace's density exp(-d / b) / 2b takes the normal one's place: its
 tails forgive, and its likeliest pose is that of the least mean distance.
@@ -21,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,9 @@ class NoiseConfig:
     loosest: float = 8.0  # up to which factor noise that nobody told may be more or less
 
 
-def log_likelihoods(distances: Floats, angles: Floats, felt: Floats, sigma: Floats, tau: Floats, area: float,
-                    size: float, volume: float, config: NoiseConfig, absolute: bool = False) -> tuple[Floats, Floats]:  # fmt: skip
+def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Floats, tau: Floats, area: float,
+                    size: float, volume: float, config: NoiseConfig,
+                    absolute: bool = False) -> tuple[Floats, Floats]:  # fmt: skip
     """(k, n) logarithms of p(z | object, pose) and of p(z | an unknown like it)."""
     d2, a2 = (distances / sigma) ** 2, (angles / tau) ** 2
     turned = np.where(felt, np.exp(-0.5 * np.minimum(a2, 700)) / (2 * np.pi * tau**2), 1.0)
@@ -47,4 +49,4 @@ def log_likelihoods(distances: Floats, angles: Floats, felt: Floats, sigma: Floa
     b = config.broad * size
     off = np.where(np.isfinite(distances), distances, 4.0 * b)
     loose = np.exp(-off / b) / (2 * b) * (0.5 * turned + 0.5 * everywhere) / area
-    return np.log(known), np.log(0.5 * known + 0.5 * loose)
+    return np.log(known), np.log(0.5 * known + 0.25 * loose + 0.25 * stray)

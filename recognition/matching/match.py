@@ -19,7 +19,7 @@ from scipy.special import logsumexp
 
 from models.library import Entry
 from models.symmetry import nearest_pose
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Bools, Floats, frozen
 from primitives.errors import PalpateError
 from primitives.pose import hat, inverse, pose
 from recognition.matching.align import refine
@@ -41,7 +41,8 @@ class MatchConfig:
     search: SearchConfig = field(default_factory=SearchConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     refined: int = 8  # poses of an object that are refined on its exact surface
-    refined_blind: int = 32  # the same where no normals were felt
+    refined_blind: int = 96  # the same where no normals were felt
+    polished: int = 24  # of these, refined again to the least mean distance
     most: int = 400  # contacts that are weighed; more are thinned evenly
     told: int = 64  # hypotheses in the belief
 
@@ -106,7 +107,15 @@ def _modes(entry: Entry, evidence: Evidence, prior: Prior, starts: Sequence[Floa
     if len(poses) == 0:
         poses = _laid(points[0], normals[0] if felt[0] else None, target)
     wider = max(1.0, 0.35 * np.sqrt(target.area / len(target.points)) / float(np.median(sigma)))
-    done = refine(np.ascontiguousarray(poses), points, normals, felt, sigma, tau, mesh, wider, absolute=absolute)
+    done = refine(
+        np.ascontiguousarray(poses), points, normals, felt, sigma, tau, mesh, wider, absolute=absolute
+    )
+    if absolute:
+        best = np.argsort(np.minimum(done.distances, 5 * sigma).mean(axis=1), kind="stable")[
+            : config.polished
+        ]
+        near = np.ascontiguousarray(done.poses[best])
+        done = refine(near, points, normals, felt, sigma, tau, mesh, 1.0, 30, absolute=True)
     volume = 4.0 / 3.0 * np.pi * (0.5 * target.size) ** 3
     scale, turn = _scales(
         done.distances, done.angles, felt, sigma, tau, evidence, target, volume, config.noise
@@ -132,11 +141,11 @@ def _modes(entry: Entry, evidence: Evidence, prior: Prior, starts: Sequence[Floa
             entry.name, frozen(world), 0.0, frozen(covariance), float(away.mean()), frozen(like[k])
         )
         bound = _free(evidence, target, world, float(np.median(sigma)))
-        modes.append(_Mode(made, float(like[k].sum() + at + bound), float(off[k].sum() + at + bound)))
+        modes.append(_Mode(made, float(like[k].sum() + at + bound), float(off[k].sum() + at)))
     return modes
 
 
-def _scales(distances: Floats, angles: Floats, felt: Floats, sigma: Floats, tau: Floats, evidence: Evidence,
+def _scales(distances: Floats, angles: Floats, felt: Bools, sigma: Floats, tau: Floats, evidence: Evidence,
             target: Target, volume: float, noise: NoiseConfig) -> tuple[float, float]:  # fmt: skip
     """Factors on sigma and tau that suit the likeliest pose, where nobody told the noise."""
     grid = np.geomspace(1 / noise.loosest, noise.loosest, 13)
@@ -157,7 +166,7 @@ def _spread_of(information: Floats, found: Floats, points: Floats, target: Targe
     about = shift.T @ information @ shift
     bound = np.diag([(3.0 / target.size) ** 2] * 3 + [1 / _FREE_TURN**2] * 3)
     whole = about + bound
-    return np.linalg.inv(whole), float(3 * np.log(2 * np.pi) - 0.5 * np.linalg.slogdet(whole)[1])
+    return np.asarray(np.linalg.inv(whole)), float(3 * np.log(2 * np.pi) - 0.5 * np.linalg.slogdet(whole)[1])
 
 
 def _same(entry: Entry, h: Hypothesis, world: Floats, target: Target, covariance: Floats) -> bool:

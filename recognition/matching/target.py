@@ -65,7 +65,8 @@ def _made(entry: Entry) -> Target:
     first, second, starts = _sorted_pairs(points, width, _DISTANCES)
     return Target(
         points, normals, first, second, starts, width,
-        np.asarray(field.values), np.array(field.origin, dtype=np.float64), float(field.spacing), float(field.step),
+        np.asarray(field.values), np.array(field.origin, dtype=np.float64), float(field.spacing),
+        float(field.step),
         float(np.sum(samples.area)), np.asarray((low + high) / 2, dtype=np.float64), size,
     )  # fmt: skip
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,6 @@ import numpy as np
 from models.formats.units import Units
 from models.library import Library
 from models.part import load_part
-from primitives.arrays import Floats
 from recognition.matching import Evidence, Prior, match
 from recognition.recognizing.answer import modes, objects, warnings_of, why
 from recognition.sources import read_source
@@ -26,7 +26,7 @@ class Asked:
 
     source: str
     sigma: float | None = None  # [mm] of contacts; None: as the file says, else estimated
-    center: Floats | None = None  # (3,) [mm] of the prior
+    center: Sequence[float] | None = None  # (3,) [mm] of the prior
     radius: float = 200.0  # [mm]
 
 
@@ -43,7 +43,7 @@ def prior_of(asked: Asked, evidence: Evidence) -> Prior:
     """As told, or round the contacts."""
     if asked.center is None:
         return Prior.around(evidence.contacts, asked.radius)
-    return Prior(asked.center, asked.radius)
+    return Prior(np.asarray(asked.center, dtype=float), asked.radius)
 
 
 def locate(asked: Asked, model: str, units: Units, scale: float, body: int | None) -> dict[str, Any]:
@@ -51,9 +51,11 @@ def locate(asked: Asked, model: str, units: Units, scale: float, body: int | Non
     evidence, said = evidence_of(asked)
     part = load_part(model, units, scale, body)
     library = Library.of({part.name: part.solid})
+    entry = library[part.name]
+    _ = entry.samples, entry.field, entry.symmetry  # the model's own preparation is start-up
     began = time.perf_counter()
     belief = match(evidence, library, prior_of(asked, evidence), unknown=0.0)
-    told = modes(belief, library[part.name])
+    told = modes(belief, entry)
     return {
         "command": "locate",
         "decision": part.name,

@@ -1,0 +1,112 @@
+import numpy as np
+import pytest
+
+from models import parts
+from models.library import Library
+from models.solid import Solid
+from models.symmetry import pose_error
+from primitives.errors import PalpateError
+from primitives.evidence import Contacts, FreeSpace
+from primitives.pose import pose, random_rotation, rotate, transform_points
+from recognition.matching import Evidence, Prior, match
+
+NAMES = ("bracket", "wedge", "hex_nut", "stepped_shaft")
+TURN = np.deg2rad(3) / np.sqrt(2)
+
+
+@pytest.fixture(scope="module")
+def library():
+    return Library.of({name: Solid.from_csg(parts.build(name), 0.02) for name in NAMES})
+
+
+def felt(entry, world, count, rng, noise=0.3, normals=True):
+    """Contacts spread evenly over the triangles, independent of the library's own samples."""
+    solid = entry.solid
+    a, b, c = np.moveaxis(solid.vertices[solid.triangles], 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    t = rng.choice(len(area), count, p=area / area.sum())
+    r, w = np.sqrt(rng.random((count, 1))), rng.random((count, 1))
+    points = (1 - r) * a[t] + r * (1 - w) * b[t] + r * w * c[t]
+    facing = solid.body.triangle_normals[t] + (noise > 0) * TURN * rng.standard_normal((count, 3))
+    facing = rotate(world, facing / np.linalg.norm(facing, axis=1, keepdims=True))
+    points = transform_points(world, points) + noise * rng.standard_normal((count, 3))
+    return Contacts.of(points, facing if normals else None, max(noise, 0.01), TURN)
+
+
+def somewhere(rng):
+    return pose(random_rotation(rng), rng.uniform(-50, 50, 3))
+
+
+@pytest.mark.slow
+def test_twenty_contacts_name_the_object_and_find_its_pose(library):
+    rng = np.random.default_rng(1)
+    for name in NAMES:
+        world = somewhere(rng)
+        belief = match(Evidence(felt(library[name], world, 20, rng)), library)
+        error = pose_error(library[name].symmetry, belief.best(name).pose, world)
+        assert belief.decision == name
+        assert error.distance < 3.0
+        assert error.angle < 0.05
+
+
+def test_probabilities_sum_to_one_and_hypotheses_to_no_more(library):
+    rng = np.random.default_rng(2)
+    belief = match(Evidence(felt(library["wedge"], somewhere(rng), 6, rng)), library)
+    assert sum(belief.probabilities.values()) == pytest.approx(1.0)
+    assert sum(h.probability for h in belief.hypotheses) <= 1.0 + 1e-9
+    assert belief.confidence == max(belief.probabilities.values())
+
+
+def test_an_object_that_is_left_out_is_unknown(library):
+    rng = np.random.default_rng(3)
+    others = Library.of({name: library[name].solid for name in ("wedge", "hex_nut", "stepped_shaft")})
+    belief = match(Evidence(felt(library["bracket"], somewhere(rng), 30, rng)), others)
+    assert belief.decision == "unknown"
+
+
+def test_the_belief_moves_with_the_world(library):
+    rng = np.random.default_rng(4)
+    contacts = felt(library["bracket"], np.eye(4), 20, rng)
+    motion = somewhere(rng)
+    moved = Contacts.of(
+        transform_points(motion, contacts.points), rotate(motion, contacts.normals), 0.3, TURN
+    )
+    here = match(Evidence(contacts), library).best("bracket")
+    there = match(Evidence(moved), library).best("bracket")
+    error = pose_error(library["bracket"].symmetry, motion @ here.pose, there.pose)
+    assert error.distance < 0.1
+    assert error.angle < 0.01
+
+
+def test_one_contact_tells_little(library):
+    belief = match(Evidence(Contacts.of([[1.0, 2.0, 3.0]], [[0, 0, 1.0]], 0.3, TURN)), library)
+    assert belief.entropy_bits > 1.0
+    assert belief.hypotheses[0].rotation_sigma > 0.5
+
+
+def test_contacts_far_from_the_prior_are_one_clear_line(library):
+    rng = np.random.default_rng(5)
+    contacts = felt(library["wedge"], pose(np.eye(3), [900.0, 0, 0]), 12, rng)
+    only = Library.of({"wedge": library["wedge"].solid})
+    with pytest.raises(PalpateError, match="prior-radius"):
+        match(Evidence(contacts), only, Prior(np.zeros(3), 50.0), unknown=0.0)
+
+
+def test_contacts_that_are_no_numbers_are_left_out_and_none_is_an_error(library):
+    with pytest.raises(PalpateError, match="no contact"):
+        match(Evidence(Contacts.of([[np.nan, 0, 0]])), library)
+
+
+def test_swept_space_rules_out_what_would_stand_in_it(library):
+    rng = np.random.default_rng(6)
+    only = Library.of({"wedge": library["wedge"].solid})
+    contacts = felt(library["wedge"], np.eye(4), 12, rng)
+    before = match(Evidence(contacts), only, unknown=0.1)
+    inside = FreeSpace(np.eye(4)[None], np.full((1, 3), 500.0))
+    after = match(Evidence(contacts, free=inside), only, unknown=0.1)
+    assert after.probabilities["wedge"] < before.probabilities["wedge"]
+
+
+def test_an_empty_library_is_one_clear_line():
+    with pytest.raises(PalpateError, match="holds no object"):
+        match(Evidence(Contacts.of([[0.0, 0, 0]])), Library.of({}))
