@@ -29,12 +29,12 @@ def with_shared_error(fit: Fit, contacts: Contacts, share: float = 0.5) -> Fit:
     problem = Problem.of(contacts)
     _, jacobian = linearize(fit.shape, problem, 1.0 if fit.convex else -1.0)
     n, k = len(problem.points), len(problem.felt)
-    touch = contacts.touch
+    touches, which = np.unique(contacts.touch, return_inverse=True)
     common = np.zeros_like(fit.covariance)
-    for one in np.unique(touch):
-        rows, felt = np.flatnonzero(touch == one), np.flatnonzero(touch[problem.felt] == one)
-        for mode in (rows, n + felt, n + k + felt):
-            moved = fit.covariance @ jacobian[mode].sum(axis=0)
-            common += np.outer(moved, moved)
+    for start, of in ((0, which), (n, which[problem.felt]), (n + k, which[problem.felt])):
+        shared = np.zeros((len(touches), jacobian.shape[1]))
+        np.add.at(shared, of, jacobian[start : start + len(of)])
+        moved = shared @ fit.covariance
+        common += moved.T @ moved
     scale = max(1.0, fit.chi2 / max(fit.dof, 1))
     return replace(fit, covariance=frozen(scale * ((1.0 - share) * fit.covariance + share * common)))

@@ -55,7 +55,7 @@ class Vocabulary:
         self.frames = list(_frames(self.directions))
         self._round = list(self._round_candidates())
         masks = [self.mask(candidate) for candidate in self._round]
-        self._masks = np.array(masks, dtype=np.float32).reshape(len(masks), len(outside))
+        self._masks = np.array(masks, dtype=float).reshape(len(masks), len(outside))
 
     def mask(self, candidate: Candidate) -> Bools:
         """(c,) the cells that a candidate holds."""
@@ -88,8 +88,8 @@ class Vocabulary:
         """The candidates whose cells are worth most, best first."""
         found: list[tuple[float, Candidate]] = []
         if len(self._round):
-            totals = self._masks @ worth.astype(np.float32)
-            order = np.argsort(-totals, kind="stable")[:most]
+            totals = self._masks @ worth
+            order = np.argsort(-np.round(totals, 3), kind="stable")[:most]
             found += [(float(totals[i]), self._round[i]) for i in order]
         for number in range(len(self.frames)):
             found += self._best_boxes(number, worth, most)
@@ -177,11 +177,11 @@ def _within(direction: Direction, slab: Slab) -> Bools:
     return np.asarray((direction.bin >= low) & (direction.bin <= high))
 
 
-def _slabs(planes: Sequence[int]) -> Iterator[Slab]:
-    ends = [None, *planes]
-    for i, low in enumerate(ends):
-        for high in [*planes[i:], None]:
-            yield low, high
+def _slabs(planes: Sequence[int]) -> list[Slab]:
+    """All of them, the more open first: an end laid into a wall would leave a skin there."""
+    ends: list[int | None] = [None, *planes]
+    out: list[Slab] = [(low, high) for i, low in enumerate(ends) for high in (*planes[i:], None)]
+    return sorted(out, key=lambda slab: sum(end is not None for end in slab))
 
 
 def _directions(shapes: Sequence[Shape], outside: Bools) -> list[Direction]:

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from primitives.arrays import Floats
+from primitives.errors import PalpateError
 from primitives.evidence import Contacts
-from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
-from primitives.segment import segment
 from primitives.toml_text import toml_lines
 from recognition.assembly import NotClosed
 from recognition.console import bugs, interrupts
 from recognition.progress import Progress
 from recognition.reconstruct import Reconstruction, reconstruct
 from recognition.reconstructing.options import ReconstructSourceOptions
+from recognition.reconstructing.surfaces import surfaces
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
 from recognition.report.run_report import EMPTY_FRAMES, ReportMesh, RunReport
@@ -36,7 +36,12 @@ def run(options: ReconstructSourceOptions, watch: Watcher) -> dict[str, Any]:
     """Leave a run folder; returns what `summary.json` holds."""
     began = time.perf_counter()
     watch(Progress("reading", note=str(options.source)))
-    source = read_source(options.source, _LEAST)
+    source = read_source(options.source)
+    if source.kind == "contacts" and len(source.contacts) < _LEAST:
+        held = len(source.contacts)
+        raise PalpateError(
+            f"{options.source} holds {held} contact{'s' * (held != 1)}; at least {_LEAST} are needed"
+        )
     folder = RunFolder.create(options.out, source.name, options.overwrite)
     try:
         with interrupts.held():
@@ -51,7 +56,7 @@ def _run(
     options: ReconstructSourceOptions, source: Source, folder: RunFolder, watch: Watcher, began: float
 ) -> dict[str, Any]:
     felt = source.with_sigma(options.contact_sigma)
-    sigma = float(np.median(felt.contacts.sigma))
+    sigma = _typical(felt)
     head = toml_lines({"version": version("palpate"), "command": "reconstruct"})
     settings = [*head, "", "[settings]", *toml_lines(options.as_settings())]
     resolved = ["", "[resolved]", *toml_lines({"contact_sigma_mm": sigma, "contacts": len(felt.contacts)})]
@@ -68,14 +73,9 @@ def _run(
     return summary
 
 
-def surfaces(contacts: Contacts) -> PatchGraph:
-    """The faces that the contacts lie on, and those on none left out."""
-    options = MergeOptions()
-    faces = [ranked_face(i, patch.contacts, options) for i, patch in enumerate(segment(contacts))]
-    return PatchGraph(tuple(faces))
-
-
 def _box(contacts: Contacts) -> Floats:
+    if not len(contacts):
+        return np.array([[-1.0] * 3, [1.0] * 3])
     low, high = contacts.points.min(axis=0), contacts.points.max(axis=0)
     room = _ROOM * float(np.linalg.norm(high - low)) + 1.0
     return np.stack([low - room, high + room])
@@ -97,7 +97,7 @@ def _summary(
         "closed": assembly is not None,
         "ended": open_,
         "contacts": len(source.contacts),
-        "contact_sigma_mm": float(np.median(source.contacts.sigma)),
+        "contact_sigma_mm": _typical(source),
         "touches": felt.touches,
         "strokes": felt.strokes,
         "frames": felt.frames,
@@ -113,6 +113,10 @@ def _summary(
         "warnings": counted([*source.warnings, *made.warnings]),
         "files": {},
     }
+
+
+def _typical(source: Source) -> float:
+    return float(np.median(source.contacts.sigma)) if len(source.contacts) else 0.0
 
 
 def _report(options: ReconstructSourceOptions, summary: dict[str, Any], made: Reconstruction) -> RunReport:
@@ -138,4 +142,4 @@ _DRAWN = 20_000  # contacts that a page shows
 
 
 def _thinned(count: int) -> np.ndarray:
-    return np.unique(np.linspace(0, count - 1, min(count, _DRAWN)).astype(np.int64))
+    return np.unique(np.linspace(0, max(count - 1, 0), min(count, _DRAWN)).astype(np.int64))

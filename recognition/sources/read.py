@@ -28,11 +28,12 @@ _TABLES: dict[str, Callable[[Path], Columns]] = {
 }
 _CONTACTS = "contacts.csv"
 _PLACEHOLDER = 0.1  # [mm] sigma of contacts that say none
+_NORMAL_SIGMA = 0.05  # [rad] of normals of which nobody says more: about three degrees
 _KNOWN = "give a run folder, an episode.mcap, or contacts (.csv or .ply: x,y,z[,nx,ny,nz[,sigma]] in mm)"
 _WIDEST = 20_000.0  # [mm] no object is wider
 
 
-def read_source(path: str | Path, least: int = 1) -> Source:
+def read_source(path: str | Path, least: int = 0) -> Source:
     """The evidence in a SOURCE, at least `least` contacts; anything else is one line that names the fix."""
     file = Path(path)
     if not str(path):
@@ -86,7 +87,7 @@ def contacts_of(columns: Columns, name: str) -> tuple[Contacts, bool]:
     measured = bool(len(points) and said.all())
     filled = np.where(said, sigma, float(np.median(sigma[said])) if said.any() else _PLACEHOLDER)
     rows = np.arange(len(points))
-    return Contacts.of(points, normals, filled, touch=rows, stroke=rows), measured
+    return Contacts.of(points, normals, filled, _NORMAL_SIGMA, touch=rows, stroke=rows), measured
 
 
 def _of_folder(folder: Path) -> Source:

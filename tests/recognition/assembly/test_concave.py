@@ -1,0 +1,70 @@
+"""From fitted faces to a short list of primitives where the body is not convex."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from models.parts import build
+from models.solid import Solid, iou
+from primitives.evidence import Contacts
+from primitives.fit import Fit, refit
+from primitives.pose import pose, random_rotation
+from primitives.shapes import Cylinder, Plane
+from recognition.assembly import assemble
+from recognition.assembly.concave import separators
+from recognition.truth import LabeledFaces, TruthOptions, sample_surface
+
+BOX = np.array([[-300.0] * 3, [300.0] * 3])
+
+
+@dataclass
+class Touched:
+    fit: Fit
+    contacts: Contacts
+
+
+def touched_faces(solid, rng, sigma=0.01, each=80):
+    labels = LabeledFaces.of(solid)
+    samples, face_of = sample_surface(solid, TruthOptions(samples=1, least_face=each), labels)
+    out = []
+    for face in labels.faces:
+        shape = face.shape.transformed(solid.pose)
+        points = shape.project(samples.points[face_of == face.id])
+        normals = shape.normals(points) * (1 if face.convex else -1)
+        points = points + sigma * rng.standard_normal((len(points), 1)) * normals
+        contacts = Contacts.of(points, normals, sigma, np.deg2rad(2.0), touch=np.arange(len(points)))
+        fit = refit(shape, face.convex, contacts)
+        assert fit
+        out.append(Touched(fit, contacts))
+    return out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["bracket", "slotted_block", "stepped_shaft", "dovetail_block", "dish"])
+def test_a_part_with_steps_and_holes_is_recovered_with_as_few_leaves_as_it_was_made_with(name):
+    tree, rng = build(name), np.random.default_rng(0)
+    truth = Solid.from_csg(tree, 0.005).placed(pose(random_rotation(rng), rng.uniform(-80, 80, 3)))
+    found = assemble(touched_faces(truth, rng), BOX)
+    assert found
+    assert iou(found.solid, truth) > 0.999
+    assert len(found.pieces) <= len(list(tree.leaves()))
+
+
+def test_a_step_makes_the_same_list_every_time():
+    truth = Solid.from_csg(build("stepped_block"), 0.005)
+    first, second = (assemble(touched_faces(truth, np.random.default_rng(1)), BOX) for _ in range(2))
+    assert repr(first.tree) == repr(second.tree)
+
+
+def test_a_slot_whose_ends_are_round_gets_planes_through_its_axes():
+    end = Cylinder(np.array([10.0, 0, 0]), np.array([0, 0, 1.0]), 4.0)
+    walls = [Plane(np.array([0, y, 0]), np.array([0, y, 0])) for y in (4.0, -4.0)]
+    (made,) = separators([end, *walls])
+    assert abs(made.normal[0]) == pytest.approx(1.0)
+    assert made.signed_distance(np.array([[10.0, 7.0, 3.0]]))[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_plane_that_misses_a_cylinder_gets_no_separator():
+    end = Cylinder(np.zeros(3), np.array([0, 0, 1.0]), 4.0)
+    assert separators([end, Plane(np.array([0, 6.0, 0]), np.array([0, 1.0, 0]))]) == []

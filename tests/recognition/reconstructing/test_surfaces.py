@@ -1,0 +1,40 @@
+"""Clouds of any size to the faces that they lie on."""
+
+import numpy as np
+import pytest
+
+from primitives.evidence import Contacts
+from recognition.reconstructing.options import ReconstructSourceOptions
+from recognition.reconstructing.run import run
+from recognition.reconstructing.surfaces import SurfaceOptions, surfaces
+
+
+def on_a_block(count, size=(60.0, 40.0, 12.0), seed=0):
+    rng, half = np.random.default_rng(seed), np.array(size) / 2
+    axis = rng.choice(3, count)
+    sign = rng.choice([-1.0, 1.0], count)
+    points = rng.uniform(-1, 1, (count, 3)) * half
+    points[np.arange(count), axis] = sign * half[axis]
+    normals = np.zeros((count, 3))
+    normals[np.arange(count), axis] = sign
+    return points, normals
+
+
+@pytest.mark.slow
+def test_contacts_that_were_not_chosen_join_the_face_that_explains_them():
+    points, normals = on_a_block(1200)
+    graph = surfaces(Contacts.of(points, normals, 0.01, 0.02), SurfaceOptions(chosen=250, fitted=200))
+    assert [face.fit.kind for face in graph.faces] == ["plane"] * 6
+    assert sum(len(face.contacts) for face in graph.faces) > 1150
+
+
+@pytest.mark.slow
+def test_a_cloud_becomes_a_run_folder_with_one_cube(tmp_path):
+    points, normals = on_a_block(240)
+    np.savetxt(tmp_path / "c.csv", np.hstack([points, normals]), delimiter=",")
+    out = tmp_path / "run"
+    told = run(ReconstructSourceOptions(tmp_path / "c.csv", 0.01, out=out), lambda _: None)
+    assert told["closed"]
+    assert told["csg"] == {"leaves": 1}
+    assert abs(told["volume_mm3"] - 60 * 40 * 12) < 1.0
+    assert {"summary.json", "model.csg", "model.stl", "report.html"} <= {p.name for p in out.iterdir()}
