@@ -23,8 +23,8 @@ class OverlayConfig:
     """How thoroughly to search."""
 
     coarse: int = 150  # samples that rank starts
-    fine: int = 500  # samples that settle a pose
-    kept: int = 6  # starts that are settled
+    fine: int = 300  # samples that settle a pose
+    kept: int = 4  # starts that are settled
     alike: float = 0.06  # relative difference of principal radii that are one
     turn: float = 15.0  # [deg] between starts about an axis that the moments do not fix
     rounds: int = 12
@@ -65,14 +65,13 @@ def _settled(b_from_a: Floats, points: Floats, b: Entry, rounds: int) -> tuple[F
     center = points.mean(axis=0)
     for _ in range(rounds):
         moved = transform_points(current, points)
-        distance = b.solid.signed_distance(moved)
+        distance, slope = _exact(b, moved)
         cost = float((distance**2).mean())
         if cost < least:
             gain = least - cost
             best, least = current, cost
             if gain < 1e-4 * cost or cost < 1e-10:
                 break
-            slope = b.solid.normals(moved)
             about = transform_points(best, center[None])[0]
             jacobian = np.hstack([np.cross(moved - about, slope), slope])
             normal, right = jacobian.T @ jacobian, -jacobian.T @ distance
@@ -83,6 +82,15 @@ def _settled(b_from_a: Floats, points: Floats, b: Entry, rounds: int) -> tuple[F
         turn = rotation_exp(step[:3])
         current = pose(turn, about - turn @ about + step[3:]) @ best
     return best, least
+
+
+def _exact(b: Entry, points: Floats) -> tuple[Floats, Floats]:
+    """(n,) unsigned distance of points from the surface, and (n, 3) its gradient."""
+    found = b.solid.body.tree.nearest(points)
+    off = points - found.points
+    flat = b.solid.body.triangle_normals[found.triangle]
+    far = found.distance > 1e-6
+    return found.distance, np.where(far[:, None], off / np.maximum(found.distance, 1e-6)[:, None], flat)
 
 
 def _starts(a: Spread, b: Spread, config: OverlayConfig) -> list[Floats]:

@@ -40,7 +40,8 @@ class ConfusableConfig:
     budget: int = 3  # touches that may be chosen
     random: tuple[int, ...] = (12, 50)  # contacts anywhere
     told: float = 0.01  # probability of the wrong name below which a pair counts as told apart
-    differs: float = 4.0  # standard deviations of a contact at which a place differs
+    differs: float = 4.0  # standard deviations of a contact from which a place counts as different
+    counted: float = 3.0  # standard deviations that one contact counts for where a pair is left out
     apart: float = 12.0  # [mm] between places that are proposed
     asked: int = 60  # places that are tried for reach, the most telling first
 
@@ -73,7 +74,7 @@ class Pair:
     probability: float  # of naming the wrong one after the best touches
     after_random: dict[int, float]  # the same after so many contacts anywhere
     share: float  # of the surfaces' area that differs, within reach or not
-    touches: tuple[Separation, ...]  # the best ones; none where the sensor cannot tell
+    touches: tuple[Separation, ...]  # the best ones; none where even they leave more than `told`
     b_from_a: Floats  # (4, 4) the overlay
 
 
@@ -90,12 +91,15 @@ def confusable(
     spreads = {name: spread_of(library[name]) for name in names}
     close = [(a, b) for a, b in combinations(names, 2) if _close(spreads[a], spreads[b], config.gate, sigma)]
     dense: dict[str, SurfaceSamples] = {}
-    for name in sorted({name for pair in close for name in pair}):
-        dense[name] = surface_samples(library[name].solid, SampleConfig(config.samples, config.least))
     found = []
     for done, (a, b) in enumerate(close, 1):
         told(done, len(close), f"{a}, {b}")
-        pair = _compared(library[a], library[b], dense[a], dense[b], sensor, sigma, config)
+        b_from_a = overlay(library[a], library[b])
+        if _plain(library[a], library[b], b_from_a, sigma, config):
+            continue
+        for name in {a, b} - dense.keys():
+            dense[name] = surface_samples(library[name].solid, SampleConfig(config.samples, config.least))
+        pair = _compared(library[a], library[b], b_from_a, dense[a], dense[b], sensor, sigma, config)
         if max(pair.probability, pair.after_random[config.random[0]]) >= config.told:
             found.append(pair)
     return sorted(found, key=lambda p: (-p.probability, -p.after_random[config.random[0]]))
@@ -105,16 +109,23 @@ def _close(a: Spread, b: Spread, gate: float, sigma: float) -> bool:
     return bool(np.abs(a.radii - b.radii).max() <= gate * max(a.radii[0], b.radii[0]) + 4 * sigma)
 
 
+def _plain(a: Entry, b: Entry, b_from_a: Floats, sigma: float, config: ConfusableConfig) -> bool:
+    """Whether a few contacts anywhere tell two objects, so that no closer look is needed."""
+    z = np.abs(b.field.signed_distance(transform_points(b_from_a, a.samples.points))) / sigma
+    near = config.told / 100
+    return _blind(a.samples, np.minimum(z, config.counted), config)[config.random[0]] < near
+
+
 def _compared(
     a: Entry,
     b: Entry,
+    b_from_a: Floats,
     on_a: SurfaceSamples,
     on_b: SurfaceSamples,
     sensor: SensorSpec,
     sigma: float,
     config: ConfusableConfig,
 ) -> Pair:
-    b_from_a = overlay(a, b)
     sides = []
     for mine, samples, other, motion in ((a, on_a, b, b_from_a), (b, on_b, a, inverse(b_from_a))):
         away = np.abs(other.solid.signed_distance(transform_points(motion, samples.points)))
@@ -132,7 +143,7 @@ def _compared(
         float(ndtr(-strength / 2)),
         {n: float(np.mean([side[3][n] for side in sides])) for n in config.random},
         float(np.mean([side[2] for side in sides])),
-        tuple(spot for spot in best if spot.gap >= config.differs * sigma),
+        best if ndtr(-strength / 2) < config.told else (),
         frozen(b_from_a),
     )
 
