@@ -11,7 +11,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -51,9 +51,11 @@ class ExploreOptions:
     pose_noise: float = 0.0  # [mm] 1 sigma of the stage's reported position
     seed: int = 0
     max_touches: int = 500
+    policies: ClassVar[tuple[str, ...]] = POLICIES
     policy: str = "closure"  # how exploration chooses what it touches
     out: Path | None = None  # None: a new folder below runs/
     overwrite: bool = False
+    device: str | None = None  # a set-up's TOML file, in the simulated part's place
 
     def __post_init__(self) -> None:
         _require(self.units in UNITS, f"--units {self.units!r} is not one of {', '.join(UNITS)}")
@@ -82,7 +84,9 @@ class ExploreOptions:
             f"--pose-noise-mm must be 0 or more, not {self.pose_noise}",
         )
         _require(self.seed >= 0, f"--seed must be 0 or more, not {self.seed}")
-        _require(self.policy in POLICIES, f"--policy {self.policy!r} is not one of {', '.join(POLICIES)}")
+        _require(
+            self.policy in self.policies, f"--policy {self.policy!r} is not one of {', '.join(self.policies)}"
+        )
         _require(self.max_touches >= 1, f"--max-touches must be 1 or more, not {self.max_touches}")
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from primitives.errors import PalpateError
 from recognition.config import ExploreOptions
@@ -15,6 +16,7 @@ POLICIES = ("information", "random", "grid", "largest-gap")
 class IdentifyOptions(ExploreOptions):
     """Everything `palpate identify` can be told."""
 
+    policies: ClassVar[tuple[str, ...]] = POLICIES
     max_touches: int = 40
     library: Path | None = None  # a folder of CAD files; None: the built-in parts
     policy: str = "information"
@@ -23,8 +25,6 @@ class IdentifyOptions(ExploreOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.policy not in POLICIES:
-            raise PalpateError(f"--policy {self.policy!r} is not one of {', '.join(POLICIES)}")
         if not 0.0 < self.confidence < 1.0:
             raise PalpateError(f"--confidence must lie between 0 and 1, not {self.confidence}")
         if not 0.0 <= self.unknown < 1.0:
