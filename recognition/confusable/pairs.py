@@ -111,9 +111,11 @@ def _close(a: Spread, b: Spread, gate: float, sigma: float) -> bool:
 
 def _plain(a: Entry, b: Entry, b_from_a: Floats, sigma: float, config: ConfusableConfig) -> bool:
     """Whether a few contacts anywhere tell two objects, so that no closer look is needed."""
-    z = np.abs(b.field.signed_distance(transform_points(b_from_a, a.samples.points))) / sigma
-    near = config.told / 100
-    return _blind(a.samples, np.minimum(z, config.counted), config)[config.random[0]] < near
+    worst = 0.0  # of both ways: a hollow inside one of them shows on that one's surface only
+    for mine, other, motion in ((a, b, b_from_a), (b, a, inverse(b_from_a))):
+        z = np.abs(other.field.signed_distance(transform_points(motion, mine.samples.points))) / sigma
+        worst = max(worst, _blind(mine.samples, np.minimum(z, config.counted), config)[config.random[0]])
+    return worst < config.told / 100
 
 
 def _compared(
