@@ -14,11 +14,22 @@ from typing import NoReturn
 
 import typer
 
-from recognition.commands import builtin, doctor, experiment, explore, frames, library, probe, reconstruct, track
+from recognition.commands import (
+    builtin,
+    doctor,
+    experiment,
+    explore,
+    frames,
+    hardware,
+    library,
+    probe,
+    reconstruct,
+    track,
+)
+from recognition.commands.answering import INTERRUPTED
 from recognition.commands.identify import identify
 from recognition.commands.locate import locate
 from recognition.commands.recognize import recognize
-from recognition.commands.answering import INTERRUPTED
 from recognition.console import interrupts
 
 app = typer.Typer(
@@ -45,6 +56,7 @@ for command in (
 ):
     app.command()(command)
 app.add_typer(library.app, name="library")
+app.add_typer(hardware.app, name="hardware")
 
 
 def main() -> None:

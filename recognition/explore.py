@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from importlib.metadata import version
 from typing import Any
 
-import numpy as np
-
+from exploration.control.latency import measure_latency
 from exploration.devices.guard import Guard
 from exploration.planning.explorer import Explorer, ExplorerConfig, Findings
 from exploration.planning.routes import Tool
@@ -58,7 +57,7 @@ def run(options: ExploreOptions, progress: Watcher) -> dict[str, object]:
         interrupts.checkpoint()
         progress(stand.within(folder.path))
 
-    with _owning_up(folder), interrupts.held():
+    with _owning_up(folder), interrupts.held(), closing(world):
         return _run(options, world, folder, show, began)
 
 
@@ -69,10 +68,13 @@ def _run(
     with Recorder(folder.recording) as recorder:
         logbook = Logbook(recorder)
         guard = guarded(world, options, logbook.observe)
-        findings = _explored(guard, options, logbook, folder, progress, Tool.of(world.spec))
+        if not world.known:
+            guard.pending.latency = measure_latency(guard).seconds
+        findings = _explored(guard, options, world, logbook, folder, progress)
+    world.close()
     progress(_stand("reconstructing", guard, findings))
     made = reconstruct(findings.graph, [trace for trace, _ in findings.traces], world.box)
-    truth = _compared(made, world.solid)
+    truth = _compared(made, world.solid) if world.known else None
     seconds = time.perf_counter() - began
     summary = summarize(options, world, findings.ended, guard.cost, made, truth, findings.warnings, seconds)
     progress(_stand("writing", guard, findings))
@@ -99,7 +101,12 @@ def _owning_up(folder: RunFolder) -> Iterator[None]:
 
 
 def _explored(
-    guard: Guard, options: ExploreOptions, logbook: Logbook, folder: RunFolder, progress: Watcher, tool: Tool
+    guard: Guard,
+    options: ExploreOptions,
+    world: World,
+    logbook: Logbook,
+    folder: RunFolder,
+    progress: Watcher,
 ) -> Findings:
     """What exploration found until it ended, by itself or by a fault, which costs only the rest of it."""
     config = ExplorerConfig(
@@ -108,7 +115,7 @@ def _explored(
         policy=options.policy,
         seed=options.seed,
     )
-    explorer = Explorer(guard, np.asarray(options.workspace), config, logbook.announce, tool)
+    explorer = Explorer(guard, world.box.ravel(), config, logbook.announce, Tool.of(world.spec))
     found, patience = explorer.found, Patience()
     try:
         for findings in explorer.run():

@@ -132,7 +132,7 @@ def felt_run(
             folder.write_text("config.toml", to_toml(options, version("palpate"), world.resolved(), command))
             logbook = Logbook(recorder)
             guard = guarded(world, options, logbook.observe, surface, config.latency)
-            pad = Pad(guard, np.asarray(options.workspace), logbook.announce)
+            pad = Pad(guard, world.box.ravel(), logbook.announce)
             run = FeltRun(options, command, world, folder, guard, logbook, pad, began)
             guard.observers = (*guard.observers, lambda seen: _look(run, seen, watch, config))
             guard.pending.latency = measure_latency(guard).seconds
@@ -143,6 +143,8 @@ def felt_run(
         if interrupt := interrupts.behind(error):
             raise interrupt from None
         raise bugs.told(error, folder.path) from error
+    finally:
+        world.close()
 
 
 def _look(run: FeltRun, seen: Observation, watch: Watcher, config: FeltConfig) -> None:

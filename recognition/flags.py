@@ -30,6 +30,10 @@ Noise = Annotated[
 PoseNoise = Annotated[float, typer.Option(help="1 sigma of the stage's reported position [mm].")]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
 Out = Annotated[Path | None, typer.Option(help="Folder of the run, new or empty.", show_default="runs/PART")]
+Device = Annotated[
+    str | None,
+    typer.Option(metavar="CONFIG.toml", help="On hardware, in PART's place.", show_default=False),
+]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in --out.")]
 
 EVERYWHERE = "-300,-300,-300,300,300,300"

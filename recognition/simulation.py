@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 import numpy as np
 
@@ -34,6 +34,18 @@ class WorldConfig:
     start: float = 60.0  # [mm] above the workspace, where the stage begins, facing down
 
 
+class Device(Protocol):
+    """What stands in the simulation's place."""
+
+    def guarded(self, observer: Callable[[Guard, Observation], None]) -> Guard:
+        """The array on its stage, behind a guard."""
+        ...
+
+    def close(self) -> None:
+        """Stop, and let go."""
+        ...
+
+
 @dataclass(frozen=True)
 class World:
     """What a simulated run takes place in."""
@@ -43,9 +55,22 @@ class World:
     spec: SensorSpec
     box: Floats  # (2, 3) the workspace [mm]
     config: WorldConfig
+    device: Device | None = None  # in place of a simulated object, of which then nothing is known
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a truth to compare with."""
+        return self.device is None
+
+    def close(self) -> None:
+        """Let go of the devices, if there are any."""
+        if self.device is not None:
+            self.device.close()
 
     def resolved(self) -> dict[str, Any]:
         """What the settings came to, for `config.toml`."""
+        if not self.known:
+            return {"sensor": asdict(self.spec)}
         return {
             "world_from_part": {
                 "translation_mm": self.solid.pose[:3, 3],
@@ -58,6 +83,10 @@ class World:
 def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> World:
     """Part and sensor, checked before anything is written; the same for the same seed."""
     config = config or WorldConfig()
+    if options.device is not None:
+        from recognition.hardware.world import device_world
+
+        return device_world(options.device, config)
     spec, *more = (load_sensor(name.strip()) for name in options.sensors)
     if more:
         raise PalpateError(
@@ -98,6 +127,8 @@ def guarded(
 
     `surface` stands for the object where that is made of something; the stage obeys `latency` [s] late.
     """
+    if world.device is not None:
+        return world.device.guarded(observer)
     low, high = world.box
     x, y = (low + high)[:2] / 2.0
     above = se3.pose(np.diag([1.0, -1.0, -1.0]), [x, y, high[2] + world.config.start])

@@ -62,7 +62,7 @@ def summarize(
         "primitives": made.primitives,
         "volume_mm3": None if assembly is None else assembly.solid.volume,
         "csg": None if assembly is None else {"leaves": sum(1 for _ in assembly.tree.leaves())},
-        "truth": _unmet(world) if truth is None else truth_json(truth, bool(world.solid.surfaces)),
+        "truth": _told_truth(world, truth),
         "warnings": counted([*world.part.warnings, *warnings, *made.warnings]),
         "files": files,
     }
@@ -80,6 +80,12 @@ def truth_json(truth: Truth, has_faces: bool) -> dict[str, Any]:
     return (
         told if has_faces else told | {"face_shape_accuracy": None, "missed_faces": None, "extra_faces": None}
     )
+
+
+def _told_truth(world: World, truth: Truth | None) -> dict[str, Any] | None:
+    if not world.known:
+        return None
+    return _unmet(world) if truth is None else truth_json(truth, bool(world.solid.surfaces))
 
 
 def _unmet(world: World) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from recognition.console import interrupts
 
 def explore(
     part: Annotated[str, typer.Argument(help="A built-in part (palpate parts) or a CAD file.")] = "",
+    device: flags.Device = None,
     units: flags.Units = "auto",
     scale: flags.Scale = 1.0,
     body: flags.Body = None,
@@ -60,8 +61,9 @@ def explore(
             policy=policy,
             out=out,
             overwrite=overwrite,
+            device=device,
         )
-    with listing_parts_if_unknown(part):
+    with listing_parts_if_unknown(device or part):
         look_at_file(part)
         with interrupts.held():
             from recognition.console import compiling

@@ -16,6 +16,7 @@ from recognition.console import interrupts
 def track(
     what: Annotated[str, typer.Argument(help="What to follow: edge or surface.")],
     part: Annotated[str, typer.Argument(help="A built-in part (palpate parts) or a CAD file.")] = "",
+    device: flags.Device = None,
     units: flags.Units = "auto",
     scale: flags.Scale = 1.0,
     body: flags.Body = None,
@@ -57,11 +58,12 @@ def track(
             seed=seed,
             out=out,
             overwrite=overwrite,
+            device=device,
             what=what,
             speed_mm_s=speed_mm_s,
             latency_s=latency_s,
         )
-    with listing_parts_if_unknown(part, "track"):
+    with listing_parts_if_unknown(device or part, "track"):
         look_at_file(part)
         with interrupts.held():
             from recognition.console import compiling

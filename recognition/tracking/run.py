@@ -39,7 +39,7 @@ def _edge(felt: FeltRun, options: TrackOptions, view: View) -> dict[str, Any]:
         not track or track.ended == "lost",
         list(track.forces),
         _found_edge(track),
-        edge_truth(felt.world.solid, points),
+        edge_truth(felt.world.solid, points) if felt.world.known else None,
     )
     return felt.finish({"what": "edge", **said}, Contacts.of(points, normals, sigma=track.sigma))
 
@@ -59,6 +59,6 @@ def _surface(felt: FeltRun, options: TrackOptions, view: View) -> dict[str, Any]
         "lost" in track.ended or not track.ended,
         track.forces,
         track.found(),
-        surface_truth(felt.world.solid, contacts),
+        surface_truth(felt.world.solid, contacts) if felt.world.known else None,
     )
     return felt.finish({"what": "surface", **said}, contacts)

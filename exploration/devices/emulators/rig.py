@@ -1,0 +1,185 @@
+"""An array and a Grbl stage over one object, each on a pseudo-terminal, in real time.
+
+The simulator's own array rides on a stage that the controller's planner moves.  `Faults` disturb what
+goes over the wire; what happened in the physics is kept for whoever judges.
+"""
+
+import contextlib
+import os
+import select
+import time
+import tty
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.devices.emulators.grbl_machine import GrblMachine
+from exploration.devices.kinematic_chain import KinematicChain
+from exploration.devices.simulated_array import SimulatedArray
+from exploration.devices.simulated_stage import SimulatedStage
+from exploration.devices.wire import flexitac, line_text, matrix_text, weiss_dsa, weiss_wts
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.frame import TaxelFrame
+from exploration.sensing.spec import SensorSpec
+from primitives.arrays import Floats
+from primitives.surface import Surface
+
+
+@dataclass
+class Faults:
+    """What goes wrong; changed at will while the rig runs."""
+
+    byte_errors: float = 0.0  # share of the array's bytes that arrive changed
+    dropouts: float = 0.0  # share of the frames that never arrive
+    silent: bool = False  # the array sends nothing
+    frozen: bool = False  # the array repeats one frame
+    deaf: bool = False  # the stage neither hears nor answers, and moves on
+    latency: float = 0.0  # [s] by which the stage answers late
+
+
+class _DrivenStage(SimulatedStage):
+    """The simulated stage, moved by the controller."""
+
+    def __init__(self, machine: GrblMachine, chain: KinematicChain, rng: np.random.Generator) -> None:
+        self.machine, self._chain = machine, chain
+        super().__init__(chain.pose(machine.position / chain.to_wire), rng)
+
+    def _integrate(self, dt: float) -> None:
+        self._time += dt
+        self.machine.advance(dt)
+        if self.machine.moved:
+            self._true = self._chain.pose(self.machine.position / self._chain.to_wire)
+
+
+class EmulatedRig:
+    """Both devices; `serve` until told to end."""
+
+    def __init__(
+        self,
+        surface: Surface,
+        spec: SensorSpec,
+        chain: KinematicChain,
+        start: Floats,
+        protocol: str,
+        seed: int = 0,
+        acceleration: float = 2000.0,
+    ) -> None:
+        rng = np.random.default_rng(seed)
+        letters = "".join(axis.letter for axis in chain.axes)
+        travel = np.maximum(np.abs(chain.least), np.abs(chain.most)) * chain.to_wire
+        self.machine = GrblMachine(letters, start * chain.to_wire, travel, acceleration)
+        self.stage = _DrivenStage(self.machine, chain, rng.spawn(1)[0])
+        self.array = SimulatedArray(surface, spec, self.stage, np.eye(4), rng.spawn(1)[0])
+        self.faults = Faults()
+        self.most_force = 0.0  # [N] that the skin truly carried, as far as its taxels show
+        self.housing_hits = 0
+        self._spec, self._protocol, self._rng = spec, protocol, rng
+        self._calibration = Calibration.nominal(spec)
+        self._array_end, self.array_path = _terminal()
+        self._stage_end, self.stage_path = _terminal()
+        self._late: list[tuple[float, bytes]] = []
+        self._frozen: TaxelFrame | None = None
+
+    def serve(self, ends: Callable[[], bool]) -> None:
+        """Answer until `ends()`."""
+        began = time.monotonic() - self.stage._time
+        while not ends():
+            now = time.monotonic() - began
+            due = (np.floor(self.stage._time / self._spec.period + 1e-6) + 1) * self._spec.period
+            if now >= due:
+                self._frame()
+            wait = max(0.0, min(due - (time.monotonic() - began), 0.02))
+            for end in select.select([self._stage_end, self._array_end], [], [], wait)[0]:
+                data = _read(end)
+                if end == self._stage_end and data and not self.faults.deaf:
+                    self.stage._advance(time.monotonic() - began)
+                    self.machine.receive(data)
+                elif end == self._array_end and data:
+                    self._answer(data)
+            self._send_replies(time.monotonic())
+
+    def close(self) -> None:
+        """Unplug both."""
+        for end in (self._array_end, self._stage_end):
+            with contextlib.suppress(OSError):
+                os.close(end)
+
+    def unplug_array(self) -> None:
+        """Pull the array's cable."""
+        self.faults.silent = True
+
+    def _frame(self) -> None:
+        frame = self.array.read()
+        c, area = self._calibration, self._spec.array.pitch[0] * self._spec.array.pitch[1]
+        self.most_force = max(self.most_force, float(((frame.counts - c.zero) / c.gain).sum() * area))
+        events = self.stage.events()
+        self.machine.pins = "P" if events else ""
+        self.housing_hits += bool(events)
+        if self.faults.frozen:
+            frame = self._frozen or frame
+        self._frozen = frame
+        if self.faults.silent or self._rng.random() < self.faults.dropouts:
+            return
+        data = bytearray(encoded(self._protocol, frame))
+        if self.faults.byte_errors:
+            hit = np.flatnonzero(self._rng.random(len(data)) < self.faults.byte_errors)
+            for at in hit:
+                data[at] = int(self._rng.integers(0, 256))
+        _write(self._array_end, bytes(data))
+
+    def _answer(self, data: bytes) -> None:
+        a = self._spec.array
+        told = weiss_dsa.MatrixInfo(
+            a.pitch, (a.columns, a.rows), min(self._spec.electronics.full_scale, 65535.0)
+        )
+        if self._protocol == "dsa" and weiss_dsa.ask_matrix() in data:
+            _write(self._array_end, weiss_dsa.encode_matrix_info(told))
+        if self._protocol == "wts" and weiss_wts.ask_matrix() in data:
+            _write(self._array_end, weiss_wts.encode_matrix_info(told))
+
+    def _send_replies(self, now: float) -> None:
+        if self.machine.replies:
+            data = b"".join(self.machine.replies)
+            self.machine.replies.clear()
+            self._late.append((now + self.faults.latency, data))
+        while self._late and self._late[0][0] <= now:
+            data = self._late.pop(0)[1]
+            if not self.faults.deaf:
+                _write(self._stage_end, data)
+
+
+def encoded(protocol: str, frame: TaxelFrame) -> bytes:
+    """A frame as an array of that protocol sends it."""
+    counts = np.rint(frame.counts).astype(int)
+    milliseconds = round(1000 * frame.time)
+    if protocol == "dsa":
+        return weiss_dsa.encode_frame(np.minimum(counts, 4095), milliseconds)
+    if protocol == "wts":
+        return weiss_wts.encode(np.minimum(counts, 65535), milliseconds)
+    if protocol == "flexitac":
+        return flexitac.encode(np.minimum(counts, 255))
+    return (
+        matrix_text.encode(counts)
+        if protocol == "matrix"
+        else line_text.encode(counts, frame.index, milliseconds)
+    )
+
+
+def _terminal() -> tuple[int, str]:
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    os.set_blocking(master, False)
+    path = os.ttyname(slave)
+    return master, path
+
+
+def _read(end: int) -> bytes:
+    with contextlib.suppress(OSError):
+        return os.read(end, 4096)
+    return b""
+
+
+def _write(end: int, data: bytes) -> None:
+    with contextlib.suppress(OSError):
+        os.write(end, data)

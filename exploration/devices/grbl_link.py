@@ -1,0 +1,127 @@
+"""The dialogue with a Grbl controller: lines that it has room for, and reports with the time that they hold for.
+
+Every byte sent is counted until its `ok` or `error:N` has come, and no line is sent that would not fit
+into the receive buffer.  A report's time is the middle between its question and its answer.
+"""
+
+import re
+import time
+from collections import deque
+from dataclasses import dataclass, field
+
+from exploration.devices import grbl_text
+from exploration.devices.ports import Port
+from primitives.errors import PalpateError
+
+_BUFFER = 127  # bytes of the smallest receive buffer
+_LOST = 1.0  # [s] after which an answer that has not come will not
+
+
+@dataclass
+class Heard:
+    """What one look at the port brought."""
+
+    reports: list[tuple[float, grbl_text.Status]] = field(default_factory=list)  # with the time they hold for
+    errors: list[int] = field(default_factory=list)
+    alarm: int | None = None
+    reset: bool = False  # it said hello again
+    other: list[str] = field(default_factory=list)
+
+
+class GrblLink:
+    """One controller on a port; used by one thread at a time."""
+
+    def __init__(self, port: Port) -> None:
+        self.port = port
+        self._text = b""
+        self._sent: deque[tuple[int, float]] = deque()
+        self._asked = 0.0
+        self._offset: tuple[float, ...] = ()
+        self.lost = 0  # answers that never came
+        self.garbled = 0  # lines that were not understood
+
+    @property
+    def unanswered(self) -> int:
+        """Lines whose answer has not come."""
+        return len(self._sent)
+
+    @property
+    def asking(self) -> float | None:
+        """[s] since a report was asked for that has not come."""
+        return time.monotonic() - self._asked if self._asked else None
+
+    def fits(self, line: str) -> bool:
+        """Whether a line may be sent now."""
+        return sum(size for size, _ in self._sent) + len(line) + 1 <= _BUFFER
+
+    def send(self, line: str) -> None:
+        """A line that fits."""
+        data = line.encode() + b"\n"
+        if len(data) > grbl_text.LINE:
+            raise PalpateError(f"a line of {len(data)} bytes is too long for Grbl: {line}")
+        self._sent.append((len(data), time.monotonic()))
+        self.port.write(data)
+
+    def realtime(self, byte: bytes) -> None:
+        """`!` hold, `~` resume, 0x18 reset, 0x85 cancel a jog."""
+        self.port.write(byte)
+        if byte == b"\x18":
+            self._sent.clear()
+
+    def ask(self) -> None:
+        """Ask for a report, unless one is on its way."""
+        now = time.monotonic()
+        if not self._asked or now - self._asked > 0.2:
+            self._asked = now
+            self.port.write(b"?")
+
+    def listen(self) -> Heard:
+        """What has come, after waiting a moment."""
+        heard = Heard()
+        data = self.port.read()
+        now = time.monotonic()
+        *lines, self._text = (self._text + data).split(b"\n")
+        self._text = self._text[-512:]
+        for raw in lines:
+            self._understand(raw.decode("ascii", "replace").strip(), now, heard)
+        while self._sent and now - self._sent[0][1] > _LOST:
+            self._sent.popleft()
+            self.lost += 1
+        return heard
+
+    def _understand(self, line: str, now: float, heard: Heard) -> None:
+        if offset := grbl_text.work_offset(line):
+            self._offset = offset
+        if (report := grbl_text.status(line, self._offset)) is not None:
+            heard.reports.append(((self._asked + now) / 2 if self._asked else now, report))
+            self._asked = 0.0
+        elif line == "ok" or (error := re.fullmatch(r"error:(\d+)", line)):
+            if self._sent:
+                self._sent.popleft()
+            if line != "ok" and error:
+                heard.errors.append(int(error[1]))
+        elif alarm := re.fullmatch(r"ALARM:(\d+)", line):
+            heard.alarm = int(alarm[1])
+        elif re.match(r"Grbl|GrblHAL", line):
+            heard.reset = True
+            self._sent.clear()
+        elif line.startswith("["):
+            heard.other.append(line)
+        elif line:
+            self.garbled += 1
+
+    def exchange(self, line: str, patience: float) -> Heard:
+        """Send a line and wait for its answer; everything heard until then."""
+        self.send(line)
+        total, until = Heard(), time.monotonic() + patience
+        while self._sent and time.monotonic() < until:
+            heard = self.listen()
+            total.reports += heard.reports
+            total.errors += heard.errors
+            total.other += heard.other
+            total.alarm = heard.alarm if heard.alarm is not None else total.alarm
+        if self._sent:
+            raise PalpateError(
+                f"no answer from {self.port.address}; is it a Grbl controller, and the baud rate right?"
+            )
+        return total

@@ -1,0 +1,110 @@
+"""A stage's axes, from its base to its flange: joint positions to a pose, and back.
+
+    base_from_flange(q) = prod_i ( fixed_i . motion_i(q_i) ) . tool
+
+with a shift along or a turn about each axis's direction.  The way back is damped least squares on the
+pose's error, q += J^T (J J^T + l^2)^-1 e, with lengths and angles on one scale; a pose that the axes
+cannot take leaves a rest, and the caller sees how much.  Positions are mm and rad inside, mm and degrees
+on the controller's wire.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from primitives import pose as se3
+from primitives.arrays import Floats
+
+_ARM = 50.0  # [mm] that one radian counts as
+_DAMPING = 1e-3
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of a stage."""
+
+    letter: str
+    turns: bool
+    direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    least: float = -1e9  # [mm] or [rad]
+    most: float = 1e9
+    speed: float = 100.0  # [mm/s] or [rad/s]
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [mm] from the axis before it
+
+
+@dataclass(frozen=True)
+class Reached:
+    """Joint positions, and what they leave of the pose that was asked."""
+
+    q: Floats  # (n,)
+    off: float  # [mm]
+    turned: float  # [rad]
+
+    def __bool__(self) -> bool:
+        return self.off < 0.02 and self.turned < 1e-3
+
+
+class KinematicChain:
+    """Three to six axes."""
+
+    def __init__(self, axes: Sequence[Axis], tool: Floats | None = None) -> None:
+        self.axes = tuple(axes)
+        self.tool = np.eye(4) if tool is None else np.asarray(tool, dtype=float)
+        self.turns = np.array([axis.turns for axis in axes])
+        self.least = np.array([axis.least for axis in axes])
+        self.most = np.array([axis.most for axis in axes])
+        self.speed = np.array([axis.speed for axis in axes])
+        self.to_wire = np.where(self.turns, 180.0 / np.pi, 1.0)
+        self._ways = np.array([axis.direction for axis in axes], dtype=float)
+        self._ways /= np.linalg.norm(self._ways, axis=1, keepdims=True)
+        self._fixed = [se3.pose(None, axis.offset) for axis in axes]
+
+    def pose(self, q: Floats) -> Floats:
+        """(4, 4) base_from_flange."""
+        return self._walk(q)[0]
+
+    def _walk(self, q: Floats) -> tuple[Floats, Floats]:
+        at = np.eye(4)
+        twists = np.zeros((len(self.axes), 6))
+        for i, way in enumerate(self._ways):
+            at = at @ self._fixed[i]
+            if self.turns[i]:
+                axis = at[:3, :3] @ way
+                twists[i, 3:] = axis
+                twists[i, :3] = np.cross(at[:3, 3], axis)
+                at = at @ se3.exp(np.concatenate([np.zeros(3), q[i] * way]))
+            else:
+                twists[i, :3] = at[:3, :3] @ way
+                at = at.copy()
+                at[:3, 3] += q[i] * twists[i, :3]
+        at = at @ self.tool
+        jacobian = twists.T.copy()
+        jacobian[:3] += np.cross(jacobian[3:].T, at[:3, 3]).T
+        return at, jacobian
+
+    def reach(self, goal: Floats, near: Floats, steps: int = 40) -> Reached:
+        """Joint positions near `near` [mm, rad] that bring the flange to a (4, 4) pose, within limits."""
+        q = np.array(near, dtype=float)
+        scale = np.repeat([1.0, _ARM], 3)
+        for _ in range(steps):
+            at, jacobian = self._walk(q)
+            error = np.concatenate([goal[:3, 3] - at[:3, 3], se3.rotation_log(goal[:3, :3] @ at[:3, :3].T)])
+            off, turned = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
+            if off < 1e-4 and turned < 1e-6:
+                break
+            matrix = scale[:, None] * jacobian
+            gain = matrix @ matrix.T + (_DAMPING + 1e-3 * turned) * np.eye(6)
+            step = matrix.T @ np.linalg.solve(gain, scale * error)
+            step *= min(1.0, 0.5 / max(1e-9, float(np.abs(step[self.turns]).max(initial=0.0))))
+            q = np.clip(q + step, self.least, self.most)
+        return Reached(q, off, turned)
+
+    @staticmethod
+    def gantry(letters: str = "XYZABC", travel: float = 700.0, speed: float = 150.0) -> "KinematicChain":
+        """Three linear axes carry up to three turning ones (C about z, B about y, A about x); zero looks down."""
+        ways = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
+        turn = {"A": ways["X"], "B": ways["Y"], "C": ways["Z"]}
+        axes = [Axis(c, False, ways[c], -travel, travel, speed) for c in letters if c in ways]
+        axes += [Axis(c, True, turn[c], -12.0, 12.0, 6.0) for c in "CBA" if c in letters]
+        return KinematicChain(axes, se3.pose(np.diag([1.0, -1.0, -1.0])))

@@ -1,0 +1,85 @@
+"""Serial ports, local or over a network: a thin shell that says what is wrong in one line.
+
+An address is a device (`/dev/ttyUSB0`, `COM3`), `socket://host:port` or `rfc2217://host:port`.
+"""
+
+import grp
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import serial
+from serial.tools import list_ports
+
+from primitives.errors import PalpateError
+
+
+@dataclass(frozen=True)
+class FoundPort:
+    """A port that is there."""
+
+    address: str
+    description: str
+    trouble: str  # why it cannot be opened; empty where it can
+
+
+class Port:
+    """One open port; reading waits `patience` [s] at most, and whatever breaks is a `PalpateError`."""
+
+    def __init__(self, address: str, baud: int, patience: float = 0.002) -> None:
+        self.address = address
+        try:
+            self._serial = serial.serial_for_url(address, baudrate=baud, timeout=patience, write_timeout=0.2)
+        except PermissionError as error:
+            raise PalpateError(_forbidden(address)) from error
+        except (serial.SerialException, ValueError, OSError) as error:
+            if getattr(error, "errno", None) == 13 or "Permission denied" in str(error):
+                raise PalpateError(_forbidden(address)) from error
+            raise PalpateError(
+                f"cannot open {address}: is it plugged in, and its address right? (palpate hardware scan)"
+            ) from error
+
+    def read(self) -> bytes:
+        """What has come, at least after waiting once."""
+        try:
+            data: bytes = self._serial.read(max(1, self._serial.in_waiting))
+        except (serial.SerialException, OSError, TypeError) as error:
+            raise self._gone() from error
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Send bytes."""
+        try:
+            self._serial.write(data)
+        except (serial.SerialException, OSError, TypeError) as error:
+            raise self._gone() from error
+
+    def close(self) -> None:
+        """Close it; a port that is gone is closed."""
+        with suppress(Exception):
+            self._serial.close()
+
+    def _gone(self) -> PalpateError:
+        return PalpateError(f"{self.address} is gone; check its cable, then begin again")
+
+
+def scan() -> list[FoundPort]:
+    """The ports of this machine."""
+    return [
+        FoundPort(p.device, p.description or "", trouble(p.device)) for p in sorted(list_ports.comports())
+    ]
+
+
+def trouble(address: str) -> str:
+    """Why a local port cannot be opened; empty where it can, as far as permissions go."""
+    if os.access(address, os.R_OK | os.W_OK) or not Path(address).exists():
+        return ""
+    return _forbidden(address)
+
+
+def _forbidden(address: str) -> str:
+    group = "dialout"
+    with suppress(OSError, KeyError):
+        group = grp.getgrgid(os.stat(address).st_gid).gr_name
+    return f"{address} may not be opened; join its group: sudo usermod -aG {group} $USER, then log in again"

@@ -1,0 +1,168 @@
+"""An array on a port: a thread reads, cuts and stamps; `read` takes the next frame and never the bytes.
+
+A frame's time is the host's clock when its last byte came.  A control loop that takes long finds the
+newest frame, not a queue of old ones; what it missed is counted.
+"""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.devices.ports import Port
+from exploration.devices.wire import flexitac, line_text, matrix_text, weiss_dsa, weiss_wts
+from exploration.devices.wire.stream import Cutter, RawFrame, Stream
+from exploration.sensing.frame import TaxelArray, TaxelFrame
+from primitives.arrays import Floats, frozen
+from primitives.errors import PalpateError
+
+PROTOCOLS = ("dsa", "wts", "flexitac", "matrix", "lines")
+BAUDS = {"dsa": 115200, "wts": 115200, "flexitac": 2_000_000, "matrix": 2_000_000, "lines": 115200}
+_PATIENCE = 2.0  # [s] without a frame, after which reading is in vain
+
+
+@dataclass
+class FrameCounts:
+    """What became of the frames."""
+
+    read: int = 0
+    missed: int = 0  # came while the loop was busy
+    late: int = 0  # more than half a period after they were due
+    skipped_bytes: int = 0  # belonged to no frame
+
+
+def cutter(protocol: str, shape: tuple[int, int]) -> Cutter:
+    """The codec of a protocol, for an array of (rows, columns)."""
+    cells = shape[0] * shape[1]
+    table: dict[str, Cutter] = {
+        "dsa": lambda data, _: weiss_dsa.cut(data, cells),
+        "wts": lambda data, _: weiss_wts.cut(data, cells),
+        "flexitac": lambda data, locked: flexitac.cut(data, cells, locked),
+        "matrix": lambda data, _: matrix_text.cut(data, shape),
+        "lines": lambda data, _: line_text.cut(data, cells),
+    }
+    if protocol not in table:
+        raise PalpateError(f"no array protocol {protocol!r}; there are {', '.join(PROTOCOLS)}")
+    return table[protocol]
+
+
+class SerialArray:
+    """A tactile array behind a port; `watch` is called with every frame, in the reader's thread."""
+
+    def __init__(
+        self, port: Port, protocol: str, array: TaxelArray, period: float, flange_from_sensor: Floats
+    ) -> None:
+        self._port, self._protocol, self._array, self._period = port, protocol, array, period
+        self._mount = frozen(flange_from_sensor)
+        self._stream = Stream(cutter(protocol, array.shape))
+        self._news = threading.Condition()
+        self._newest: TaxelFrame | None = None
+        self._taken = -1
+        self._fault = ""
+        self._open = True
+        self._index = 0
+        self._last = time.monotonic()
+        self.counts = FrameCounts()
+        self.watch: Callable[[TaxelFrame], None] = lambda frame: None
+        self.before: Callable[[TaxelFrame], None] = lambda frame: None  # called before `read` returns a frame
+        self.fault: Callable[[], str] = lambda: ""  # why reading is in vain, as others know
+        self._greet()
+        self._thread = threading.Thread(target=self._run, name=f"array {array.name}", daemon=True)
+
+    @property
+    def array(self) -> TaxelArray:
+        """Its layout."""
+        return self._array
+
+    @property
+    def flange_from_sensor(self) -> Floats:
+        """(4, 4) where it is mounted."""
+        return self._mount
+
+    @property
+    def period(self) -> float:
+        """Seconds from one frame to the next."""
+        return self._period
+
+    @property
+    def last_frame(self) -> float:
+        """[s] when the newest frame came, on the clock of `time.monotonic`."""
+        return self._last
+
+    def start(self) -> None:
+        """Begin to listen."""
+        self._thread.start()
+
+    def read(self) -> TaxelFrame:
+        """The next frame; one that came while nobody read is taken only if no newer one has come."""
+        deadline = time.monotonic() + _PATIENCE
+        with self._news:
+            while self._newest is None or self._newest.index <= self._taken:
+                if why := self._fault or self.fault():
+                    raise PalpateError(why)
+                if time.monotonic() > deadline:
+                    raise PalpateError(
+                        f"no frame from {self._port.address} for {_PATIENCE:.0f} s; "
+                        "check cable, protocol and baud rate"
+                    )
+                self._news.wait(0.02)
+            frame = self._newest
+            self.counts.missed += frame.index - self._taken - 1 if self._taken >= 0 else 0
+            self._taken = frame.index
+        if why := self._fault or self.fault():
+            raise PalpateError(why)
+        self.before(frame)
+        return frame
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._open = False
+        if self._thread.is_alive():
+            self._thread.join(0.5)
+        stop = {"dsa": weiss_dsa.configure(False), "wts": weiss_wts.stop()}.get(self._protocol)
+        if stop and not self._fault:
+            try:
+                self._port.write(stop)
+            except PalpateError as error:
+                self._fault = str(error)
+        self._port.close()
+
+    def _greet(self) -> None:
+        rate = max(1, round(1.0 / self._period))
+        start = {
+            "dsa": weiss_dsa.configure(True, rate=min(rate, 30)),
+            "wts": weiss_wts.start(round(1000.0 * self._period)),
+        }.get(self._protocol)
+        if start:
+            self._port.write(start)
+
+    def _run(self) -> None:
+        heard = time.monotonic()
+        while self._open:
+            try:
+                data = self._port.read()
+            except PalpateError as error:
+                self._fault = str(error)
+                return
+            now = time.monotonic()
+            if not data:
+                if self._stream.waiting and now - heard > max(0.5 * self._period, 0.004):
+                    self._stream.gap()
+                continue
+            heard = now
+            for raw in self._stream.feed(data):
+                self._take(raw, now)
+            self.counts.skipped_bytes = self._stream.skipped
+
+    def _take(self, raw: RawFrame, now: float) -> None:
+        frame = TaxelFrame(frozen(np.reshape(raw.counts, self._array.shape)), now, self._index)
+        self.counts.read += 1
+        self.counts.late += bool(self._index and now - self._last > 1.5 * self._period)
+        self._index += 1
+        self._last = now
+        self.watch(frame)
+        with self._news:
+            self._newest = frame
+            self._news.notify_all()

@@ -1,0 +1,1 @@
+"""Arrays and stages on a wire: their configs, a world of devices, and their emulators."""

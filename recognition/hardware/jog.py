@@ -1,0 +1,46 @@
+"""`palpate hardware jog`: move the flange by hand, guarded: whatever is touched ends the motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from exploration.control.procedures.approach import touched
+from exploration.devices.grbl_link import GrblLink
+from exploration.devices.guard import Guard, GuardLimits
+from exploration.devices.ports import Port
+from primitives import pose as se3
+from primitives.errors import PalpateError
+from recognition.hardware.config import load_device
+from recognition.hardware.rig import open_rig
+
+_HOMING = 120.0  # [s] at most
+
+
+def jog(path: Path, by: tuple[float, ...], home: bool) -> dict[str, Any]:
+    """Home where asked, then move straight by (3,) [mm]."""
+    config = load_device(path)
+    if home:
+        if config.stage is None:
+            raise PalpateError(f"{path} has no table [stage]; add one")
+        port = Port(config.stage.port, config.stage.baud)
+        try:
+            heard = GrblLink(port).exchange("$H", _HOMING)
+        finally:
+            port.close()
+        if heard.errors or heard.alarm is not None:
+            raise PalpateError("homing failed; check the limit switches, and $22=1")
+    rig = open_rig(config)
+    try:
+        limits = GuardLimits(config.limits.force_n, config.limits.depth_mm, config.limits.reach_mm)
+        guard = Guard(rig.stage, [rig.array], [rig.calibration], limits)
+        goal = guard.world_from_sensor @ np.eye(4)
+        goal[:3, 3] += by
+        met = guard.go_to(goal, until=lambda seen: touched(seen.image)) if any(by) else None
+        where = guard.observe().world_from_sensor @ se3.inverse(rig.array.flange_from_sensor)
+        ended = "arrived" if met is None else f"touched something, {met.force:.1f} N"
+    finally:
+        rig.close()
+    return {"ended": ended, "position_mm": np.round(where[:3, 3], 3).tolist(), "touched": met is not None}

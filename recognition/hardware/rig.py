@@ -1,0 +1,117 @@
+"""Devices opened from a config: an array, a stage, and the safety below both."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from exploration.devices.grbl_link import GrblLink
+from exploration.devices.grbl_stage import GrblStage
+from exploration.devices.ports import Port
+from exploration.devices.protocols import StageLimits
+from exploration.devices.safety import Safety, SafetyLimits
+from exploration.devices.serial_array import SerialArray
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.calibration_toml import load_calibration
+from exploration.sensing.spec import SensorSpec, load_sensor
+from primitives import pose as se3
+from primitives.errors import PalpateError
+from recognition.hardware.config import DeviceConfig, baud
+
+_CONTACT = 0.05  # of the force limit, above which letting go begins with backing off
+_BACK = 5.0  # [mm]
+
+
+@dataclass
+class DeviceRig:
+    """What a run drives; `close` whatever happened."""
+
+    array: SerialArray
+    stage: GrblStage
+    safety: Safety
+    calibration: Calibration
+
+    def close(self) -> None:
+        """Back off where something is touched and frames still come, else hold; then let go of both ports."""
+        with contextlib.suppress(Exception):
+            self.stage.stop()
+            self._back_off()
+        with contextlib.suppress(Exception):
+            self.stage.close()
+        with contextlib.suppress(Exception):
+            self.array.close()
+        atexit.unregister(self.close)
+
+    def _back_off(self) -> None:
+        frame = self.array.read()
+        area = self.array.array.pitch[0] * self.array.array.pitch[1]
+        c = self.calibration
+        force = float(area * ((frame.counts - c.zero) / c.gain)[~c.dead].sum())
+        if self.stage.fault or force < _CONTACT * self.safety.limits.force:
+            return
+        mount = self.array.flange_from_sensor
+        sensor = self.stage.pose() @ mount @ se3.pose(None, [0.0, 0.0, -_BACK])
+        self.stage.go_to(sensor @ se3.inverse(mount))
+        until = time.monotonic() + 2.0
+        while self.stage.moving and time.monotonic() < until:
+            self.array.read()
+
+
+def sensor_of(config: DeviceConfig) -> SensorSpec:
+    """The array's data sheet."""
+    return load_sensor(config.array.sensor)
+
+
+def calibration_of(config: DeviceConfig, spec: SensorSpec) -> Calibration:
+    """The array's own calibration, or the data sheet's."""
+    if not config.array.calibration:
+        return Calibration.nominal(spec)
+    return load_calibration(config.path.parent / Path(config.array.calibration))
+
+
+def open_array(config: DeviceConfig) -> SerialArray:
+    """The array alone, listening."""
+    spec = sensor_of(config)
+    port = Port(config.array.port, baud(config.array))
+    mount = config.array.flange_from_sensor
+    array = SerialArray(port, config.array.protocol, spec.array, spec.period, mount)
+    array.start()
+    return array
+
+
+def open_rig(config: DeviceConfig) -> DeviceRig:
+    """Array and stage, listening and guarded; nothing moves."""
+    if config.stage is None:
+        raise PalpateError(f"{config.path}: without a table [stage] only palpate frames works; add one")
+    spec = sensor_of(config)
+    calibration = calibration_of(config, spec)
+    area = spec.array.pitch[0] * spec.array.pitch[1]
+    limits = SafetyLimits(config.limits.force_n, config.limits.reach_mm)
+    safety = Safety(calibration, area, spec.period, limits)
+    told = config.stage
+    stage_limits = StageLimits(
+        told.speed_mm_s,
+        told.acceleration_mm_s2,
+        float(np.radians(told.turn_speed_deg_s)),
+        told.acceleration_mm_s2 / 50.0,
+    )
+    array = open_array(config)
+    array.watch = safety.seen
+    try:
+        array.read()
+        link = GrblLink(Port(told.port, told.baud))
+        stage = GrblStage(link, told.chain, stage_limits, safety, crash_pin=told.crash_pin)
+    except PalpateError:
+        array.close()
+        raise
+    array.before = lambda frame: stage.as_of(frame.time)
+    array.fault = lambda: stage.fault
+    stage.start()
+    rig = DeviceRig(array, stage, safety, calibration)
+    atexit.register(rig.close)
+    return rig
