@@ -65,7 +65,7 @@ class AnyForm:
         while self.pad.guard.cost.touches < self.config.max_touches:
             move = self._next(face)
             if move is None:
-                return
+                break
             try:
                 done, note = move()
             except (OverPress, Collision) as error:
@@ -73,10 +73,15 @@ class AnyForm:
                 done, note = None, f"backed off: {error}"
             face = done
             yield note
+        self.found.openings = self._frontier().openings()
+        self.found.warnings.extend(rim.told() for rim in self.found.openings)
+
+    def _frontier(self) -> LocalFrontier:
+        self._take_in()
+        return LocalFrontier(self.found.graph.faces, self.felt, self.pad.free.points, self.config.feature)
 
     def _next(self, face: int | None) -> Callable[[], Done] | None:
-        self._take_in()
-        frontier = LocalFrontier(self.found.graph.faces, self.felt, self.pad.free.points, self.config.feature)
+        frontier = self._frontier()
         opened, rims = frontier.open(), frontier.rims()
         walls = [wall for wall in self.study.walls if not self._stands(wall)]
         self.found.open = len(opened.points) + len(rims) + len(walls)

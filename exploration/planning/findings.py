@@ -8,6 +8,7 @@ import numpy as np
 
 from exploration.planning.attribution import CONVEX, AttributionConfig
 from exploration.planning.frontier import Predicted
+from exploration.planning.round_rims import RoundRim
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 from primitives.fit import Fit
@@ -43,6 +44,7 @@ class Findings:
 
     graph: PatchGraph = field(default_factory=lambda: PatchGraph(options=CONVEX))
     traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
+    openings: list[RoundRim] = field(default_factory=list)  # that no array has room in
     hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""
     open: int = 0  # things still open, when last counted

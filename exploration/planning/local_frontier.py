@@ -15,6 +15,7 @@ from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
 from exploration.planning.frontier import Predicted
+from exploration.planning.round_rims import RoundRim, round_rim
 from exploration.planning.surface_map import SurfaceMap
 from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
@@ -97,6 +98,21 @@ class LocalFrontier:
                         found.append((len(rows), _sighting(own, at[rows], out[rows]), own.face.id))
         return [(edge, face) for _, edge, face in sorted(found, key=lambda item: -item[0])]
 
+    def openings(self) -> list[RoundRim]:
+        """Round rims behind which no face is known, whose inside is not there."""
+        found: list[RoundRim] = []
+        for own in self.known:
+            if own.fit.kind != "plane":
+                continue
+            at, out, reach = self._rim_places(own)
+            left = ~self._explained(own, at, out)
+            middle = at + 0.5 * reach[:, None] * out
+            for members in _clusters(middle[left], self.config.cluster):
+                axis = own.side * own.fit.shape.direction
+                rim = round_rim(middle[left][members], out[left][members], axis, own.face.id)
+                found += [rim] if rim is not None else []
+        return found
+
     def _further(self, own: _Known) -> tuple[Floats, Floats]:
         """(m, 3) places a little further than touched ones, not touched themselves; and where they came from."""
         normals = own.fit.shape.normals(own.cells)
@@ -140,9 +156,13 @@ class LocalFrontier:
 
     def _rim(self, own: _Known) -> tuple[Floats, Floats]:
         """(n, 3) touched cells beside free ones, and the ways out of the face there."""
+        return self._rim_places(own)[:2]
+
+    def _rim_places(self, own: _Known) -> tuple[Floats, Floats, Floats]:
+        """(n, 3) touched cells, the ways out, and how far [mm] the nearest free place is that way."""
         free = self._free_of(own)
         if not len(free) or not len(own.cells):
-            return np.empty((0, 3)), np.empty((0, 3))
+            return np.empty((0, 3)), np.empty((0, 3)), np.empty(0)
         distance, found = KDTree(free).query(own.cells)
         nearest = np.asarray(found)
         at = own.cells[distance < self.config.rim]
@@ -150,7 +170,8 @@ class LocalFrontier:
         normals = own.fit.shape.normals(at)
         out = out - (out * normals).sum(axis=1, keepdims=True) * normals
         length = np.linalg.norm(out, axis=1)
-        return at[length > 0.2], out[length > 0.2] / length[length > 0.2, None]
+        far = length > 0.2
+        return at[far], out[far] / length[far, None], length[far]
 
     def _explained(self, own: _Known, at: Floats, out: Floats) -> Bools:
         told = np.zeros(len(at), dtype=bool)

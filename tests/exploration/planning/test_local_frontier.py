@@ -79,3 +79,23 @@ def test_a_way_never_leads_the_housing_through_what_was_touched():
             at = se3.pose(down, (1.0 - share) * a[:3, 3] + share * b[:3, 3])
             local = (wall - at[:3, 3]) @ at[:3, :3]
             assert not ((local > tool.low) & (local < tool.high)).all(axis=1).any()
+
+
+def test_the_rim_of_a_hole_is_a_circle_of_its_radius():
+    flat = grid((-30.0, 30.0), (-30.0, 30.0), 1.0)
+    away = np.linalg.norm(flat - [3.0, -2.0], axis=1)
+    points = np.column_stack([flat, np.zeros(len(flat))])
+    free = points[away < 9.0] - [0.0, 0.0, 0.5]
+    points = points[away > 9.0]
+    (rim,) = LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0).openings()
+    assert abs(rim.radius - 9.0) < 0.5
+    assert np.linalg.norm(rim.center - [3.0, -2.0, 0.0]) < 0.5
+
+
+def test_the_outline_of_a_disc_is_no_opening():
+    flat = grid((-30.0, 30.0), (-30.0, 30.0), 1.0)
+    away = np.linalg.norm(flat, axis=1)
+    points = np.column_stack([flat, np.zeros(len(flat))])
+    free = points[away > 12.0] - [0.0, 0.0, 0.5]
+    points = points[away < 12.0]
+    assert not LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0).openings()

@@ -1,0 +1,78 @@
+"""Round openings that nothing led into: their rims, from where a face was felt to end and where it was not there.
+
+The rim runs between touched places and the free ones beside them.  A circle through the middles,
+
+    |x|^2 = 2 c . x + (r^2 - |c|^2),
+
+is linear in c and in the bracket (Kasa 1976).  It is the rim of an opening where the ways out of the face lead to
+its center and it was felt most of the way round.  How deep the opening is, nobody has felt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from primitives.arrays import Floats
+from primitives.pose import frame_along
+
+
+@dataclass(frozen=True)
+class RoundRimConfig:
+    """What is a round opening."""
+
+    rms: float = 0.8  # [mm] of the places from the circle; they are felt a cell apart
+    around: float = 4.0  # [rad] of it that must have been felt
+    inward: float = 0.8  # share of the ways out that must lead to the center
+    largest: float = 60.0  # [mm] radius
+
+
+@dataclass(frozen=True)
+class RoundRim:
+    """A circle on a face, whose inside is not there."""
+
+    center: Floats  # (3,) [mm]
+    axis: Floats  # (3,) out of the face
+    radius: float  # [mm]
+    sigma: float  # [mm] of the radius
+    face: int
+
+    def told(self) -> str:
+        """In words, for a person."""
+        x, y, z = self.center
+        return (
+            f"a round opening of radius {self.radius:.1f} mm at ({x:.1f}, {y:.1f}, {z:.1f}) mm has no room for "
+            "the array; how deep it is, is unknown"
+        )
+
+
+def round_rim(
+    points: Floats, out: Floats, axis: Floats, face: int, config: RoundRimConfig | None = None
+) -> RoundRim | None:
+    """The circle through (n, 3) places of a rim, with the (n, 3) ways `out` of the face; None where none is."""
+    config = config or RoundRimConfig()
+    if len(points) < 6:
+        return None
+    turn, middle = frame_along(axis), points.mean(axis=0)
+    flat = (points - middle) @ turn
+    x, y = flat[:, 0], flat[:, 1]
+    rows = np.column_stack([2.0 * x, 2.0 * y, np.ones(len(x))])
+    (cx, cy, rest), _, rank, _ = np.linalg.lstsq(rows, x**2 + y**2, rcond=None)
+    if rank < 3 or rest + cx**2 + cy**2 <= 0.0:
+        return None
+    radius = float(np.sqrt(rest + cx**2 + cy**2))
+    away = flat[:, :2] - [cx, cy]
+    rms = float(np.sqrt(np.mean((np.linalg.norm(away, axis=1) - radius) ** 2)))
+    angle = np.sort(np.arctan2(away[:, 1], away[:, 0]))
+    gap = float(np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+    inward = float(np.mean((((out @ turn)[:, :2] * away).sum(axis=1)) < 0.0))
+    if (
+        rms > config.rms
+        or 2.0 * np.pi - gap < config.around
+        or inward < config.inward
+        or radius > config.largest
+    ):
+        return None
+    center: Floats = middle + turn @ np.array([cx, cy, float(flat[:, 2].mean())])
+    return RoundRim(center, axis, radius, rms / float(np.sqrt(len(points))), face)
