@@ -94,7 +94,7 @@ def confusable(
     found = []
     for done, (a, b) in enumerate(close, 1):
         told(done, len(close), f"{a}, {b}")
-        b_from_a = overlay(library[a], library[b])
+        b_from_a = _laid(library[a], library[b])
         if _plain(library[a], library[b], b_from_a, sigma, config):
             continue
         for name in {a, b} - dense.keys():
@@ -107,6 +107,13 @@ def confusable(
 
 def _close(a: Spread, b: Spread, gate: float, sigma: float) -> bool:
     return bool(np.abs(a.radii - b.radii).max() <= gate * max(a.radii[0], b.radii[0]) + 4 * sigma)
+
+
+def _laid(a: Entry, b: Entry) -> Floats:
+    """The overlay of the object with less surface on the other: walls that only one has pull at neither."""
+    if a.samples.area.sum() <= b.samples.area.sum():
+        return overlay(a, b)
+    return inverse(overlay(b, a))
 
 
 def _plain(a: Entry, b: Entry, b_from_a: Floats, sigma: float, config: ConfusableConfig) -> bool:
