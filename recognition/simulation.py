@@ -84,9 +84,10 @@ def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> Wo
     """Part and sensor, checked before anything is written; the same for the same seed."""
     config = config or WorldConfig()
     if options.device is not None:
-        from recognition.hardware.world import device_world
+        from recognition.hardware.world import wired
 
-        return device_world(options.device, config)
+        device = wired(options.device)
+        return World(device.part, cast(Solid, None), device.spec, device.box, config, device)
     spec, *more = (load_sensor(name.strip()) for name in options.sensors)
     if more:
         raise PalpateError(

@@ -10,11 +10,11 @@ from typing import cast
 import numpy as np
 
 from exploration.devices.guard import Guard, GuardLimits, Observation
+from exploration.sensing.spec import SensorSpec
 from models.part import Part
-from models.solid import Solid
+from primitives.arrays import Floats
 from recognition.hardware.config import DeviceConfig, load_device
 from recognition.hardware.rig import DeviceRig, open_rig, sensor_of
-from recognition.simulation import World, WorldConfig
 
 
 @dataclass
@@ -23,6 +23,21 @@ class WiredDevice:
 
     config: DeviceConfig
     rig: DeviceRig | None = None
+
+    @property
+    def spec(self) -> SensorSpec:
+        """The array's data sheet."""
+        return sensor_of(self.config)
+
+    @property
+    def box(self) -> Floats:
+        """(2, 3) the workspace [mm]."""
+        return np.reshape(self.config.limits.workspace_mm, (2, 3))
+
+    @property
+    def part(self) -> Part:
+        """What stands for the part, which nobody knows."""
+        return cast(Part, _Unknown(self.config.path.stem))
 
     def guarded(self, observer: Callable[[Guard, Observation], None]) -> Guard:
         """The array on its stage, behind a guard."""
@@ -49,10 +64,6 @@ class _Unknown:
     solid: None = field(default=None)
 
 
-def device_world(path: str, config: WorldConfig) -> World:
-    """The set-up of a config file."""
-    device = load_device(Path(path))
-    name = Path(path).stem
-    box = np.reshape(device.limits.workspace_mm, (2, 3))
-    part = cast(Part, _Unknown(name))
-    return World(part, cast(Solid, None), sensor_of(device), box, config, WiredDevice(device))
+def wired(path: str) -> WiredDevice:
+    """The set-up of a config file; nothing is opened yet."""
+    return WiredDevice(load_device(Path(path)))
