@@ -24,6 +24,7 @@ from recognition.commands import (
     library,
     probe,
     reconstruct,
+    replay,
     track,
 )
 from recognition.commands.answering import INTERRUPTED
@@ -46,6 +47,7 @@ for command in (
     track.track,
     probe.probe,
     experiment.experiment,
+    replay.replay,
     identify,
     locate,
     recognize,

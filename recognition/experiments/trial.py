@@ -68,4 +68,5 @@ class Work:
     def file(self, named: str) -> str:
         """A setting that names a file, or something built in, as something to open."""
         path = self.base / named
-        return str(path) if path.exists() else named
+        looks = "." in path.name or "/" in named  # else a folder of the same name would hide what is built in
+        return str(path) if looks and path.exists() else named

@@ -25,7 +25,7 @@ def library_of(settings: Mapping[str, Value], name: str, work: Work) -> Library:
     """What the object is looked for in."""
     folder, size, unknown = settings["library"], settings["library_size"], bool(settings["unknown"])
     if folder:
-        opened = _opened(work.file(str(folder)))
+        opened = _opened(str(work.base / str(folder)))
         if not unknown:
             return opened
         return Library({other: partial(opened.__getitem__, other) for other in opened if other != name})

@@ -82,7 +82,10 @@ def test_another_suite_does_not_go_into_the_folder(suite, tmp_path):
 
 def test_a_trial_that_hangs_or_grows_is_a_row_with_its_reason(suite, tmp_path, monkeypatch):
     trial = load_suite(suite).trials[0]
-    ends = {"timeout": lambda self, s, w: [None for _ in iter(int, 1)], "memory": lambda self, s, w: bytearray(10**9)}
+    ends = {
+        "timeout": lambda self, s, w: [None for _ in iter(int, 1)],
+        "memory": lambda self, s, w: bytearray(10**9),
+    }
     for outcome, carry in ends.items():
         monkeypatch.setattr(type(KINDS["frames"]), "carry", carry)
         row = carried(trial, tmp_path / "scratch", Limits(0.2, 200.0))
