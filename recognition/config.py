@@ -31,8 +31,6 @@ _NOT_SETTINGS = ("out", "overwrite")  # where a result goes is no part of what i
 class ExploreOptions:
     """Everything `palpate explore` can be told."""
 
-    policies: ClassVar[tuple[str, ...]] = POLICIES
-
     part: str
     units: str = "auto"
     scale: float = 1.0
