@@ -7,15 +7,16 @@ over every taxel that felt nothing while its neighbors did (our derivation).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter
 
 from exploration.control.dwell import dwell
 from exploration.control.feel import Felt, feel
-from exploration.control.procedures.approach import ApproachConfig, advance, retreat, touched
-from exploration.control.procedures.land import LandConfig, land
+from exploration.control.free_cells import free_cells
+from exploration.control.procedures.approach import ApproachConfig, advance, touched
+from exploration.control.procedures.land import LandConfig, land, strongest
 from exploration.control.procedures.settle import SettleConfig, settle
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, ends_by_curving, sight
@@ -53,6 +54,10 @@ class LoneTouch:
     met: bool
     note: str  # what was felt, in a few words
     pose: Floats  # (4, 4) world_from_sensor where the pad lay, or where it gave up
+    untouched: Floats = field(
+        default_factory=lambda: np.empty((0, 3))
+    )  # (n, 3) [mm] of the skin, under which
+    # nothing was felt while the pad lay pressed
 
     def __bool__(self) -> bool:
         return self.met
@@ -69,7 +74,7 @@ class LoneTouchConfig:
     edge_floor: float = 0.1  # [mm] error of an edge that its line's covariance does not show
     roundest: float = 20.0  # [mm] radius of an edge that still looks straight
     point_sigma: float = 0.4  # [mm] of a contact too sharp or too small to show a surface
-    landing: LandConfig = field(default_factory=lambda: LandConfig(tries=2))
+    landing: LandConfig = field(default_factory=lambda: LandConfig(tries=1))
     settling: SettleConfig = field(default_factory=lambda: SettleConfig(patience=500))
 
 
@@ -93,6 +98,7 @@ def touch_once(guard: Guard, approach: Approach, config: LoneTouchConfig | None 
     free = [swept.boxes()]
     if felt:
         keep(seen, number, guard.cost.strokes, kept)
+        kept = [_on_touched(contacts, seen, felt) for contacts in kept]
         if not any(map(len, kept)):
             kept.append(_bare_point(seen, number, guard.cost.strokes, config))
         edges = _edges(seen, felt, number, guard.cost.strokes, config)
@@ -107,6 +113,7 @@ def touch_once(guard: Guard, approach: Approach, config: LoneTouchConfig | None 
         True,
         _words(contacts, edges, felt or None, why),
         seen.world_from_sensor,
+        free_cells(seen, felt) if felt else np.empty((0, 3)),
     )
 
 
@@ -118,18 +125,31 @@ def _come_down(guard: Guard, approach: Approach, config: LoneTouchConfig) -> tup
             return False, "nothing"
         settled = settle(guard, config=config.settling)
         return True, "" if settled else "unsettled"
-    except (Collision, OverPress):
-        pass
+    except (Collision, OverPress) as fault:
+        felt_at = strongest(fault.seen.image) if fault.seen is not None else np.zeros(2)
     try:
-        retreat(guard, 2.0)
-        landed = land(
-            guard, direction, 25.0, ApproachConfig().speed, config.landing, settling=config.settling
-        )
+        speed = ApproachConfig().speed
+        landed = land(guard, direction, 25.0, speed, config.landing, config.settling, felt_at)
     except (Collision, OverPress):
         return False, "the housing was in the way"
     if landed or touched(guard.hold().image):
         return True, "" if landed else "unsettled"
     return False, "the housing was in the way"
+
+
+def _on_touched(contacts: Contacts, seen: Observation, felt: Felt) -> Contacts:
+    """Contacts of a flat patch, each moved within its plane to a touched taxel: a hole has no surface."""
+    rows, columns = np.nonzero(felt.inner if felt.inner.sum() >= len(contacts) else felt.mask)
+    if len(contacts) < 4 or not contacts.has_normal.all() or not len(rows):
+        return contacts
+    taxels = np.column_stack([seen.image.array.x[columns], seen.image.array.y[rows]])
+    local = se3.transform_points(se3.inverse(seen.world_from_sensor), contacts.points)
+    normals = contacts.normals @ seen.world_from_sensor[:3, :3]
+    nearest = np.linalg.norm(taxels[None] - local[:, None, :2], axis=2).argmin(axis=1)
+    shift = taxels[nearest] - local[:, :2]
+    height = local[:, 2] - (shift * normals[:, :2]).sum(axis=1) / normals[:, 2]
+    moved = np.column_stack([taxels[nearest], height])
+    return replace(contacts, points=frozen(se3.transform_points(seen.world_from_sensor, moved)))
 
 
 def _bare_point(seen: Observation, touch: int, stroke: int, config: LoneTouchConfig) -> Contacts:

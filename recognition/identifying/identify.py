@@ -24,6 +24,7 @@ from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from recognition.identifying.policies import POLICY, gap_touch
+from recognition.identifying.untouched import weighed
 from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.next_touch.choose import Choice, choose
 from recognition.matching.next_touch.held import UNKNOWN, held
@@ -43,7 +44,7 @@ class IdentifyConfig:
     confirmed: int = 2  # touches in a row, after each of which the same name is sure enough
     placed: float = 0.5  # [mm] error of the place, above which touches go on
     bounding: int = 4  # touches with normals, from which swept space tells poses apart
-    blind: int = 2  # touches that met something, before which the widest gap is touched
+    blind: int = 1  # touches that met something, before which the widest gap is touched
     idle: int = 3  # touches in a row that were chosen for want of one that tells
     margin: float = 12.0  # [mm] round the ball that holds the object
     starts: int = 40  # hypotheses that are tried again after the next touch
@@ -168,6 +169,8 @@ class Identifier:
             self.belief = match(
                 self.evidence, self.library, self._prior(), self.config.unknown, starts[: self.config.starts]
             )
+            cells = np.concatenate([t.untouched for t in self.touches])
+            self.belief = weighed(self.belief, self.library, cells)
         self.announce("touch", {"number": touch.touch, "felt": touch.note, "met": touch.met})
         self._judge()
         return Step(touch, self.belief, choice, self.guard.cost.seconds)

@@ -33,13 +33,14 @@ def land(
     speed: float,
     config: LandConfig = LandConfig(),
     settling: SettleConfig | None = None,
+    felt_at: Floats | None = None,
 ) -> Felt | Unsettled:
     """Advance at most `distance` [mm] along a (3,) direction until touched, then settle.
 
     When the housing meets the object first, the pad backs off, leans to the side on which it felt contact, as
-    settling would have rolled it, and advances along its own new normal.
+    settling would have rolled it, and advances along its own new normal.  With `felt_at` (2,) [mm] it leans at
+    once.
     """
-    felt_at: Floats | None = None
     for _ in range(config.tries):
         try:
             if felt_at is not None:
