@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from exploration.recordings.episode import read_episode
+from exploration.recordings.intake import opened
+from exploration.recordings.mcap import RecordedFrame, read
 from exploration.recordings.recording import Pad, PadFrame
 from exploration.sensing.calibration import correct
 from exploration.sensing.touch import contacts_of
@@ -32,7 +34,7 @@ class ReplayOptions:
     step: float = 2.0  # [mm] that the pad moves between two frames that are perceived
     turn: float = 0.03  # [rad] or turns
     settled: int = 3  # frames in contact before the first that is
-    most: int = 3000  # frames perceived; more are thinned
+    most: int = 800  # frames perceived; more are thinned
     sigmas: float = 6.0  # of force out of its noise, from which a frame is in contact
     sweep_step: float = 6.0  # [mm] between swept boxes
     spare: float = 1.0  # [mm] by which swept boxes are smaller than pad and housing
@@ -50,6 +52,10 @@ class Replayed:
 def felt_contacts(path: Path, options: ReplayOptions | None = None) -> Replayed:
     """The contacts of every step in touch, in the world frame."""
     options = options or ReplayOptions()
+    with opened(path):
+        pass
+    if not any(isinstance(item, RecordedFrame) for item in read(path)):
+        return Replayed(Contacts.of(np.empty((0, 3))), Felt(), ("the recording ends before its first frame",))
     recording = read_episode(path)
     if not recording.posed:
         raise PalpateError(f"{path} carries no poses; give the episode.mcap of a run")
