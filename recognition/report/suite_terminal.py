@@ -22,7 +22,7 @@ def suite_text(summary: Mapping[str, Any], folder: Path) -> str:
             lines += [
                 "",
                 f"{group['name']}{f' by {axis}' if axis else ''}",
-                table_text([_row(c) for c in cells]),
+                table_text(_rows(cells)),
             ]
     return "\n".join(
         [*lines, "", f"report: {folder / 'report.html'}", f"table: {folder / 'results.parquet'}"]
