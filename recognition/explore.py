@@ -212,8 +212,10 @@ def _report(
     )
 
 
-def _truth_to_draw(world: World) -> ReportMesh:
-    """The object, in facets as coarse as a drawing allows where it was made from a tree."""
+def _truth_to_draw(world: World) -> ReportMesh | None:
+    """The object, in facets as coarse as a drawing allows where it was made from a tree; None where unknown."""
+    if not world.known:
+        return None
     solid = world.solid
     if world.part.csg is not None:
         solid = Solid.from_csg(world.part.csg, _DRAWN_FACET).placed(solid.pose)

@@ -3,7 +3,6 @@
 An address is a device (`/dev/ttyUSB0`, `COM3`), `socket://host:port` or `rfc2217://host:port`.
 """
 
-import grp
 import os
 from contextlib import suppress
 from dataclasses import dataclass
@@ -79,7 +78,8 @@ def trouble(address: str) -> str:
 
 
 def _forbidden(address: str) -> str:
-    group = "dialout"
-    with suppress(OSError, KeyError):
-        group = grp.getgrgid(os.stat(address).st_gid).gr_name
+    try:
+        group = Path(address).group()
+    except (OSError, KeyError, NotImplementedError):  # Windows knows no groups
+        return f"{address} may not be opened; close the program that holds it"
     return f"{address} may not be opened; join its group: sudo usermod -aG {group} $USER, then log in again"
