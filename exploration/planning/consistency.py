@@ -12,7 +12,7 @@ import numpy as np
 
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.fit import Fit
+from primitives.fit import Fit, fit
 from primitives.patch_graph import Face, PatchGraph
 from primitives.shapes import Shape
 
@@ -25,6 +25,8 @@ _LARGER = 1.5  # times as many contacts make a face the larger
 _SOUND = 10  # contacts of a face that is no reading of a rim
 _BEFORE = 3.0  # [mm] in front of a face, from which a contact cannot be of one convex body with it
 _WIDE = 3.0  # [mm] standard deviation of a sound face's contacts across their longer extent
+_BULGE = 0.02  # [mm] rms about a plane, up to which a face is flat
+_FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
 
@@ -65,6 +67,27 @@ def _broad(face: Face) -> bool:
     """Whether a face was touched over more than the rim that may look like one."""
     spread = np.linalg.svd(face.contacts.points - face.contacts.points.mean(axis=0), compute_uv=False)
     return bool(spread[1] / np.sqrt(len(face.contacts)) > _WIDE)
+
+
+def flattened(graph: PatchGraph) -> PatchGraph:
+    """The graph with planes for faces that curve so little that what was touched of them is flat.
+
+    Over an extent e a curve of radius r bulges by e^2 / (8 r).  Narrow faces, felt by pads that reach past them,
+    may read so.
+    """
+    faces = []
+    for face in graph.faces:
+        flat = fit("plane", face.contacts) if _hardly_curved(face) else None
+        sound = isinstance(flat, Fit) and flat.rms < _BULGE
+        faces.append(replace(face, fit=flat, ranked=()) if sound and flat is not None else face)
+    return replace(graph, faces=tuple(faces))
+
+
+def _hardly_curved(face: Face) -> bool:
+    radius = getattr(face.fit.shape, "radius", None) if isinstance(face.fit, Fit) else None
+    if radius is None or len(face.contacts) < _SOUND:
+        return False
+    return bool(radius > _FLAT * np.ptp(face.contacts.points, axis=0).max())
 
 
 def drop_contradicted(graph: PatchGraph) -> PatchGraph:

@@ -23,6 +23,7 @@ class RoundRimConfig:
     """What is a round opening."""
 
     rms: float = 0.8  # [mm] of the places from the circle; they are felt a cell apart
+    share: float = 0.12  # of the radius, that they may be off it at most
     around: float = 4.0  # [rad] of it that must have been felt
     inward: float = 0.8  # share of the ways out that must lead to the center
     largest: float = 60.0  # [mm] radius
@@ -42,7 +43,7 @@ class RoundRim:
         """In words, for a person."""
         x, y, z = self.center
         return (
-            f"a round opening of radius {self.radius:.1f} mm at ({x:.1f}, {y:.1f}, {z:.1f}) mm has no room for "
+            f"a round opening of radius about {self.radius:.0f} mm at ({x:.1f}, {y:.1f}, {z:.1f}) mm has no room for "
             "the array; how deep it is, is unknown"
         )
 

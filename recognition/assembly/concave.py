@@ -112,7 +112,13 @@ def _piece(step: Step, vocabulary: Vocabulary, corners: Floats, room: Floats) ->
     if candidate.kind == "cube":
         assert candidate.frame is not None
         axes = vocabulary.frames[candidate.frame]
-        made = slab_cube(frame_of(vocabulary.directions, axes), candidate.slabs, shapes, corners)
+        frame = frame_of(vocabulary.directions, axes)
+        turned = [
+            k is not None and vocabulary.directions[k].axis @ c < 0
+            for k, c in zip(axes, frame.T, strict=True)
+        ]
+        slabs = [(b, a) if t else (a, b) for (a, b), t in zip(candidate.slabs, turned, strict=True)]
+        made = slab_cube(frame, slabs, shapes, corners)
     elif candidate.kind == "prism":
         made = _polyhedron(candidate.sides, shapes, room)
     else:

@@ -1,11 +1,16 @@
+from dataclasses import replace
+
 import numpy as np
 
+from exploration.planning.consistency import flattened
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.routes import Tool, route
 from exploration.planning.surface_map import SurfaceMap
 from primitives import pose as se3
 from primitives.evidence import Contacts
-from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.fit import fit
+from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
+from primitives.shapes import Cylinder
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -99,3 +104,22 @@ def test_the_outline_of_a_disc_is_no_opening():
     free = points[away > 12.0] - [0.0, 0.0, 0.5]
     points = points[away < 12.0]
     assert not LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0).openings()
+
+
+def test_a_narrow_face_that_reads_slightly_curved_is_a_plane_and_a_bar_is_none():
+    flat = grid((0.0, 6.0), (0.0, 40.0))
+    slight = np.column_stack([flat, -((flat[:, 0] - 3.0) ** 2) / (2.0 * 850.0)])
+    across = np.column_stack([-(flat[:, 0] - 3.0) / 850.0, np.zeros(len(flat)), np.ones(len(flat))])
+    contacts = Contacts.of(slight, across / np.linalg.norm(across, axis=1, keepdims=True), 0.003, 0.001)
+    curved = fit("cylinder", contacts)
+    turn = np.linspace(-0.5, 0.5, 12)
+    ring = np.column_stack([np.sin(turn), np.zeros(12), np.cos(turn)])
+    bar = Contacts.of(
+        np.concatenate([20.0 * ring + [0.0, y, 0.0] for y in (0.0, 20.0)]), np.tile(ring, (2, 1))
+    )
+    faces = (
+        Face(0, replace(curved, shape=Cylinder([3.0, 0.0, -850.0], [0.0, 1.0, 0.0], 850.0)), contacts),
+        Face(1, fit("cylinder", bar), bar),
+    )
+    kinds = [face.fit.kind for face in flattened(PatchGraph(faces)).faces]
+    assert kinds == ["plane", "cylinder"]
