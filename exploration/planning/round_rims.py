@@ -43,8 +43,8 @@ class RoundRim:
         """In words, for a person."""
         x, y, z = self.center
         return (
-            f"a round opening of radius about {self.radius:.0f} mm at ({x:.1f}, {y:.1f}, {z:.1f}) mm has no room for "
-            "the array; how deep it is, is unknown"
+            f"a round opening of radius about {self.radius:.0f} mm at ({x:.1f}, {y:.1f}, {z:.1f}) mm "
+            "has no room for the array; how deep it is, is unknown"
         )
 
 
@@ -69,7 +69,7 @@ def round_rim(
     gap = float(np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
     inward = float(np.mean((((out @ turn)[:, :2] * away).sum(axis=1)) < 0.0))
     if (
-        rms > config.rms
+        rms > min(config.rms, config.share * radius)
         or 2.0 * np.pi - gap < config.around
         or inward < config.inward
         or radius > config.largest
