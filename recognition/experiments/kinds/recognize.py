@@ -42,7 +42,7 @@ def carry(settings: Mapping[str, Value], work: Work) -> dict[str, Value]:
         points,
         normals if s["normals"] else None,
         sigma=max(s["sigma_mm"], LEAST_SIGMA),
-        normal_sigma=TILT * np.sqrt(2.0),
+        normal_sigma=TILT,
     )
     began = time.perf_counter()
     belief = match(Evidence(contacts), library, Prior.around(contacts))
