@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from primitives.arrays import Floats
-from recognition.matching.facets import Facets, likeliest
+from recognition.matching.facets import Facets, likeliest, tilt_bound
 from recognition.matching.field_kernels import turn
 
 
@@ -51,7 +51,7 @@ def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolu
                 m = pose[:, :3] @ normals[i]
                 s, a = sigma[i] * wide, tau[i] * min(wide, 3.0)
                 cost = likeliest(q, m, felt[i], s, a, cap, mesh, stack, reach, found)
-                if cost >= cap:
+                if not np.isfinite(cost):
                     if step == rounds:
                         distances[row, i], angles[row, i] = np.inf, np.inf
                     continue
@@ -62,7 +62,7 @@ def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolu
                 if step == rounds:
                     x = m - found[3:]
                     distances[row, i], angles[row, i] = d, np.sqrt(x @ x) if felt[i] else 0.0
-                weight = 1.0 / (1.0 + np.exp(0.5 * cost - 0.35 * cap))
+                weight = 1.0 / (1.0 + np.exp(0.5 * min(d * d / (s * s), 200.0) - 0.35 * cap))
                 r = q - center
                 far = max(far, r @ r)
                 jd[:3] = u
@@ -78,7 +78,8 @@ def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolu
                         h[p, o] += w * jd[p] * jd[o]
                 if felt[i]:
                     x = m - found[3:]
-                    w = weight / (a * a)
+                    turned = min((x @ x) / (a * a), 200.0)
+                    w = weight / (a * a) / (1.0 + np.exp(0.5 * (turned - tilt_bound(a))))
                     jn[:] = 0.0
                     jn[0, 4], jn[0, 5], jn[1, 3] = m[2], -m[1], -m[2]
                     jn[1, 5], jn[2, 3], jn[2, 4] = m[0], m[1], -m[0]

@@ -3,11 +3,14 @@
 With p and m the contact's point and normal and s, n those of the surface, the cost that is minimized over the
 whole surface is::
 
-    |p - s|^2 / sigma^2 + |m - n|^2 / tau^2
+    |p - s|^2 / sigma^2 + min(|m - n|^2 / tau^2, 2 log(2 / (TILTED tau^2)))
 
 so that a contact beside an edge finds the face that its normal tells, not the nearest one (our derivation: the
-exponent of the joint normal density).  Nodes are pruned by the first term alone, and nothing beyond `cap` is
-looked for.  Normals are interpolated between corners, which share them across edges flatter than `CREASE`.
+exponent of the joint normal density).  A pad that lies on an edge feels a normal between its faces' normals, so a
+share TILTED of contacts lies on the surface with any normal: the bound is where that becomes the likelier.
+
+Nodes are pruned by the first term alone, and nothing beyond `cap` is looked for.  Normals are interpolated
+between corners, which share them across edges flatter than `CREASE`.
 """
 
 from __future__ import annotations
@@ -22,6 +25,7 @@ from primitives.arrays import Floats, Ints
 
 CREASE = np.deg2rad(30.0)  # [rad] a fold sharper than this is an edge of the object, not of its facets
 _STACK = 64
+TILTED = 0.03  # share of contacts on the surface whose normal is not the surface's: pads that lay on an edge
 
 
 class Facets(NamedTuple):
@@ -77,12 +81,18 @@ def _corner_normals(triangles, flat, area, around, first, crease):  # type: igno
 
 @njit(cache=True, nogil=True)
 def likeliest(p, m, felt, sigma, tau, cap, mesh, stack, reach, found):  # type: ignore[no-untyped-def]
-    """The least cost below `cap`, or `cap`; `found` becomes (s, n), the surface point and its normal.
+    """The least cost, or infinity where all cost more than `cap` and the bound.
+
+    `found` becomes (s, n), the surface point and its normal.
 
     `m` counts only where `felt`.  `stack` and `reach` are scratch of at least 64.
     """
     corners, flat, normals, boxes, nodes, order = mesh
     best, over, spread = cap, 1.0 / (sigma * sigma), 1.0 / (tau * tau)
+    bound = tilt_bound(tau)
+    if felt:
+        best += bound
+    most = best
     stack[0], depth = 0, 1
     reach[0] = _away(p, boxes, 0) * over
     while depth > 0:
@@ -104,7 +114,7 @@ def likeliest(p, m, felt, sigma, tau, cap, mesh, stack, reach, found):  # type: 
             continue
         for k in range(first, first + count):
             t = order[k]
-            if felt:
+            if felt and best < bound:
                 along = m[0] * flat[t, 0] + m[1] * flat[t, 1] + m[2] * flat[t, 2]
                 widest = np.sqrt(best) * tau + 0.5
                 if widest < 3.0 and along < np.cos(widest):
@@ -120,14 +130,21 @@ def likeliest(p, m, felt, sigma, tau, cap, mesh, stack, reach, found):  # type: 
             length = np.sqrt(nx * nx + ny * ny + nz * nz)
             nx, ny, nz = nx / length, ny / length, nz / length
             if felt:
-                cost += ((m[0] - nx) ** 2 + (m[1] - ny) ** 2 + (m[2] - nz) ** 2) * spread
+                turned = (m[0] - nx) ** 2 + (m[1] - ny) ** 2 + (m[2] - nz) ** 2
+                cost += min(turned * spread, bound)
             if cost < best:
                 best = cost
                 for axis in range(3):
                     a = corners[t, 0, axis]
                     found[axis] = a + u * (corners[t, 1, axis] - a) + v * (corners[t, 2, axis] - a)
                 found[3], found[4], found[5] = nx, ny, nz
-    return best
+    return best if best < most else np.inf
+
+
+@njit(cache=True, inline="always")
+def tilt_bound(tau):  # type: ignore[no-untyped-def]
+    """The cost of a normal beyond which it says no more than that the contact lay on an edge."""
+    return 2.0 * np.log(1.0 + 2.0 / (TILTED * tau * tau))
 
 
 @njit(cache=True, inline="always")

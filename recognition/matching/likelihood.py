@@ -3,11 +3,12 @@
 A contact is a uniform sample of a surface of area A, seen with noise, or with probability w anywhere in a ball of
 volume V::
 
-    p(z | object, pose) = (1 - w) / A  N(d; sigma) N2(angle; tau) + w / V / (4 pi)
+    p(z | object, pose) = (1 - w) / A  N(d; sigma) ((1 - t) N2(angle; tau) + t / (4 pi)) + w / V / (4 pi)
 
-with N2 over the sphere of normals, left out where none was felt (Thrun, Burgard and Fox 2005, section 6.3, has
-the mixture; the area, which keeps a larger model from winning for its size, is our derivation).  An object in no
-library is like one of it with every second contact off, half of these by some millimeters and half anywhere::
+with N2 over the sphere of normals, left out where none was felt, and t the share of pads that lay on an edge,
+with any normal (Thrun, Burgard and Fox 2005, section 6.3, has the mixture; the area, which keeps a larger model
+from winning for its size, is our derivation).  An object in no library is like one of it with every second
+contact off, half of these by some millimeters and half anywhere::
 
     p(z | unknown) = 1/2 p(z | object, pose) + 1/4 / V / (4 pi)
                      + 1/4 / A  exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi))
@@ -23,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from primitives.arrays import Bools, Floats
+from recognition.matching.facets import TILTED
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,8 @@ def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Float
     if absolute:
         near = np.exp(-np.sqrt(np.minimum(d2, 5e5))) / (2 * sigma)
     stray = everywhere / volume
-    known = (1 - config.outliers) / area * near * turned + config.outliers * stray
+    facing = (1 - TILTED) * turned + TILTED * everywhere
+    known = (1 - config.outliers) / area * near * facing + config.outliers * stray
     b = config.broad * size
     off = np.where(np.isfinite(distances), distances, 4.0 * b)
     loose = np.exp(-off / b) / (2 * b) * (0.5 * turned + 0.5 * everywhere) / area

@@ -110,3 +110,17 @@ def test_swept_space_rules_out_what_would_stand_in_it(library):
 def test_an_empty_library_is_one_clear_line():
     with pytest.raises(PalpateError, match="holds no object"):
         match(Evidence(Contacts.of([[0.0, 0, 0]])), Library.of({}))
+
+
+def test_a_pad_that_lay_on_an_edge_does_not_move_the_pose(library):
+    rng = np.random.default_rng(7)
+    solid, world = library["bracket"].solid, somewhere(rng)
+    whole = felt(library["bracket"], world, 16, rng)
+    low = solid.vertices.min(axis=0)
+    edge = transform_points(world, low + np.array([[0.0, 0, 10], [0, 0, 20], [0, 0, 30]]))
+    tilted = np.tile(rotate(world, np.array([[-0.57, -0.82, 0.0]])), (3, 1))
+    both = Contacts.concatenate([whole, Contacts.of(edge, tilted, 0.1, 0.03, touch=1)])
+    best = match(Evidence(both), library).best("bracket")
+    error = pose_error(library["bracket"].symmetry, best.pose, world)
+    assert error.distance < 1.0
+    assert (best.log_likelihoods[-3:] > np.log(0.01 / 4 / np.pi / 1e5)).all()
