@@ -110,7 +110,7 @@ def open_rig(config: DeviceConfig) -> DeviceRig:
         array.close()
         raise
     array.before = lambda frame: stage.as_of(frame.time)
-    array.fault = lambda: stage.fault
+    array.fault = lambda: stage.fault or safety.frozen
     stage.start()
     rig = DeviceRig(array, stage, safety, calibration)
     atexit.register(rig.close)
