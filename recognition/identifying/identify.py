@@ -24,7 +24,7 @@ from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from recognition.identifying.policies import POLICY, gap_touch
-from recognition.identifying.untouched import weighed
+from recognition.identifying.untouched import swept, weighed
 from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.next_touch.choose import Choice, choose
 from recognition.matching.next_touch.held import UNKNOWN, held
@@ -45,6 +45,7 @@ class IdentifyConfig:
     placed: float = 0.5  # [mm] error of the place, above which touches go on
     bounding: int = 4  # touches with normals, from which swept space tells poses apart
     blind: int = 1  # touches that met something, before which the widest gap is touched
+    misses: int = 2  # touches in a row without a contact, after which belief is not asked where to touch
     idle: int = 3  # touches in a row that were chosen for want of one that tells
     margin: float = 12.0  # [mm] round the ball that holds the object
     starts: int = 40  # hypotheses that are tried again after the next touch
@@ -95,7 +96,7 @@ class Identifier:
             self.ended = self.ended or "nothing was found in the workspace"
             return
         while not self.ended:
-            ball = self.ball()
+            ball = self.ball() if self._missed() < self.config.misses else self._felt_ball()
             self._leave()
             approach, choice = self._next(ball)
             if self.ended:
@@ -130,6 +131,19 @@ class Identifier:
         radius = min(radius, 1.6 * self._largest())
         farthest = float(np.linalg.norm(felt.points - middle, axis=1).max(initial=0.0))
         return Ball(middle, max(radius, farthest) + self.config.margin + 0.5 * max(self._pad))
+
+    def _missed(self) -> int:
+        """How many touches there were since one that told of a contact."""
+        told = [bool(len(t.contacts)) for t in reversed(self.touches)]
+        return told.index(True) if True in told else len(told)
+
+    def _felt_ball(self) -> Ball:
+        """Behind what was felt, whatever is believed: where touching does not fail for a wrong belief."""
+        felt, largest = self.evidence.contacts, self._largest()
+        middle = felt.points.mean(axis=0)
+        if felt.has_normal.any():
+            middle = middle - 0.15 * largest * np.nanmean(felt.normals, axis=0)
+        return Ball(middle, 1.6 * largest + self.config.margin + 0.5 * max(self._pad))
 
     @property
     def _pad(self) -> tuple[float, float]:
@@ -170,7 +184,9 @@ class Identifier:
                 self.evidence, self.library, self._prior(), self.config.unknown, starts[: self.config.starts]
             )
             cells = np.concatenate([t.untouched for t in self.touches])
+            missed = [t.free for t in self.touches if not t.met]
             self.belief = weighed(self.belief, self.library, cells)
+            self.belief = swept(self.belief, self.library, joined(missed))
         self.announce("touch", {"number": touch.touch, "felt": touch.note, "met": touch.met})
         self._judge()
         return Step(touch, self.belief, choice, self.guard.cost.seconds)
@@ -201,7 +217,7 @@ class Identifier:
         if self.config.policy != "information":
             return POLICY[self.config.policy](ball, places, tried, self.rng), None
         met = sum(t.met for t in self.touches)
-        if self.belief is not None and met >= self.config.blind:
+        if self.belief is not None and met >= self.config.blind and self._missed() < self.config.misses:
             here = self.guard.world_from_sensor
             limits = self.guard.stage.limits
             found = choose(
