@@ -15,14 +15,16 @@ from scipy.ndimage import gaussian_filter
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
 from models.csg import Sphere
-from models.library import distance_field
+from models.library import Library, distance_field
 from models.solid import Solid
 from primitives.arrays import Floats
+from primitives.evidence import Contacts
 from primitives.grain import Grain
 from recognition.config import ExploreOptions
 from recognition.explore import run as explore
 from recognition.frames.options import FramesOptions
 from recognition.frames.run import run as frames
+from recognition.matching import Evidence, match
 from recognition.tracking.options import TrackOptions
 from recognition.tracking.run import run as track
 from recognition.tracking.view import View
@@ -41,9 +43,17 @@ def main() -> None:
         perceive_all(folder / "frames.npy")
         Grain().at(np.zeros((1, 3)))
         distance_field(Solid.from_csg(Sphere(10.0))).signed_distance(np.zeros((1, 3)))
+        match_once()
         for what in ("edge", "surface"):
             track(TrackOptions(part="block", out=folder / what, what=what), View())
     print(f"compiled in {time.perf_counter() - began:.1f} s")
+
+
+def match_once() -> None:
+    """A ball's six poles, with normals."""
+    poles = np.concatenate([np.eye(3), -np.eye(3)])
+    ball = Library.of({"ball": Solid.from_csg(Sphere(10.0))})
+    match(Evidence(Contacts.of(10.0 * poles, poles, 0.1)), ball)
 
 
 def perceive_all(path: Path) -> None:
