@@ -9,6 +9,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 demo: $(VENV)/.kernels
 	$(BIN)/palpate explore block --out runs/demo --overwrite
+	$(BIN)/palpate recognize runs/demo --library docs/library
 
 test: $(VENV)/.dev $(VENV)/.kernels
 	$(BIN)/python -m pytest -n 2 -rs
