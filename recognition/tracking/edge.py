@@ -22,6 +22,7 @@ from primitives.evidence import EdgeTrace
 from recognition.felt_run import FeltRun
 from recognition.tracking.traced import (
     angles_between,
+    comes_round,
     corners_of,
     described,
     loop_gap,
@@ -156,9 +157,10 @@ def _felt_behind(
             angle = _dihedral(run, trace, outward)
         angles.append(angle)
         traces.append(trace if angle is None else set_back(trace, outward, angle, press))
+    came_round = outline.ended != "closed" or comes_round(outline.traces)
     return EdgeTrack(
         tuple(traces),
-        outline.ended,
+        outline.ended if came_round else "lost",
         dihedrals=tuple(angles),
         forces=outline.forces,
         set_points=outline.set_points,

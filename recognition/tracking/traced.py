@@ -32,6 +32,7 @@ class TracedConfig:
 
     straight: float = 0.05  # [mm] rms off a line, that a straight edge may have
     better: float = 2.0  # times by which a circle must fit better than a line
+    round: float = 0.8  # of its circle, that a closed trace must have run along
     on_curve: float = 0.1  # [mm] rms off a line or circle, beyond which an edge is neither
 
 
@@ -76,10 +77,11 @@ def described(
     if len(points) < 5:
         return TracedEdge("line", length, off_line, along, dihedral=dihedral)
     center, radius, axis, off_circle = circle_through(points, normal)
-    if not trace.closed and off_line < max(config.straight, config.better * off_circle):
+    round_ = trace.closed and length > config.round * 2.0 * np.pi * radius
+    if not round_ and off_line < max(config.straight, config.better * off_circle):
         return TracedEdge("line", length, off_line, along, dihedral=dihedral)
     if off_circle < config.on_curve:
-        length = 2.0 * np.pi * radius if trace.closed else length  # the start is passed by a little
+        length = 2.0 * np.pi * radius if round_ else length  # the start is passed by a little
         return TracedEdge("circle", length, off_circle, axis, center, radius, dihedral)
     return TracedEdge("other", length, min(off_line, off_circle), normal, dihedral=dihedral)
 
@@ -128,6 +130,13 @@ def angles_between(traces: Sequence[EdgeTrace], closed: bool) -> list[float]:
     if closed and len(traces) > 2:
         pairs.append((traces[-1], traces[0]))
     return [float(np.pi - np.arccos(np.clip(a.tangents[-1] @ b.tangents[0], -1.0, 1.0))) for a, b in pairs]
+
+
+def comes_round(traces: Sequence[EdgeTrace]) -> bool:
+    """Whether an outline turned back somewhere, as a loop must: the tangents of one, by length, add up to 0."""
+    return bool(traces) and bool(
+        (np.concatenate([t.tangents for t in traces]) @ traces[0].tangents[0] < 0).any()
+    )
 
 
 def loop_gap(traces: Sequence[EdgeTrace], reach: float = 6.0) -> float | None:

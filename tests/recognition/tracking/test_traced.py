@@ -1,5 +1,7 @@
 """What a trace is: made from samples of known curves."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,6 +12,7 @@ from primitives.evidence import EdgeTrace
 from primitives.pose import random_rotation
 from recognition.tracking.traced import (
     circle_through,
+    comes_round,
     corners_of,
     described,
     loop_gap,
@@ -67,6 +70,18 @@ def test_a_straight_trace_is_a_line_whatever_its_noise_and_an_arc_a_circle():
 def test_a_closed_circle_is_as_long_as_it_is_round_though_its_start_was_passed():
     ring = described(arc(20.0, 0.0, 2 * np.pi + 0.2, closed=True))
     assert ring.length == pytest.approx(40.0 * np.pi, rel=1e-4)
+
+
+def test_a_short_straight_trace_that_calls_itself_closed_is_neither_round_nor_a_loop():
+    rng = np.random.default_rng(0)
+    points = np.linspace([0, 0, 0], [9, 0, 0], 12)
+    starved = trace_of(points + rng.normal(0, 0.01, points.shape), closed=True)
+    found = described(starved)
+    assert (found.curve, found.radius) == ("line", None)
+    assert not comes_round([starved])
+    assert comes_round([arc(20.0, 0.0, 2 * np.pi + 0.2, closed=True)])
+    corners = np.array([[0, 0, 0], [30, 0, 0], [15, 26, 0], [0, 0, 0]])
+    assert comes_round([straight(a, b) for a, b in pairwise(corners)])
 
 
 def test_an_ellipse_is_neither_line_nor_circle():
