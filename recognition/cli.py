@@ -25,6 +25,7 @@ from recognition.commands import (
     probe,
     reconstruct,
     replay,
+    report,
     track,
 )
 from recognition.commands.answering import INTERRUPTED
@@ -48,6 +49,7 @@ for command in (
     probe.probe,
     experiment.experiment,
     replay.replay,
+    report.report,
     identify,
     locate,
     recognize,
