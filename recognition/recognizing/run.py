@@ -15,6 +15,7 @@ from models.library import Library
 from models.part import load_part
 from recognition.matching import Evidence, Prior, match
 from recognition.recognizing.answer import modes, objects, warnings_of, why
+from recognition.recognizing.truth import truth_of
 from recognition.sources import read_source
 
 _NORMAL_SIGMA = 0.037  # [rad] where nobody told: 3 degrees in total; its scale is then estimated
@@ -64,7 +65,7 @@ def locate(asked: Asked, model: str, units: Units, scale: float, body: int | Non
         "wall_seconds": time.perf_counter() - began,
         "candidates": told,
         "why": {"runner_up": part.name if len(told) > 1 else None, "separating_contacts": []},
-        "truth": None,
+        "truth": truth_of(asked.source, belief, library),
         "warnings": [*said, *part.warnings],
     }
 
@@ -84,6 +85,6 @@ def recognize(asked: Asked, folder: Path, units: Units, scale: float) -> dict[st
         "wall_seconds": time.perf_counter() - began,
         "candidates": objects(belief, library),
         "why": why(belief),
-        "truth": None,
+        "truth": truth_of(asked.source, belief, library),
         "warnings": [*said, *warnings_of(belief, evidence)],
     }
