@@ -139,5 +139,5 @@ def _smooth_parts(vertices: Floats, triangles: Ints) -> Ints:
     i, j = owner[twins], owner[twins + 1]
     flat = np.einsum("ij,ij->i", normals[i], normals[j]) > _CREASE
     joined = coo_matrix((np.ones(flat.sum()), (i[flat], j[flat])), shape=(count, count))
-    parts: Ints = connected_components(joined, directed=False)[1]
+    parts: Ints = connected_components(joined, directed=False)[1].astype(np.int64)
     return parts
