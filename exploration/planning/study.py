@@ -67,13 +67,16 @@ class Study:
         return taken.home
 
     def note_wall(self, stroke: Stroke) -> bool:
-        """Whether a stroke was ended by what stands up ahead of it, which is remembered."""
+        """Whether a stroke was ended by what stands up ahead of it, which is remembered.
+
+        Only what stopped the pad proves a hollow: a frame that rises ahead may be noise on a convex face.
+        """
         if stroke.ended not in ("wall", "concavity") or stroke.heading is None:
             return False
         pose = self.pad.guard.world_from_sensor if stroke.met is None else stroke.met
         half = 0.5 * float(np.abs(stroke.heading) @ np.asarray(self.pad.size))
         way = pose[:3, :2] @ stroke.heading
-        self.found.hollow = True
+        self.found.hollow |= stroke.ended == "wall"
         self.walls.append(Wall(pose[:3, 3] + half * way, way, -pose[:3, 2]))
         return True
 

