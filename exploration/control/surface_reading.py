@@ -13,7 +13,8 @@ import numpy as np
 from exploration.control.feel import Felt
 from exploration.devices.guard import Observation
 from exploration.sensing.surfaces.footprint import Footprint
-from exploration.sensing.surfaces.smooth_fit import DOME, fit_dome, fit_shape, smooth_contact
+from exploration.sensing.surfaces.smooth_fit import fit_dome, fit_shape, smooth_contact
+from exploration.sensing.surfaces.smooth_shapes import DOME
 from primitives.arrays import Floats
 
 MISFIT = 4.0  # [standard deviations of chi2] beyond which something cuts the contact

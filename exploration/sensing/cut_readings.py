@@ -25,7 +25,7 @@ from exploration.sensing.lines.short_skin import on_its_skin
 from exploration.sensing.response import response_of
 from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.order import Ordered
-from exploration.sensing.surfaces.smooth_fit import RIDGE
+from exploration.sensing.surfaces.smooth_shapes import RIDGE
 from primitives.arrays import Floats
 
 PARALLEL = 0.3  # [sine of the angle] between the two edges of a ridge

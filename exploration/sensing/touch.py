@@ -42,9 +42,10 @@ from exploration.sensing.surfaces.local_surface import (
     ordered_surface,
     surface_of,
 )
+from exploration.sensing.surfaces.lone_noise import unexplained
 from exploration.sensing.surfaces.order import Ordered, order_contact
 from exploration.sensing.surfaces.ridge_ends import DOUBTED, cut_at_ends
-from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, held, smooth_contact, unexplained
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, held, smooth_contact
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.pose import rotate, transform_points

@@ -24,7 +24,8 @@ from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.region_fit import SLOPE, RegionFit
 from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.order import order_contact
-from exploration.sensing.surfaces.smooth_fit import PLANE, SmoothContact
+from exploration.sensing.surfaces.smooth_fit import SmoothContact
+from exploration.sensing.surfaces.smooth_shapes import PLANE
 
 PRIOR = {"smooth": 0.4, "line": 0.2, "two": 0.12, "arc": 0.1, "more": 0.05}  # of what lies under a pad
 DECADES = log(100.0)  # over which a radius is even

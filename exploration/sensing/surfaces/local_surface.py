@@ -18,7 +18,8 @@ from exploration.sensing.lines.line import Line
 from exploration.sensing.surfaces.footprint import PLANE, Footprint, fit_footprint
 from exploration.sensing.surfaces.order import Ordered, order_alone, order_contact
 from exploration.sensing.surfaces.pressed_field import dome_at
-from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, smooth_contact, start_dome
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, smooth_contact
+from exploration.sensing.surfaces.smooth_starts import start_dome
 from primitives.arrays import Bools, Floats, frozen
 from primitives.curvature import ORDERS
 

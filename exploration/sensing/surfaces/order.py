@@ -20,7 +20,8 @@ import numba
 import numpy as np
 
 from exploration.sensing.surfaces.footprint import Footprint
-from exploration.sensing.surfaces.smooth_fit import BALL, DOME, PLANE, RIDGE, SmoothContact, fit_shape
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_shape
+from exploration.sensing.surfaces.smooth_shapes import BALL, DOME, PLANE, RIDGE
 from primitives.arrays import Floats, frozen
 from primitives.curvature import OrderPrior
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from exploration.sensing.surfaces.local_surface import fit_surface
-from exploration.sensing.surfaces.smooth_fit import BALL, RIDGE, fit_dome, fit_shape, smooth_contact
+from exploration.sensing.surfaces.smooth_fit import fit_dome, fit_shape, smooth_contact
+from exploration.sensing.surfaces.smooth_shapes import BALL, RIDGE
 from primitives.curvature import ORDERS
 
 
