@@ -22,12 +22,13 @@ from exploration.control.surface_reading import SurfaceReading, read_surface
 from exploration.control.surface_servo import SurfaceServo
 from exploration.control.surface_trace import NO_TRACE, SurfaceTrace, smoothed_surface
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
+from exploration.sensing.contacts import contacts_of
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.surfaces.domed_patch import domed_patch
 from exploration.sensing.surfaces.flat_patch import flat_patch
 from exploration.sensing.surfaces.local_surface import LocalSurface
-from exploration.sensing.touch import contacts_of, perceive
+from exploration.sensing.touch import perceive
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
@@ -224,7 +225,7 @@ def keep(
     where = (seen.world_from_sensor, touch, stroke, seen.sensor)
     floor, normal_floor = trust.floor[0], trust.normal_floor[0]
     if isinstance(surface, LocalSurface) and _trusted(surface, seen.image, trust):
-        found = contacts_of(what, seen.image, *where)
+        found = contacts_of(what, *where)
         if surface.curved:
             cut = 2 if _misfit(surface) > trust.doubtful else 1 if what.lines else 0
             floor, normal_floor = trust.floor[cut], max(trust.normal_floor[cut], trust.curved_normal_floor)

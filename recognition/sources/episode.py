@@ -17,7 +17,7 @@ from exploration.recordings.intake import opened
 from exploration.recordings.mcap import RecordedFrame, read
 from exploration.recordings.recording import Pad, PadFrame
 from exploration.sensing.calibration import correct
-from exploration.sensing.touch import contacts_of
+from exploration.sensing.contacts import contacts_of
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
@@ -66,7 +66,7 @@ def felt_contacts(path: Path, options: ReplayOptions | None = None) -> Replayed:
     for item, touch in chosen[::stride]:
         seen = feeler.perceived(item)
         assert item.world_from_sensor is not None
-        rows = contacts_of(seen.touch, seen.image, item.world_from_sensor, touch, len(tables), item.pad)
+        rows = contacts_of(seen.touch, item.world_from_sensor, touch, len(tables), item.pad)
         good = np.isfinite(rows.points).all(axis=1) & np.isfinite(rows.sigma) & (rows.sigma > 0)
         if good.any():
             tables.append(rows.select(good))

@@ -10,7 +10,8 @@ from perception.presses import ball, bar, flat
 from perception.scene import Scene, world_from_sensor
 from perception.score import row
 
-from exploration.sensing.touch import contacts_of, perceive
+from exploration.sensing.contacts import contacts_of
+from exploration.sensing.touch import perceive
 from primitives.arrays import Floats
 
 BALLS = (10.0, 20.0, 40.0, 80.0, 150.0, 200.0)  # [mm]
@@ -47,7 +48,7 @@ def _rows(
             errors.append(found / radius - 1)
             known = fisher(scene, noise)
             least.append((known.joint()[0, 0] / radius**2, known.joint(ZERO)[0, 0] / radius**2))
-        contacts = contacts_of(touch, image, world_from_sensor(scene.numbers))
+        contacts = contacts_of(touch, world_from_sensor(scene.numbers))
         if len(contacts):
             away.extend(_away(order, contacts.points, scene))
             normals.append(np.degrees(np.arccos(np.clip(contacts.normals[0, 2], -1, 1))))

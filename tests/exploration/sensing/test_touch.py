@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exploration.sensing.touch import KINDS, contacts_of, perceive
+from exploration.sensing.contacts import contacts_of
+from exploration.sensing.touch import KINDS, perceive
 from primitives.pose import pose, random_rotation
 
 
@@ -28,7 +29,7 @@ def test_kinds_are_named_with_probabilities(frames):
 def test_a_plane_fitted_to_flat_contacts_has_the_patchs_own_covariance(frames):
     image = frames(frames.edge(0.4, 1.0), np.random.default_rng(1))
     touch = perceive(image)
-    contacts = contacts_of(touch, image, np.eye(4), touch_id=3, stroke_id=5, sensor_index=1)
+    contacts = contacts_of(touch, np.eye(4), touch_id=3, stroke_id=5, sensor_index=1)
     rows = np.column_stack([np.ones(len(contacts)), contacts.points[:, :2]])
     information = rows.T @ (rows / contacts.sigma[:, None] ** 2)
     assert np.linalg.inv(information) == pytest.approx(touch.surface.covariance[:3, :3], rel=1e-6)
@@ -44,7 +45,7 @@ def test_contacts_lie_on_the_object_within_their_sigma(frames):
         for radius in (30.0, 80.0):
             image = frames(frames.sphere(radius, *rng.uniform(-3, 3, 2)), rng)
             touch = perceive(image)
-            contacts = contacts_of(touch, image, np.eye(4))
+            contacts = contacts_of(touch, np.eye(4))
             assert touch.kind == "curved"
             assert len(contacts) >= 1
             z.extend((contacts.points[:1, 2] + 0.5) / contacts.sigma[:1])
@@ -56,7 +57,7 @@ def test_contacts_move_with_the_sensor(frames):
     image = frames(frames.cylinder(40.0, 0.3, 0.5), rng)
     touch = perceive(image)
     world = pose(random_rotation(rng), rng.normal(size=3) * 50)
-    here, there = contacts_of(touch, image, np.eye(4)), contacts_of(touch, image, world)
+    here, there = contacts_of(touch, np.eye(4)), contacts_of(touch, world)
     assert there.points == pytest.approx(here.points @ world[:3, :3].T + world[:3, 3])
     assert there.normals == pytest.approx(here.normals @ world[:3, :3].T)
     assert there.sigma == pytest.approx(here.sigma)
@@ -69,7 +70,7 @@ def test_hostile_frames_are_nothing(frames, value):
     touch = perceive(replace(image, depth=np.full_like(image.depth, value)))
     assert touch.kind == "nothing"
     assert not touch.lines
-    assert len(contacts_of(touch, image, np.eye(4))) == 0
+    assert len(contacts_of(touch, np.eye(4))) == 0
 
 
 @pytest.mark.filterwarnings("error")
@@ -100,4 +101,4 @@ def test_a_felt_frame_is_never_nothing_however_sharp_and_far_from_the_center(fra
         ragged = replace(image, depth=image.depth * (1 + 0.3 * rng.standard_normal(image.depth.shape)))
         touch = perceive(ragged)
         assert touch.kind != "nothing"
-        assert len(contacts_of(touch, ragged, np.eye(4)))
+        assert len(contacts_of(touch, np.eye(4)))
