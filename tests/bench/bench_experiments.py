@@ -1,0 +1,130 @@
+"""One suite of 200 trials by every way to run it: the tables compared, the engine's share of the time, kills.
+
+Asked: the same table whatever the way, but for columns of time; two workers at least 1.8 times as fast as none,
+which two free cores are needed for; the engine at most 5 % of the work; after twenty SIGKILLs each row once.
+"""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+
+TRIALS = int(os.environ.get("PALPATE_BENCH_TRIALS", "200"))
+KILLS = int(os.environ.get("PALPATE_BENCH_KILLS", "20"))
+SUITE = """
+name = "engine"
+[[trials]]
+kind = "frames"
+scene = ["edge", "flat"]
+noise = [0.02, 0.05]
+count = 12
+seeds = {seeds}
+"""
+_TOLD = Path(sys.executable).with_name("palpate")
+
+
+def run() -> list[dict[str, Any]]:
+    """Rows for the table."""
+    with tempfile.TemporaryDirectory(prefix="palpate-bench-") as folder:
+        room = Path(folder)
+        suite = room / "engine.toml"
+        suite.write_text(SUITE.format(seeds=TRIALS // 4))
+        return [*_ways(suite, room), *_killed(suite, room)]
+
+
+def _ways(suite: Path, room: Path) -> list[dict[str, Any]]:
+    alone, seconds = _run(suite, room / "alone", "--workers", "0")
+    crew, crew_seconds = _run(suite, room / "crew", "--workers", "2")
+    shards = 0.0
+    for shard in range(1, 5):
+        _, took = _run(suite, room / "shards", "--workers", "0", "--shard", f"{shard}/4")
+        shards += took
+    rows = [
+        _row("in process", "time", seconds, "s"),
+        _row("in process", "engine, of the work", _engine(alone, 1), "share", 0.05),
+        _row("2 workers", "time", crew_seconds, "s"),
+        _row("2 workers", "times as fast", seconds / crew_seconds, "x", 1.8),
+        _row("2 workers", "engine, of the work", _engine(crew, 2), "share", 0.05),
+        _row("2 workers", "same table", _same(room / "alone", room / "crew"), "", 1),
+        _row("4 shards", "time, one after another", shards, "s"),
+        _row("4 shards", "same table", _same(room / "alone", room / "shards"), "", 1),
+    ]
+    try:
+        from distributed import LocalCluster
+    except ImportError:
+        print("experiments: left out: distributed is not installed (palpate[cluster])", file=sys.stderr)
+        return rows
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1"
+    ) as cluster:
+        _, took = _run(suite, room / "dask", "--scheduler", cluster.scheduler_address)
+    return [
+        *rows,
+        _row("dask, 2 workers", "time", took, "s"),
+        _row("dask, 2 workers", "same table", _same(room / "alone", room / "dask"), "", 1),
+    ]
+
+
+def _killed(suite: Path, room: Path) -> list[dict[str, Any]]:
+    """Killed at random moments, workers left to end by themselves, and gone on with."""
+    out, rng, kills = room / "killed", random.Random(0), 0
+    for _ in range(KILLS):
+        started = subprocess.Popen(
+            [_TOLD, "experiment", suite, "--out", out, "--resume", "--workers", "2", "--json"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            started.wait(rng.uniform(0.5, 6.0))
+        except subprocess.TimeoutExpired:
+            started.send_signal(signal.SIGKILL)
+            started.wait()
+            kills += 1
+    summary, _ = _run(suite, out, "--resume", "--workers", "2")
+    told = Counter(
+        json.loads(line)["trial"]
+        for path in out.glob("trials*.jsonl")
+        for line in path.read_text().splitlines()
+    )
+    return [
+        _row("killed and resumed", "kills", kills, "", KILLS),
+        _row("killed and resumed", "rows", summary["rows"], "", TRIALS),
+        _row("killed and resumed", "rows told twice", sum(n > 1 for n in told.values()), "", 0),
+        _row("killed and resumed", "same table", _same(room / "alone", out), "", 1),
+    ]
+
+
+def _run(suite: Path, out: Path, *flags: str) -> tuple[dict[str, Any], float]:
+    began = time.perf_counter()
+    told = subprocess.run(
+        [_TOLD, "experiment", suite, "--out", out, "--json", *flags],
+        capture_output=True,
+        check=True,
+        text=True,
+    )
+    return json.loads(told.stdout), time.perf_counter() - began
+
+
+def _engine(summary: dict[str, Any], workers: int) -> float:
+    """The workers' time that was not spent on trials, as a share of that which was."""
+    return float(workers * summary["wall_seconds"] / summary["work_seconds"] - 1.0)
+
+
+def _same(one: Path, other: Path) -> int:
+    tables = [pq.read_table(folder / "results.parquet") for folder in (one, other)]
+    names = [name for name in tables[0].column_names if not name.endswith("_seconds")]
+    return int(tables[0].select(names).equals(tables[1].select(names)))
+
+
+def _row(method: str, metric: str, value: float, unit: str, asked: float | None = None) -> dict[str, Any]:
+    row = {"bench": "experiments", "method": method, "metric": metric, "value": value, "unit": unit}
+    return row if asked is None else row | {"asked": asked}
