@@ -1,4 +1,4 @@
-"""A solid with a triangle boundary, from a CSG tree or a mesh, that can be touched: the only manifold3d import.
+"""A solid with a triangle boundary, from a CSG tree or a mesh, that can be touched.
 
 A solid from a tree knows which exact surface every triangle stands for, and its normals are those of that
 surface; a mesh's are its triangles'.  `placed` shares the body: rays and points are moved into the part frame,
@@ -11,18 +11,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
 
-import manifold3d
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from models.body import Body, LabeledSurface
-from models.csg import Csg, Difference, Intersection, Leaf, Operation, Placed
-from models.meshing.facets import facets
+from models.csg import Csg
+from models.meshing.manifold import body_of_labels, body_of_mesh, body_of_tree, body_within, combined
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.pose import inverse, rotate, transform_points
-from primitives.shapes import Shape
 from primitives.surface import RayHits
 
 TOLERANCE = 0.002  # [mm] between a facet and the surface that it stands for
@@ -39,35 +37,22 @@ class Solid:
     @staticmethod
     def from_csg(tree: Csg, tolerance: float = TOLERANCE) -> Solid:
         """The solid of a tree, its facets within `tolerance` [mm] of the exact surfaces."""
-        parts, surfaces, first = _made(tree, tolerance)
-        result = _evaluate(tree, iter(parts))
-        if result.status() != manifold3d.Error.NoError or result.is_empty():
+        body = body_of_tree(tree, tolerance)
+        if body is None:
             raise PalpateError("the tree has no material left; make intersections overlap and cuts smaller")
-        return Solid(_labeled(result, surfaces, first), frozen(np.eye(4)), tree)
+        return Solid(body, frozen(np.eye(4)), tree)
 
     @staticmethod
     def from_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Solid:
         """The solid inside a closed mesh of (v, 3) vertices [mm] and (t, 3) triangles, normals out."""
-        mesh = manifold3d.Mesh64(
-            vert_properties=np.array(vertices, dtype=np.float64, order="C"),
-            tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
-        )
-        result = manifold3d.Manifold(mesh)
-        if result.status() != manifold3d.Error.NoError or result.is_empty():
-            reason = str(result.status()).rsplit(".", 1)[-1]
-            raise PalpateError(f"the mesh is not a closed solid ({reason}); repair it in a mesh editor first")
-        return _unlabeled(result)
+        return Solid(body_of_mesh(vertices, triangles), frozen(np.eye(4)))
 
     @staticmethod
     def from_labeled(
         vertices: Floats, triangles: Ints, labels: Ints, surfaces: tuple[LabeledSurface, ...]
     ) -> Solid:
         """As `from_mesh`, each triangle standing for the surface that its label (t,) counts; -1 for none."""
-        result, identity = _manifold_of_labels(vertices, triangles, labels)
-        if result.status() != manifold3d.Error.NoError or result.is_empty():
-            reason = str(result.status()).rsplit(".", 1)[-1]
-            raise PalpateError(f"the mesh is not a closed solid ({reason}); repair it in a mesh editor first")
-        return Solid(_labeled(result, surfaces, {identity: -1}), frozen(np.eye(4)))
+        return Solid(body_of_labels(vertices, triangles, labels, surfaces), frozen(np.eye(4)))
 
     def placed(self, world_from_part: ArrayLike) -> Self:
         """The same part at another pose, whatever this one's is."""
@@ -162,9 +147,8 @@ class Solid:
 
     def boolean(self, other: Solid, operation: str) -> Solid:
         """`union`, `intersection` or `difference` with another solid, both where they are placed."""
-        a, b = self._posed_mesh(), other._posed_mesh()
-        result = {"union": a.__add__, "intersection": a.__xor__, "difference": a.__sub__}[operation](b)
-        return _unlabeled(result)
+        body = combined(self._posed_mesh(), other._posed_mesh(), operation)
+        return Solid(body, frozen(np.eye(4)))
 
     def shared_volume(self, other: Solid) -> float:
         """Of the intersection with another solid [mm^3]."""
@@ -189,96 +173,8 @@ def iou(a: Solid, b: Solid) -> float:
 
 def clipped(body: Body, labels: Ints, surfaces: tuple[LabeledSurface, ...], keeper: Csg) -> Solid | None:
     """What of a body with (t,) labels lies in `keeper`, whose surfaces follow `surfaces`; None for nothing."""
-    mine, identity = _manifold_of_labels(body.vertices, body.triangles, labels)
-    parts, others, first = _made(keeper, TOLERANCE)
-    result = mine ^ _evaluate(keeper, iter(parts))
-    if result.status() != manifold3d.Error.NoError or result.is_empty():
-        return None
-    first = {original: start + len(surfaces) for original, start in first.items()} | {identity: -1}
-    return Solid(_labeled(result, (*surfaces, *others), first), frozen(np.eye(4)))
-
-
-def _made(tree: Csg, tolerance: float) -> tuple[list[Any], tuple[LabeledSurface, ...], dict[int, int]]:
-    """The manifold of every leaf, all their surfaces, and which is the first of each manifold's."""
-    first: dict[int, int] = {}
-    surfaces: list[LabeledSurface] = []
-    parts: list[Any] = []
-    for number, leaf in enumerate(tree.leaves()):
-        identity = int(manifold3d.Manifold.reserve_ids(1))
-        part, labeled = _manifold_of(leaf, number, tolerance, identity)
-        first[identity] = len(surfaces)
-        surfaces += labeled
-        parts.append(part)
-    return parts, tuple(surfaces), first
-
-
-def _manifold_of_labels(vertices: Floats, triangles: Ints, labels: Ints) -> tuple[Any, int]:
-    """A manifold that remembers (t,) labels, one more than each, and the number that its runs carry."""
-    identity = int(manifold3d.Manifold.reserve_ids(1))
-    mesh = manifold3d.Mesh64(
-        vert_properties=np.array(vertices, dtype=np.float64, order="C"),
-        tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
-        run_index=np.array([0, triangles.size], dtype=np.uint64),
-        run_original_id=np.array([identity], dtype=np.uint32),
-        face_id=(np.asarray(labels) + 1).astype(np.uint64),
-    )
-    return manifold3d.Manifold(mesh), identity
-
-
-def _labeled(result: Any, surfaces: tuple[LabeledSurface, ...], first: dict[int, int]) -> Body:
-    """The body of a manifold whose runs tell which surface each triangle stands for."""
-    mesh = result.to_mesh64()
-    labels = np.empty(len(mesh.tri_verts), dtype=np.int64)
-    for i, original in enumerate(mesh.run_original_id):
-        run = slice(mesh.run_index[i] // 3, mesh.run_index[i + 1] // 3)
-        labels[run] = np.asarray(mesh.face_id[run], dtype=np.int64) + first[int(original)]
-    vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
-    return Body(result, vertices, triangles, labels, surfaces)
-
-
-def _manifold_of(
-    leaf: Leaf, number: int, tolerance: float, identity: int
-) -> tuple[Any, list[LabeledSurface]]:
-    made = facets(leaf.primitive, tolerance)
-    mesh = manifold3d.Mesh64(
-        vert_properties=np.array(made.vertices, order="C"),
-        tri_verts=made.triangles.astype(np.uint64),
-        run_index=np.array([0, made.triangles.size], dtype=np.uint64),
-        run_original_id=np.array([identity], dtype=np.uint32),
-        face_id=made.surface.astype(np.uint64),
-    )
-    labeled = []
-    for shape in made.surfaces:
-        moved = shape.transformed(leaf.part_from_primitive)
-        labeled.append(LabeledSurface(*_outward(moved, leaf.adds), number))
-    return manifold3d.Manifold(mesh), labeled
-
-
-def _outward(shape: Shape, adds: bool) -> tuple[Shape, bool]:
-    if shape.kind == "plane":
-        return (shape if adds else shape.with_parts(shape.anchor, -shape.direction, ())), True
-    return shape, adds
-
-
-def _evaluate(tree: Csg, parts: Any) -> Any:
-    if isinstance(tree, Placed):  # after what is below it, whose faces may touch exactly in their own frame
-        return _evaluate(tree.child, parts).transform(tree.pose[:3])
-    if not isinstance(tree, Operation):
-        return next(parts)
-    operands = [_evaluate(child, parts) for child in tree.children]
-    operation = manifold3d.OpType.Add
-    if isinstance(tree, Intersection):
-        operation = manifold3d.OpType.Intersect
-    elif isinstance(tree, Difference):
-        operation = manifold3d.OpType.Subtract
-    return manifold3d.Manifold.batch_boolean(operands, operation)
-
-
-def _unlabeled(result: Any) -> Solid:
-    mesh = result.to_mesh64()
-    vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
-    labels = np.full(len(triangles), -1)
-    return Solid(Body(result, vertices, triangles, labels, ()), frozen(np.eye(4)))
+    kept = body_within(body, labels, surfaces, keeper, TOLERANCE)
+    return None if kept is None else Solid(kept, frozen(np.eye(4)))
 
 
 @njit(cache=True)

@@ -20,7 +20,7 @@ MAY_IMPORT = {
 ROOMS = ("sensing", "devices", "recordings", "control", "planning")
 ONE_FILE_ONLY = {
     "embreex": "models/raycast.py",
-    "manifold3d": "models/solid.py",
+    "manifold3d": "models/meshing/manifold.py",
     "OCP": "models/formats/step_out_worker.py",
     "cascadio": "models/formats/step_worker.py",
     "mcap": "exploration/recordings/mcap.py",

@@ -1,0 +1,154 @@
+"""Bodies from trees and meshes, and booleans of them: the only manifold3d import.
+
+A manifold remembers, for every triangle of a boolean's result, which run of triangles it came from; each leaf of a
+tree is such a run, so that every triangle of the result knows which exact surface it stands for.
+"""
+
+from typing import Any
+
+import manifold3d
+import numpy as np
+from numpy.typing import ArrayLike
+
+from models.body import Body, LabeledSurface
+from models.csg import Csg, Difference, Intersection, Leaf, Operation, Placed
+from models.meshing.facets import facets
+from primitives.arrays import Floats, Ints
+from primitives.errors import PalpateError
+from primitives.shapes import Shape
+
+
+def body_of_tree(tree: Csg, tolerance: float) -> Body | None:
+    """The body of a tree, its facets within `tolerance` [mm] of the exact surfaces; None where nothing is left."""
+    parts, surfaces, first = _made(tree, tolerance)
+    result = _evaluate(tree, iter(parts))
+    return _labeled(result, surfaces, first) if _whole(result) else None
+
+
+def body_of_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Body:
+    """The body inside a closed mesh of (v, 3) vertices [mm] and (t, 3) triangles, normals out."""
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.array(vertices, dtype=np.float64, order="C"),
+        tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
+    )
+    return _unlabeled(_closed(manifold3d.Manifold(mesh)))
+
+
+def body_of_labels(
+    vertices: Floats, triangles: Ints, labels: Ints, surfaces: tuple[LabeledSurface, ...]
+) -> Body:
+    """As `body_of_mesh`, each triangle standing for the surface that its label (t,) counts; -1 for none."""
+    result, identity = _manifold_of_labels(vertices, triangles, labels)
+    return _labeled(_closed(result), surfaces, {identity: -1})
+
+
+def body_within(
+    body: Body, labels: Ints, surfaces: tuple[LabeledSurface, ...], keeper: Csg, tolerance: float
+) -> Body | None:
+    """What of a body with (t,) labels lies in `keeper`, whose surfaces follow `surfaces`; None for nothing."""
+    mine, identity = _manifold_of_labels(body.vertices, body.triangles, labels)
+    parts, others, first = _made(keeper, tolerance)
+    result = mine ^ _evaluate(keeper, iter(parts))
+    if not _whole(result):
+        return None
+    first = {original: start + len(surfaces) for original, start in first.items()} | {identity: -1}
+    return _labeled(result, (*surfaces, *others), first)
+
+
+def combined(a: Any, b: Any, operation: str) -> Body:
+    """`union`, `intersection` or `difference` of two manifolds."""
+    result = {"union": a.__add__, "intersection": a.__xor__, "difference": a.__sub__}[operation](b)
+    return _unlabeled(result)
+
+
+def _whole(result: Any) -> bool:
+    return result.status() == manifold3d.Error.NoError and not result.is_empty()
+
+
+def _closed(result: Any) -> Any:
+    if not _whole(result):
+        reason = str(result.status()).rsplit(".", 1)[-1]
+        raise PalpateError(f"the mesh is not a closed solid ({reason}); repair it in a mesh editor first")
+    return result
+
+
+def _made(tree: Csg, tolerance: float) -> tuple[list[Any], tuple[LabeledSurface, ...], dict[int, int]]:
+    """The manifold of every leaf, all their surfaces, and which is the first of each manifold's."""
+    first: dict[int, int] = {}
+    surfaces: list[LabeledSurface] = []
+    parts: list[Any] = []
+    for number, leaf in enumerate(tree.leaves()):
+        identity = int(manifold3d.Manifold.reserve_ids(1))
+        part, labeled = _manifold_of(leaf, number, tolerance, identity)
+        first[identity] = len(surfaces)
+        surfaces += labeled
+        parts.append(part)
+    return parts, tuple(surfaces), first
+
+
+def _manifold_of_labels(vertices: Floats, triangles: Ints, labels: Ints) -> tuple[Any, int]:
+    """A manifold that remembers (t,) labels, one more than each, and the number that its runs carry."""
+    identity = int(manifold3d.Manifold.reserve_ids(1))
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.array(vertices, dtype=np.float64, order="C"),
+        tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
+        run_index=np.array([0, triangles.size], dtype=np.uint64),
+        run_original_id=np.array([identity], dtype=np.uint32),
+        face_id=(np.asarray(labels) + 1).astype(np.uint64),
+    )
+    return manifold3d.Manifold(mesh), identity
+
+
+def _labeled(result: Any, surfaces: tuple[LabeledSurface, ...], first: dict[int, int]) -> Body:
+    """The body of a manifold whose runs tell which surface each triangle stands for."""
+    mesh = result.to_mesh64()
+    labels = np.empty(len(mesh.tri_verts), dtype=np.int64)
+    for i, original in enumerate(mesh.run_original_id):
+        run = slice(mesh.run_index[i] // 3, mesh.run_index[i + 1] // 3)
+        labels[run] = np.asarray(mesh.face_id[run], dtype=np.int64) + first[int(original)]
+    vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
+    return Body(result, vertices, triangles, labels, surfaces)
+
+
+def _manifold_of(
+    leaf: Leaf, number: int, tolerance: float, identity: int
+) -> tuple[Any, list[LabeledSurface]]:
+    made = facets(leaf.primitive, tolerance)
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.array(made.vertices, order="C"),
+        tri_verts=made.triangles.astype(np.uint64),
+        run_index=np.array([0, made.triangles.size], dtype=np.uint64),
+        run_original_id=np.array([identity], dtype=np.uint32),
+        face_id=made.surface.astype(np.uint64),
+    )
+    labeled = []
+    for shape in made.surfaces:
+        moved = shape.transformed(leaf.part_from_primitive)
+        labeled.append(LabeledSurface(*_outward(moved, leaf.adds), number))
+    return manifold3d.Manifold(mesh), labeled
+
+
+def _outward(shape: Shape, adds: bool) -> tuple[Shape, bool]:
+    if shape.kind == "plane":
+        return (shape if adds else shape.with_parts(shape.anchor, -shape.direction, ())), True
+    return shape, adds
+
+
+def _evaluate(tree: Csg, parts: Any) -> Any:
+    if isinstance(tree, Placed):  # after what is below it, whose faces may touch exactly in their own frame
+        return _evaluate(tree.child, parts).transform(tree.pose[:3])
+    if not isinstance(tree, Operation):
+        return next(parts)
+    operands = [_evaluate(child, parts) for child in tree.children]
+    operation = manifold3d.OpType.Add
+    if isinstance(tree, Intersection):
+        operation = manifold3d.OpType.Intersect
+    elif isinstance(tree, Difference):
+        operation = manifold3d.OpType.Subtract
+    return manifold3d.Manifold.batch_boolean(operands, operation)
+
+
+def _unlabeled(result: Any) -> Body:
+    mesh = result.to_mesh64()
+    vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
+    return Body(result, vertices, triangles, np.full(len(triangles), -1), ())
