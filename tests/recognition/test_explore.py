@@ -12,20 +12,13 @@ import trimesh
 
 from exploration.planning.explorer import Explorer
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, read
-from models.boundary import labeled_boundary
-from models.csg import Cube, Cylinder
-from models.solid import Solid
 from primitives.errors import NotWritten, PalpateError
-from primitives.evidence import Contacts, EdgeTrace
-from primitives.patch_graph import PatchGraph
 from recognition.config import ExploreOptions, from_toml
 from recognition.console.bugs import Bug
 from recognition.explore import run
-from recognition.reconstruct import reconstruct
 from recognition.run_folder import json_text
-from recognition.summary import counted, fault_of
+from recognition.summary import fault_of
 
-BOX = np.array([[-150.0, -150, -150], [150, 150, 150]])
 SMALL = (-60.0, -60.0, -60.0, 60.0, 60.0, 60.0)
 FILES = {
     "episode.mcap", "contacts.csv", "brep.json", "model.csg", "model.stl", "model.glb", "report.html",
@@ -217,73 +210,3 @@ def test_an_interrupt_leaves_the_recording_whole_and_no_summary(monkeypatch, tmp
         replaced_run(monkeypatch, tmp_path, moves)
     assert {entry.name for entry in (tmp_path / "run").iterdir()} == {"config.toml", "episode.mcap"}
     assert sum(isinstance(item, RecordedFrame) for item in read(tmp_path / "run" / "episode.mcap")) == 50
-
-
-def graph_of(tree, per_face=80, skip=()):
-    """A graph with contacts spread over each face of a solid, but those in `skip`; and its boundary."""
-    solid = Solid.from_csg(tree, 0.01)
-    brep, of_triangle = labeled_boundary(solid)
-    rng, graph = np.random.default_rng(0), PatchGraph()
-    for face in brep.faces:
-        corners = solid.vertices[solid.triangles[of_triangle == face.id]]
-        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        chosen = corners[rng.choice(len(corners), per_face, p=area / area.sum())]
-        points = np.einsum("nk,nkj->nj", rng.dirichlet([1, 1, 1], per_face), chosen)
-        normals = face.shape.normals(points) * (1 if face.convex else -1)
-        points = points - face.shape.signed_distance(points)[:, None] * face.shape.normals(points)
-        if face.id not in skip:
-            graph, _ = graph.add_stroke(Contacts.of(points, normals, 0.01, 0.01))
-    return graph, brep
-
-
-def test_edges_are_measured_where_both_faces_were_touched_beside_them():
-    graph, _ = graph_of(Cube((20, 16, 12)))
-    made = reconstruct(graph, [], BOX)
-    assert made.assembly
-    assert [edge["status"] for edge in made.edges] == ["measured"] * 12
-    assert set(np.unique(made.face_of_contact)) == set(range(6))
-
-
-def test_an_edge_far_from_every_contact_is_inferred_until_it_is_traced():
-    graph, _ = graph_of(Cube((120, 120, 120)), per_face=6)
-    made = reconstruct(graph, [], BOX)
-    assert made.assembly
-    assert "inferred" in {edge["status"] for edge in made.edges}
-    edge = next(
-        e for e, row in zip(made.boundary.brep.edges, made.edges, strict=True) if row["status"] == "inferred"
-    )
-    points = np.linspace(edge.points[0], edge.points[-1], 30)
-    still = np.zeros_like(points)
-    trace = EdgeTrace(points, still, still, np.full(30, 0.1), False, 0, 0)
-    assert reconstruct(graph, [trace], BOX).edges[edge.id]["status"] == "measured"
-
-
-def test_of_two_faces_on_one_cylinder_only_the_touched_one_is_measured():
-    shaft = Cylinder(20, 30) & Cube((60, 24, 60))
-    _, brep = graph_of(shaft)
-    round_faces = [face.id for face in brep.faces if face.kind == "cylinder"]
-    assert len(round_faces) == 2
-    graph, _ = graph_of(shaft, skip=round_faces[1:])
-    made = reconstruct(graph, [], BOX)
-    assert made.assembly
-    states = sorted(face["status"] for face in made.faces if face["shape"] == "cylinder")
-    assert states == ["inferred", "measured"]
-
-
-def test_an_open_boundary_has_faces_without_extent_and_a_reason():
-    graph, _ = graph_of(Cube((20, 16, 12)), skip=(0,))
-    made = reconstruct(graph, [], BOX)
-    assert not made.assembly
-    assert len(made.faces) == 5
-    assert {face["extent_mm"] for face in made.faces} == {None}
-    assert made.warnings[0].startswith("no closed body: ")
-    assert set(np.unique(made.face_of_contact)) == set(range(5))
-
-
-def test_warnings_are_counted_and_not_repeated():
-    raw = [f"collision of lts210 by 0.{k} mm" for k in range(4)] + ["a", "pressed to 61.0 N, 1.20 mm", "a"]
-    assert counted(raw) == [
-        "the housing met the object (4 times)",
-        "a (2 times)",
-        "the press passed its limit",
-    ]

@@ -16,24 +16,11 @@ from models.formats.openscad import values
 from models.formats.openscad.comprehension import listed
 from models.formats.openscad.functions import FUNCTIONS
 from models.formats.openscad.limits import Budget
+from models.formats.openscad.operators import BINARY, LITERALS
 from models.formats.openscad.scope import Scope
 from models.formats.openscad.values import Closure, Range, Value, is_number, true
 
 _TAIL = (syntax.TernaryOp, syntax.LetOp, syntax.AssertOp, syntax.EchoOp)
-_BINARY: dict[type, Callable[[Value, Value, Budget], Value]] = {
-    syntax.AdditionOp: values.add,
-    syntax.SubtractionOp: values.subtract,
-    syntax.MultiplicationOp: values.multiply,
-    syntax.DivisionOp: values.divide,
-    syntax.ModuloOp: values.modulo,
-    syntax.ExponentOp: values.power,
-    syntax.EqualityOp: values.equal,
-    syntax.InequalityOp: lambda a, b, budget: not values.equal(a, b, budget),
-    syntax.LessThanOp: lambda a, b, budget: values.less(a, b),
-    syntax.GreaterThanOp: lambda a, b, budget: values.less(b, a),
-    syntax.LessThanOrEqualOp: lambda a, b, budget: _not_less(b, a),
-    syntax.GreaterThanOrEqualOp: lambda a, b, budget: _not_less(a, b),
-}
 _MEMBERS = {"x": 0, "y": 1, "z": 2}
 
 
@@ -49,13 +36,13 @@ class Evaluator:
         while isinstance(node, _TAIL):
             node, scope = self._step(node, scope)
         kind = type(node)
-        if kind is syntax.NumberLiteral:
-            return float(node.val)
+        if kind in LITERALS:
+            return LITERALS[kind](node)
         if kind is syntax.Identifier:
             return self.named(node, scope)
-        if kind in _BINARY:
+        if kind in BINARY:
             left = self.value(node.left, scope)
-            return _BINARY[kind](left, self.value(node.right, scope), self.budget)
+            return BINARY[kind](left, self.value(node.right, scope), self.budget)
         if (method := _METHODS.get(kind)) is not None:
             return method(self, node, scope)
         raise self.error(node, f"no {_words(kind)} in this subset; write it another way")
@@ -225,11 +212,6 @@ class Evaluator:
         return Range(last, step, first) if backward else Range(first, step, last)
 
 
-def _not_less(a: Value, b: Value) -> Value:
-    answer = values.less(a, b)
-    return None if answer is None else not answer and a == a and b == b
-
-
 def _one_line(words: str) -> str:
     return " ".join(words.split())[:120]
 
@@ -240,9 +222,6 @@ def _words(kind: type) -> str:
 
 
 _METHODS: dict[type, Callable[[Evaluator, Any, Scope], Value]] = {
-    syntax.StringLiteral: lambda self, node, scope: _unescaped(node.val),
-    syntax.BooleanLiteral: lambda self, node, scope: bool(node.val),
-    syntax.UndefinedLiteral: lambda self, node, scope: None,
     syntax.UnaryMinusOp: lambda self, node, scope: values.negated(self.value(node.expr, scope), self.budget),
     syntax.LogicalNotOp: lambda self, node, scope: not true(self.value(node.expr, scope)),
     syntax.LogicalAndOp: lambda self, node, scope: (
@@ -258,7 +237,3 @@ _METHODS: dict[type, Callable[[Evaluator, Any, Scope], Value]] = {
     syntax.PrimaryIndex: Evaluator._index,
     syntax.PrimaryMember: Evaluator._member,
 }
-
-
-def _unescaped(raw: str) -> str:
-    return raw.replace('\\"', '"').replace("\\n", "\n").replace("\\t", "\t").replace("\\\\", "\\")
