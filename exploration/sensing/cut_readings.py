@@ -106,7 +106,7 @@ def rivals(image: TactileImage, ordered: Ordered) -> list[Reading]:
     response = response_of(image)
     limit = ordered.chi2 + SETTLED
     points = edge_points(image, response)
-    found = peaks(points, image, 2, response)
+    found = [peak.straight for peak in peaks(points, image, 2, response)]
     out = []
     everything = np.ones(len(points), dtype=bool)
     circle = (

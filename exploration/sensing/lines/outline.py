@@ -82,9 +82,8 @@ def find_outline(
     response = response_of(image, response)
     points = edge_points(image, response)
     soft = softened(image)
-    best = search(
-        Evidence(soft, response, points, peaks(points, image, max_lines, response), max_lines), config.search
-    )
+    voted = tuple(peak.straight for peak in peaks(points, image, max_lines, response))
+    best = search(Evidence(soft, response, points, voted, max_lines), config.search)
     if best is None:
         return NOTHING
     if best.region == Region():

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import hypot
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from exploration.sensing.lines.edges import EdgePoints
 from exploration.sensing.lines.hough_votes import find_peak, members_of
 from exploration.sensing.lines.line import normalized
 from exploration.sensing.response import Response
+from primitives.arrays import Bools
 
 
 @dataclass(frozen=True)
@@ -22,15 +24,29 @@ class PeakConfig:
     least_length: float = 1.6  # [taxels] seen
 
 
+class Peak(NamedTuple):
+    """A line, and who voted for it."""
+
+    angle: float  # [rad]
+    offset: float  # [mm]
+    side: int  # of the material
+    members: Bools  # (points,)
+
+    @property
+    def straight(self) -> tuple[float, float, float]:
+        """Angle [rad], offset [mm] and the material's side."""
+        return self.angle, self.offset, float(self.side)
+
+
 def peaks(
     points: EdgePoints,
     image: TactileImage,
     most: int,
     response: Response,
     config: PeakConfig = PeakConfig(),
-) -> tuple[tuple[float, float, float], ...]:
-    """(angle [rad], offset [mm], material side) of each peak, most votes first."""
-    found: list[tuple[float, float, float]] = []
+) -> tuple[Peak, ...]:
+    """Of an image's edge points, most votes first."""
+    found: list[Peak] = []
     left = np.array(points.weight)
     reach = 0.5 * hypot(*image.array.size)
     band = config.band * response.mean_width
@@ -47,5 +63,5 @@ def peaks(
         left[members] = 0.0
         if length >= least:
             angle, offset, side = normalized(angle, offset, 1 if toward > 0 else -1)
-            found.append((angle, offset, float(side)))
+            found.append(Peak(angle, offset, side, members))
     return tuple(found)
