@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from exploration.devices.kinematic_chain import KinematicChain
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
 from models.csg import Sphere
@@ -44,6 +45,7 @@ def main() -> None:
         Grain().at(np.zeros((1, 3)))
         distance_field(Solid.from_csg(Sphere(10.0))).signed_distance(np.zeros((1, 3)))
         match_once()
+        KinematicChain.gantry().reach(np.eye(4), np.ones(6))
         for what in ("edge", "surface"):
             track(TrackOptions(part="block", out=folder / what, what=what), View())
     print(f"compiled in {time.perf_counter() - began:.1f} s")

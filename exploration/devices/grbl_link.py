@@ -5,11 +5,11 @@ into the receive buffer.  A report's time is the middle between its question and
 """
 
 import re
-import time
 from collections import deque
 from dataclasses import dataclass, field
 
 from exploration.devices import grbl_text
+from exploration.devices.clock import MACHINE, Clock
 from exploration.devices.ports import Port
 from primitives.errors import PalpateError
 
@@ -31,8 +31,8 @@ class Heard:
 class GrblLink:
     """One controller on a port; used by one thread at a time."""
 
-    def __init__(self, port: Port) -> None:
-        self.port = port
+    def __init__(self, port: Port, clock: Clock = MACHINE) -> None:
+        self.port, self.clock = port, clock
         self._text = b""
         self._sent: deque[tuple[int, float]] = deque()
         self._asked = 0.0
@@ -45,11 +45,6 @@ class GrblLink:
         """Lines whose answer has not come."""
         return len(self._sent)
 
-    @property
-    def asking(self) -> float | None:
-        """[s] since a report was asked for that has not come."""
-        return time.monotonic() - self._asked if self._asked else None
-
     def fits(self, line: str) -> bool:
         """Whether a line may be sent now."""
         return sum(size for size, _ in self._sent) + len(line) + 1 <= _BUFFER
@@ -59,7 +54,7 @@ class GrblLink:
         data = line.encode() + b"\n"
         if len(data) > grbl_text.LINE:
             raise PalpateError(f"a line of {len(data)} bytes is too long for Grbl: {line}")
-        self._sent.append((len(data), time.monotonic()))
+        self._sent.append((len(data), self.clock.now()))
         self.port.write(data)
 
     def realtime(self, byte: bytes) -> None:
@@ -70,16 +65,21 @@ class GrblLink:
 
     def ask(self) -> None:
         """Ask for a report, unless one is on its way."""
-        now = time.monotonic()
+        now = self.clock.now()
         if not self._asked or now - self._asked > 0.2:
             self._asked = now
             self.port.write(b"?")
+
+    def forget(self) -> None:
+        """The port was away: nothing that was begun on it will be ended."""
+        self._text, self._asked = b"", 0.0
+        self._sent.clear()
 
     def listen(self) -> Heard:
         """What has come, after waiting a moment."""
         heard = Heard()
         data = self.port.read()
-        now = time.monotonic()
+        now = self.clock.now()
         *lines, self._text = (self._text + data).split(b"\n")
         self._text = self._text[-512:]
         for raw in lines:
@@ -113,8 +113,8 @@ class GrblLink:
     def exchange(self, line: str, patience: float) -> Heard:
         """Send a line and wait for its answer; everything heard until then."""
         self.send(line)
-        total, until = Heard(), time.monotonic() + patience
-        while self._sent and time.monotonic() < until:
+        total, until = Heard(), self.clock.now() + patience
+        while self._sent and self.clock.now() < until:
             heard = self.listen()
             total.reports += heard.reports
             total.errors += heard.errors

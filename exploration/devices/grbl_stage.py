@@ -1,45 +1,32 @@
 """A stage on a Grbl controller (Grbl, grblHAL, FluidNC): every motion is a stream of short jogs.
 
-The control loop only leaves a wish, a twist or a goal; the stage's own thread turns it into relative
-jogs that reach no further than a horizon ahead of where the controller is, so that whatever dies, motion
-ends within it.  A wish is old after a moment and then counts as none.  The horizon is what the
-controller needs to keep its speed, v / (2 a) [s], and a margin.  A stop is a jog cancel (0x85); nothing
-is sent until the stage stands Idle again. Jogs are sent in Idle and Jog alone.
+The control loop only leaves a wish (`JogPlan`); the stage's own thread turns it into relative jogs that reach no
+further than a horizon ahead of where the controller is, so that whatever dies, motion ends within it.  A stop is
+a jog cancel (0x85), repeated until the stage stands Idle, and a reset where that is in vain; nothing is sent
+meanwhile.  Jogs are sent in Idle and Jog alone, so a feed hold at the machine holds the run, too.
 
-Positions are known at the times of status reports, which are asked for as often as they are answered;
-the pose at a frame's time lies between two of them.
+Positions are known at the times of status reports; the pose at a frame's time lies between two of them.
 """
 
+import contextlib
 import threading
-import time
-from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from exploration.devices import grbl_text
+from exploration.devices.grbl_greeting import greet, greet_again
 from exploration.devices.grbl_link import GrblLink, Heard
-from exploration.devices.guard import Collision
+from exploration.devices.jog_cancel import JogCancel
+from exploration.devices.jog_plan import JogPlan, StreamConfig
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.protocols import StageEvent, StageLimits
 from exploration.devices.safety import Safety
-from primitives import pose as se3
+from exploration.devices.whereabouts import Whereabouts
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
-
-@dataclass(frozen=True)
-class StreamConfig:
-    """How motion is cut into jogs."""
-
-    margin: float = 0.02  # [s] of motion that is sent ahead, beyond what the speed needs
-    shortest: float = 0.008  # [s] of one jog
-    stale: float = 0.15  # [s] after which a twist counts as none
-    dumb: float = 1.0  # [s] without a report, after which the stage is lost
-    deaf: float = 0.1  # [s] without a report, after which nothing is sent
-    step: float = 2.0  # [mm] or of a pad turned so far, of one jog of a straight move
-    again: float = 0.05  # [s] between two cancels
+_HOMED = 5.0  # [mm, deg] that a stage may have moved while its port was away
+_HOLD, _RESUME = b"!", b"~"
 
 
 class GrblStage:
@@ -51,29 +38,30 @@ class GrblStage:
         chain: KinematicChain,
         limits: StageLimits,
         safety: Safety | None = None,
-        config: StreamConfig = StreamConfig(),
+        config: StreamConfig | None = None,
         crash_pin: str = "",
     ) -> None:
         self._link, self._chain, self._limits, self._safety = link, chain, limits, safety
-        self._config, self._pin = config, crash_pin
+        self._config, self._pin, self._clock = config or StreamConfig(), crash_pin, link.clock
         self._lock = threading.RLock()
         self._open = True
         self.fault = ""  # why the stage will not move any more
-        self._state = ""
-        self._samples: deque[tuple[float, Floats]] = deque(maxlen=256)
-        self._reported = time.monotonic()
+        self.state = ""  # as the controller says
+        self.reconnects = 0
+        self._where = Whereabouts(len(chain.axes))
         self._events: list[StageEvent] = []
-        self._twist, self._twist_time = np.zeros(6), 0.0
-        self._goal: Floats | None = None
-        self._way: deque[tuple[Floats, float]] = deque()  # joint positions and seconds to them
-        self._planned: Floats = np.zeros(len(chain.axes))  # where everything sent will lead
-        self._sent: Floats = np.zeros(len(chain.axes))  # the same as the controller rounds it
-        self._until = 0.0  # [s] when what was sent will have been done
-        self._canceling = 0.0  # when the jogs were canceled last; 0: they were not
+        self._plan = JogPlan(chain, limits, self._config)
+        self._asked = 0.0
+        self._deaf = 0.0  # [s] of listening without a report
+        self._looked = self._clock.now()
+        self._cancel = JogCancel(link, self._config)
         self._held = False
         self._as_of: float | None = None
-        self.clock: Callable[[], float | None] = lambda: None
-        self._connect()
+        self._order = greet(link, chain)
+        while not self._where.known:
+            link.ask()
+            self._note(link.listen())
+        self._plan.resync(self._where.joints)
         self._thread = threading.Thread(target=self._run, name="stage", daemon=True)
 
     @property
@@ -86,24 +74,15 @@ class GrblStage:
         self._thread.start()
 
     def as_of(self, moment: float) -> None:
-        """From now on `pose` tells where the stage was at a time of `time.monotonic`, of a frame for example."""
-        until = time.monotonic() + 0.03
-        while self._samples[-1][0] < moment and time.monotonic() < until and not self.fault:
-            time.sleep(0.0005)
+        """From now on `pose` tells where the stage was at a time of its clock, of a frame for example."""
+        until = self._clock.now() + 0.03
+        while self._where.moment < moment and self._clock.now() < until and not self.fault:
+            self._clock.sleep(0.0005)
         self._as_of = moment
 
     def joints(self) -> Floats:
         """(n,) [mm, rad] where the axes are, at the time of `as_of`, or else now."""
-        samples = list(self._samples)
-        last = samples[-1]
-        moment = self._as_of
-        if moment is None or len(samples) < 2 or moment >= last[0]:
-            return last[1]
-        for before, after in zip(reversed(samples[:-1]), reversed(samples[1:]), strict=True):
-            if before[0] <= moment:
-                share = (moment - before[0]) / max(after[0] - before[0], 1e-9)
-                return np.asarray(before[1] + share * (after[1] - before[1]))
-        return samples[0][1]
+        return self._where.joints if self._as_of is None else self._where.at(self._as_of)
 
     def pose(self) -> Floats:
         """(4, 4) world_from_flange."""
@@ -115,36 +94,42 @@ class GrblStage:
         if wanted.shape != (6,) or not np.isfinite(wanted).all():
             raise PalpateError(f"a twist is six finite numbers (mm/s, rad/s), not {twist!r}")
         self._require_sound()
+        wanted = self._limits.shortened(wanted)
+        if self._safety is not None:
+            wanted = self._safety.shortened(wanted, self._limits.acceleration)
         with self._lock:
-            self._twist, self._twist_time = self._bounded(wanted), time.monotonic()
-            self._goal = None
-            self._way.clear()
+            self._plan.follow(wanted, self._clock.now())
 
     def go_to(self, world_from_flange: Floats) -> None:
         """Start a straight move to a pose; one that the axes cannot take is refused before anything moves."""
         self._require_sound()
-        goal = np.array(world_from_flange, dtype=float)
         with self._lock:
-            way = self._straight(goal)
-            self._twist = np.zeros(6)
-            self._goal, self._way = goal, way
+            self._plan.head_for(np.array(world_from_flange, dtype=float))
 
     @property
     def moving(self) -> bool:
         """Whether a `go_to` is under way."""
         if self.fault or (self._safety is not None and self._safety.tripped):
             return False
-        return self._goal is not None
+        return self._plan.goal is not None
 
     def stop(self) -> None:
         """Come to rest at once."""
         with self._lock:
-            self._twist, self._goal = np.zeros(6), None
-            self._way.clear()
+            self._plan.drop()
             if self._safety is not None:
                 self._safety.answered()
-            if self._state == "Jog" or self._link.unanswered or time.monotonic() < self._until + 0.1:
-                self._cancel()
+            recent = self._clock.now() < self._plan.until + 0.1
+            if recent or self.state in ("Jog", "Hold") or self._link.unanswered:
+                self._stop_jogs()
+
+    def hold(self) -> None:
+        """Feed hold: motion stops where it is, and is ended by `resume`."""
+        self._link.realtime(_HOLD)
+
+    def resume(self) -> None:
+        """End a feed hold."""
+        self._link.realtime(_RESUME)
 
     def events(self) -> tuple[StageEvent, ...]:
         """What was noticed since last asked."""
@@ -156,9 +141,11 @@ class GrblStage:
         """Stop, and let go of the port."""
         if self._thread.is_alive():
             self.stop()
-            until = time.monotonic() + 1.0
-            while time.monotonic() < until and not self.fault and (self._canceling or self._state == "Jog"):
-                time.sleep(0.005)
+            until = self._clock.now() + 1.0
+            while (
+                self._clock.now() < until and not self.fault and (self._cancel.pending or self.state == "Jog")
+            ):
+                self._clock.sleep(0.005)
         self._open = False
         if self._thread.is_alive():
             self._thread.join(0.5)
@@ -168,191 +155,113 @@ class GrblStage:
         if self.fault:
             raise PalpateError(self.fault)
 
-    def _bounded(self, twist: Floats) -> Floats:
-        lim = self._limits
-        for part, most in ((slice(0, 3), lim.speed), (slice(3, 6), lim.turn_speed)):
-            size = float(np.linalg.norm(twist[part]))
-            if size > most:
-                twist[part] *= most / size
-        return twist
-
-    def _connect(self) -> None:
-        link, until = self._link, time.monotonic() + 3.0
-        while time.monotonic() < until:
-            link.ask()
-            heard = link.listen()
-            self._note(heard)
-            if heard.reports:
-                break
-            time.sleep(0.01)
-        else:
-            raise PalpateError(
-                f"no answer from {link.port.address}; is it a Grbl controller, and the baud rate right?"
-            )
-        if self._state == "Alarm":
-            raise PalpateError(
-                "the stage is in alarm: home it (palpate hardware jog CONFIG --home), then begin again"
-            )
-        if not self._samples:
-            raise PalpateError("the stage reports no machine position; set $10=1")
-        axes = next((line for line in link.exchange("$I", 2.0).other if line.startswith("[AXS:")), "")
-        letters = axes.rstrip("]").split(":")[-1] if axes else "XYZ"[: len(self._chain.axes)]
-        told = "".join(axis.letter for axis in self._chain.axes)
-        if sorted(letters) != sorted(told):
-            raise PalpateError(
-                f"the controller has the axes {letters}, the config {told}; correct the config"
-            )
-        self._order = [told.index(letter) for letter in letters]
-
     def _run(self) -> None:
-        try:
-            while self._open:
-                self._link.ask()
-                self._note(self._link.listen())
-                with self._lock:
-                    self._supervise()
-                    self._feed()
-        except PalpateError as error:
-            self.fault = self.fault or str(error)
-        except Exception as error:
-            self.fault = f"the stage's thread failed ({type(error).__name__}: {error}); motion has stopped"
-            self._link.realtime(b"\x85")
+        while self._open and not self.fault:
+            try:
+                self._look()
+            except PalpateError as error:
+                if self._open and not self._reconnected():
+                    self.fault = self.fault or str(error)
+            except Exception as error:
+                self.fault = (
+                    f"the stage's thread failed ({type(error).__name__}: {error}); motion has stopped"
+                )
+        if self._open:
+            with contextlib.suppress(PalpateError):
+                self._cancel.begin(self._clock.now())
+
+    def _look(self) -> None:
+        """One round: listen, judge, send."""
+        now = self._clock.now()
+        if now - self._asked >= self._config.ask:
+            self._asked = now
+            self._link.ask()
+        heard = self._link.listen()
+        self._note(heard)
+        with self._lock:
+            self._supervise(bool(heard.reports))
+            self._feed()
 
     def _note(self, heard: Heard) -> None:
         for moment, report in heard.reports:
-            if report.position is None or len(report.position) != len(self._chain.axes):
+            if report.position is None or len(report.position) != len(self._order):
                 continue
-            self._state, self._reported = report.state, moment
-            order = getattr(self, "_order", range(len(report.position)))
-            position = np.zeros(len(report.position))
-            position[list(order)] = report.position
-            self._samples.append((moment, position / self._chain.to_wire))
+            self.state = report.state
+            self._where.note(moment, self._chain.from_wire(report.position, self._order))
             if self._pin and self._pin in report.pins:
-                self._events.append(StageEvent("collision", moment, 0.0, "crash switch"))
-                if self._safety is not None and self._safety.tripped == "" and self._twist.any():
-                    self._safety.tripped = "the crash switch opened"
-        if heard.alarm is not None:
-            why = grbl_text.ALARMS.get(heard.alarm, "its manual says why")
-            self.fault = (
-                f"the stage raised alarm {heard.alarm} ({why}); free it, then palpate hardware jog --home"
-            )
-        if heard.reset and self._samples:
-            self.fault = self.fault or "the stage was reset; home it, then begin again"
-        for number in heard.errors:
-            if number in (15, 2):
-                self.fault = "the stage would leave its travel; lessen the workspace in the config"
-            self._resync()
+                self._crashed(moment)
+        why = grbl_text.fault(heard.alarm, heard.errors, self.state, heard.reset and self._where.known)
+        self.fault = self.fault or why
+        if heard.errors:
+            self._plan.resync(self._where.joints)
 
-    def _supervise(self) -> None:
+    def _crashed(self, moment: float) -> None:
+        self._events.append(StageEvent("collision", moment, 0.0, "crash switch"))
+        if self._safety is not None and self._plan.twisting:
+            self._safety.tripped = self._safety.tripped or "the crash switch opened"
+
+    def _supervise(self, news: bool) -> None:
         """Whatever must stop motion, looked at every few ms."""
-        now = time.monotonic()
-        if self._state == "Alarm" and not self.fault:
-            self.fault = "the stage went into alarm; free it, then palpate hardware jog --home"
-        if now - self._reported > self._config.dumb and not self.fault:
-            self.fault = "the stage has stopped answering; check its cable and power"
-            self._cancel()
+        now = self._clock.now()
+        self._deaf = 0.0 if news else self._deaf + min(now - self._looked, self._config.deaf)
+        self._looked = now
+        if self._deaf > self._config.dumb:
+            self.fault = self.fault or "the stage has stopped answering; check its cable and power"
+        if news and not self._cancel.pending and self._plan.strayed(self._where.joints):
+            self._stop_jogs()
         if self._safety is None:
             return
-        self._safety.at(self._chain.pose(self._samples[-1][1])[:3, 3])
-        quiet = self._safety.silent(now)
-        busy = self._state == "Jog" or now < self._until
-        if (quiet or self._safety.tripped) and busy and now - self._canceling > self._config.again:
+        if news:
+            self._safety.at(self._chain.pose(self._where.joints)[:3, 3])
+        quiet, tripped = self._safety.silent(now), bool(self._safety.tripped)
+        busy = self.state == "Jog" or now < self._plan.until
+        if (quiet or tripped) and busy and self._cancel.again(now):
             self._safety.holds += quiet and not self._held
-            self._cancel()
-        if self._safety.tripped:
-            self._twist, self._goal = np.zeros(6), None
-            self._way.clear()
+            self._stop_jogs()
+        if tripped:
+            self._plan.drop()
         if quiet:
-            self._twist = np.zeros(6)
-        elif self._held and self._goal is not None and not self._canceling:
-            self._way = self._straight(self._goal)
-        self._held = quiet or bool(self._canceling and self._held)
+            self._plan.forget_twist()
+        elif self._held and not self._cancel.pending:
+            self._plan.resume()
+        self._held = quiet or (self._cancel.pending and self._held)
 
-    def _cancel(self) -> None:
-        self._link.realtime(b"\x85")
-        self._canceling = time.monotonic()
-        self._until = 0.0
+    def _stop_jogs(self) -> None:
+        self._plan.until = 0.0
+        self._cancel.begin(self._clock.now())
 
     def _feed(self) -> None:
         """Send what the horizon still lacks."""
-        now, config = time.monotonic(), self._config
-        if self._canceling:
-            fresh = self._reported > self._canceling
-            if fresh and self._state == "Idle" and not self._link.unanswered:
-                self._canceling = 0.0
-                self._resync()
-            elif fresh and self._state == "Jog" and now - self._canceling > config.again:
-                self._cancel()
+        now, config, here = self._clock.now(), self._config, self._where.joints
+        if self._cancel.pending:
+            self.fault = self.fault or self._cancel.look(self.state, self._where.moment, now)
+            if not self._cancel.pending:
+                self._plan.resync(here)
             return
         stopped = self._held or self.fault or (self._safety is not None and self._safety.tripped)
-        if stopped or self._state not in ("Idle", "Jog") or now - self._reported > config.deaf:
+        if stopped or self.state not in ("Idle", "Jog") or now - self._where.moment > config.deaf:
             return
-        if self._state == "Idle" and now > self._until + 0.05 and not self._link.unanswered:
-            self._resync()
-            if self._goal is not None and not self._way:
-                self._goal = None
-        speed = self._limits.speed if self._goal is not None else float(np.linalg.norm(self._twist[:3]))
-        ahead = speed / (2.0 * self._limits.acceleration) + config.margin
-        behind = np.abs(self._planned - self._samples[-1][1]) / self._chain.speed
-        while max(self._until, now) - now < ahead and float(behind.max()) < 2.0 * ahead + 0.1:
-            if not self._one_jog(now):
-                return
+        if self.state == "Idle" and now > self._plan.until + 0.05 and not self._link.unanswered:
+            self._plan.resync(here)
+            self._plan.arrived()
+        while (jog := self._plan.due(now, here)) is not None:
+            if jog.line:
+                if not self._link.fits(jog.line):
+                    return
+                self._link.send(jog.line)
+            self._plan.took(jog, now)
 
-    def _one_jog(self, now: float) -> bool:
-        """The next jog of a goal's way or of a twist; whether one was sent."""
-        if self._way:
-            joints, seconds = self._way[0]
-        elif self._twist.any() and now - self._twist_time < self._config.stale:
-            seconds = self._config.shortest
-            here = self._chain.pose(self._planned)
-            reached = self._chain.reach(here @ se3.exp(self._twist * seconds), self._planned, 6)
-            joints = reached.q
-        else:
+    def _reconnected(self) -> bool:
+        """Whether a port that went away came again, and the stage is where it was."""
+        before, until = self._where.joints, self._clock.now() + self._config.dumb
+        if not greet_again(self._link, self._chain, lambda: self._open and self._clock.now() < until):
             return False
-        seconds = max(seconds, float((np.abs(joints - self._planned) / self._chain.speed).max()))
-        wire = np.round((joints - self._sent) * self._chain.to_wire, 3)
-        feed = float(np.linalg.norm(wire)) / seconds * 60.0
-        letters = "".join(axis.letter for axis in self._chain.axes)
-        line = grbl_text.jog(letters, wire.tolist(), feed)
-        if line and not self._link.fits(line):
-            return False
-        if line:
-            self._link.send(line)
-            self._sent = self._sent + wire / self._chain.to_wire
-        if self._way:
-            self._way.popleft()
-        self._planned = joints
-        self._until = max(self._until, now) + seconds
+        self._stop_jogs()
+        again = self._clock.now()
+        while self._where.moment < again:
+            self._link.ask()
+            self._note(self._link.listen())
+        if (np.abs((self._where.joints - before) * self._chain.to_wire) > _HOMED).any():
+            self.fault = "the stage has lost its position; home it, then begin again"
+        self.reconnects += 1
         return True
-
-    def _straight(self, goal: Floats) -> deque[tuple[Floats, float]]:
-        """The joint positions of a straight way from where everything sent leads."""
-        start = self._chain.pose(self._planned)
-        line = goal[:3, 3] - start[:3, 3]
-        turn = se3.rotation_log(goal[:3, :3] @ start[:3, :3].T)
-        length, angle = float(np.linalg.norm(line)), float(np.linalg.norm(turn))
-        seconds = max(length / self._limits.speed, angle / self._limits.turn_speed)
-        count = max(1, int(np.ceil(max(length / self._config.step, angle / 0.04))))
-        way: deque[tuple[Floats, float]] = deque()
-        q = self._planned
-        for k in range(1, count + 1):
-            between = np.eye(4)
-            between[:3, :3] = se3.rotation_exp(turn * k / count) @ start[:3, :3]
-            between[:3, 3] = start[:3, 3] + line * k / count
-            reached = self._chain.reach(between, q)
-            if not reached and k == count:
-                raise Collision(
-                    f"the stage cannot take that pose ({reached.off:.1f} mm, "
-                    f"{np.degrees(reached.turned):.1f} deg off); "
-                    "what lies there stays unknown"
-                )
-            q = reached.q
-            way.append((q, seconds / count))
-        return way
-
-    def _resync(self) -> None:
-        """What was sent counts for nothing any more: plan from where the stage is."""
-        here = self._samples[-1][1]
-        if float(np.abs((here - self._sent) * self._chain.to_wire).max()) > 0.002:
-            self._planned = here
-        self._sent = here

@@ -23,6 +23,7 @@ ALARMS = {
     8: "homing did not clear a switch",
     9: "homing found no switch",
 }
+TRAVEL = (2, 15)  # errors that say that a move would leave the travel
 _NUMBER = re.compile(r"^[+-]?\d+(\.\d*)?$")
 
 
@@ -48,6 +49,18 @@ def status(line: str, offset: Sequence[float] = ()) -> Status | None:
         position = tuple(w + o for w, o in zip(work, offset, strict=True))
     buffers = _numbers(told.get("Bf", ""))
     return Status(state.split(":")[0], position, told.get("Pn", ""), int(buffers[0]) if buffers else None)
+
+
+def fault(alarm: int | None, errors: Sequence[int], state: str, reset: bool) -> str:
+    """Why a stage that says so will not move any more; empty where it may."""
+    free = "free it, then palpate hardware jog CONFIG --unlock, and --home"
+    if alarm is not None:
+        return f"the stage raised alarm {alarm} ({ALARMS.get(alarm, 'its manual says why')}); {free}"
+    if state == "Alarm":
+        return f"the stage went into alarm; {free}"
+    if any(number in TRAVEL for number in errors):
+        return "the stage would leave its travel; lessen the workspace in the config"
+    return "the stage was reset; home it (palpate hardware jog CONFIG --home), then begin again" * reset
 
 
 def work_offset(line: str) -> tuple[float, ...] | None:

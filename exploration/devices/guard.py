@@ -1,8 +1,9 @@
 """The guard: every tick of every controller passes through it.
 
 It turns sensor-frame twists into stage commands, keeps force, indentation and travel below their limits,
-counts what exploration costs, and shows each observation to whoever records or watches.  Controllers see
-`Observation`s and nothing else of the devices.
+counts what exploration costs, and shows each observation to whoever records or watches.  Who learns from frames
+is shown none that passed a limit: of a skin that is crushed, taxels may look untouched that are not.  Controllers
+see `Observation`s and nothing else of the devices.
 """
 
 from __future__ import annotations
@@ -98,6 +99,7 @@ class Guard:
         self.calibrations = tuple(calibrations)
         self.limits = limits
         self.observers = tuple(observers)
+        self.learners: tuple[Callable[[Observation], None], ...] = ()  # shown what passed every limit only
         self.active = 0
         self.cost = Cost()
         self.pending = Pending(0.0)
@@ -157,6 +159,8 @@ class Guard:
         """Read the next frame, count its cost, show it around, and enforce the limits."""
         seen = self._read()
         self._enforce(seen)
+        for learner in self.learners:
+            learner(seen)
         return seen
 
     def _read(self) -> Observation:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.devices.chain_kernels import reach, walk
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -58,47 +59,28 @@ class KinematicChain:
         self.to_wire = np.where(self.turns, 180.0 / np.pi, 1.0)
         self._ways = np.array([axis.direction for axis in axes], dtype=float)
         self._ways /= np.linalg.norm(self._ways, axis=1, keepdims=True)
-        self._fixed = [se3.pose(None, axis.offset) for axis in axes]
+        self._offsets = np.array([axis.offset for axis in axes], dtype=float)
+        self._limits = np.stack([self.least, self.most])
 
     def pose(self, q: Floats) -> Floats:
         """(4, 4) base_from_flange."""
-        return self._walk(q)[0]
+        at, _ = walk(np.asarray(q, dtype=float), self._offsets, self._ways, self.turns, self.tool)
+        return np.asarray(at)
 
-    def _walk(self, q: Floats) -> tuple[Floats, Floats]:
-        at = np.eye(4)
-        twists = np.zeros((len(self.axes), 6))
-        for i, way in enumerate(self._ways):
-            at = at @ self._fixed[i]
-            if self.turns[i]:
-                axis = at[:3, :3] @ way
-                twists[i, 3:] = axis
-                twists[i, :3] = np.cross(at[:3, 3], axis)
-                at = at @ se3.exp(np.concatenate([np.zeros(3), q[i] * way]))
-            else:
-                twists[i, :3] = at[:3, :3] @ way
-                at = at.copy()
-                at[:3, 3] += q[i] * twists[i, :3]
-        at = at @ self.tool
-        jacobian = twists.T.copy()
-        jacobian[:3] += np.cross(jacobian[3:].T, at[:3, 3]).T
-        return at, jacobian
+    def from_wire(self, numbers: Sequence[float], order: Sequence[int]) -> Floats:
+        """(n,) [mm, rad] joint positions from a controller's numbers [mm, deg], the k-th of axis order[k]."""
+        joints = np.zeros(len(self.axes))
+        joints[list(order)] = numbers
+        return np.asarray(joints / self.to_wire)
 
     def reach(self, goal: Floats, near: Floats, steps: int = 40) -> Reached:
         """Joint positions near `near` [mm, rad] that bring the flange to a (4, 4) pose, within limits."""
-        q = np.array(near, dtype=float)
-        scale = np.repeat([1.0, _ARM], 3)
-        for _ in range(steps):
-            at, jacobian = self._walk(q)
-            error = np.concatenate([goal[:3, 3] - at[:3, 3], se3.rotation_log(goal[:3, :3] @ at[:3, :3].T)])
-            off, turned = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
-            if off < 1e-4 and turned < 1e-6:
-                break
-            matrix = scale[:, None] * jacobian
-            gain = matrix @ matrix.T + (_DAMPING + 1e-3 * turned) * np.eye(6)
-            step = matrix.T @ np.linalg.solve(gain, scale * error)
-            step *= min(1.0, 0.5 / max(1e-9, float(np.abs(step[self.turns]).max(initial=0.0))))
-            q = np.clip(q + step, self.least, self.most)
-        return Reached(q, off, turned)
+        start = np.array(near, dtype=float)
+        geometry = (self._offsets, self._ways, self.turns, self.tool)
+        q, off, turned = reach(
+            np.ascontiguousarray(goal), start, *geometry, self._limits, _ARM, _DAMPING, steps
+        )
+        return Reached(q, float(off), float(turned))
 
     @staticmethod
     def gantry(letters: str = "XYZABC", travel: float = 700.0, speed: float = 150.0) -> "KinematicChain":

@@ -27,9 +27,24 @@ class Port:
     """One open port; reading waits `patience` [s] at most, and whatever breaks is a `PalpateError`."""
 
     def __init__(self, address: str, baud: int, patience: float = 0.002) -> None:
-        self.address = address
+        self.address, self.baud, self._patience = address, baud, patience
+        self._open()
+
+    def reopened(self) -> bool:
+        """Open it again after it had gone; whether it was there."""
+        self.close()
         try:
-            self._serial = serial.serial_for_url(address, baudrate=baud, timeout=patience, write_timeout=0.2)
+            self._open()
+        except PalpateError:
+            return False
+        return True
+
+    def _open(self) -> None:
+        address = self.address
+        try:
+            self._serial = serial.serial_for_url(
+                address, baudrate=self.baud, timeout=self._patience, write_timeout=0.2
+            )
         except PermissionError as error:
             raise PalpateError(_forbidden(address)) from error
         except (serial.SerialException, ValueError, OSError) as error:

@@ -7,6 +7,8 @@ moves meanwhile as it was last told.  A control loop is ``frame = sensor.read();
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from exploration.sensing.frame import TaxelArray, TaxelFrame
 from primitives.arrays import Floats
 
@@ -19,6 +21,12 @@ class StageLimits:
     acceleration: float = 2000.0  # [mm/s^2]
     turn_speed: float = 2.0  # [rad/s]
     turn_acceleration: float = 30.0  # [rad/s^2]
+
+    def shortened(self, twist: Floats) -> Floats:
+        """A (6,) twist no faster than the speeds allow."""
+        linear = self.speed / max(float(np.linalg.norm(twist[:3])), self.speed)
+        turning = self.turn_speed / max(float(np.linalg.norm(twist[3:])), self.turn_speed)
+        return np.concatenate([linear * twist[:3], turning * twist[3:]])
 
 
 @dataclass(frozen=True)

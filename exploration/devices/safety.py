@@ -10,13 +10,18 @@ readings of one press with noise s [counts] round to the same count with a chanc
 1 / (2 sqrt(pi) s), the chance of a whole frame is the product over the taxels that show more than nothing
 and less than all, and that of a run of repeats the product over them (our derivation).  Past `chance`
 the array is taken as frozen, which is silence since the last news.
+
+A limit that stops motion once it is passed is passed.  So the force is judged as it will be when the stage has
+come to rest, F + dF/dt (t + v / (2 a)) with t the time until braking begins; and toward the object the pad goes no
+faster than it may run blind into a flat, k A (v (s + t) + v^2 / (2 a)) <= F with s the silence after which it is
+stopped (our derivation; both with the skin as a Winkler foundation of stiffness k and area A).
 """
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.devices.clock import MACHINE, Clock
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.frame import TaxelFrame
 from primitives.arrays import Floats
@@ -31,6 +36,7 @@ class SafetyLimits:
     force: float = 60.0  # [N] over the whole pad
     reach: tuple[float, ...] = (-1e9, -1e9, -1e9, 1e9, 1e9, 1e9)  # [mm] box of the flange
     patience: float = 0.03  # [s] past one and a half periods without a frame, until the stage is held
+    lead: float = 0.02  # [s] from a frame that shows too much until the stage brakes
     margin: float = 1.05  # of the force at a stop, that the way back may show before it is stopped, too
     chance: float = 1e-9  # of repeated frames by noise alone, below which the array is frozen
     frozen: float = 2.0  # [s] of it, after which reading on is in vain
@@ -39,12 +45,22 @@ class SafetyLimits:
 class Safety:
     """One array's and one stage's limits."""
 
-    def __init__(self, calibration: Calibration, area: float, period: float, limits: SafetyLimits) -> None:
-        self._calibration, self._area, self.limits = calibration, area, limits
+    def __init__(
+        self,
+        calibration: Calibration,
+        area: float,
+        period: float,
+        limits: SafetyLimits,
+        flange_from_sensor: Floats | None = None,
+        clock: Clock = MACHINE,
+    ) -> None:
+        self._calibration, self._area, self.limits, self._clock = calibration, area, limits, clock
+        self._mount = np.eye(4) if flange_from_sensor is None else flange_from_sensor
         self._silence = 1.5 * period + limits.patience
-        self._heard = time.monotonic()
+        self._heard = clock.now()
         self._ceiling = limits.force
-        self._force = 0.0
+        self._force, self._time = 0.0, -np.inf
+        self._braking = 0.0  # [s] v / (2 a) of what was asked last
         self._counts = np.empty(0)
         self._repeats = 0.0  # log of the chance that noise repeats a frame so often
         sigma = float(np.sqrt(max(calibration.noise**2 - _ROUNDING, 0.0)))
@@ -55,16 +71,34 @@ class Safety:
 
     def seen(self, frame: TaxelFrame) -> None:
         """A frame, from the array's thread."""
-        c = self._calibration
         if not self._repeated(frame.counts):
-            self._heard = time.monotonic()
-        signal = (frame.counts - c.zero) / c.gain
-        self._force = float(self._area * signal[~c.dead].sum())
-        self.most = max(self.most, self._force)
-        if self._force < self.limits.force:
+            self._heard = self._clock.now()
+        force = self.force(frame)
+        rate = max(0.0, (force - self._force) / max(frame.time - self._time, 1e-3))
+        self._force, self._time = force, frame.time
+        self.most = max(self.most, force)
+        if force < self.limits.force:
             self._ceiling = self.limits.force
-        if self._force > self._ceiling and not self.tripped:
-            self.tripped = f"{self._force:.0f} N is more than the limit of {self.limits.force:.0f} N"
+        coming = force + rate * (self.limits.lead + self._braking)
+        if coming > self._ceiling and not self.tripped:
+            self.tripped = f"{coming:.0f} N would be more than the limit of {self.limits.force:.0f} N"
+
+    def force(self, frame: TaxelFrame) -> float:
+        """[N] over the whole pad."""
+        c = self._calibration
+        return float(self._area * ((frame.counts - c.zero) / c.gain)[~c.dead].sum())
+
+    def shortened(self, twist: Floats, acceleration: float) -> Floats:
+        """A (6,) flange twist that presses the pad on no faster than it may run blind into a flat."""
+        sensor, arm = self._mount[:3, 2], self._mount[:3, 3]
+        toward = float(sensor @ (twist[:3] + np.cross(twist[3:], arm)))
+        c = self._calibration
+        depth = self.limits.force / (c.stiffness * self._area * c.zero.size)
+        late = self._silence + self.limits.lead
+        blind = acceleration * (np.sqrt(late**2 + 2.0 * depth / acceleration) - late)
+        kept = twist * min(1.0, blind / max(toward, 1e-9))
+        self._braking = max(0.0, min(toward, blind)) / (2.0 * acceleration)
+        return np.asarray(kept)
 
     def silent(self, now: float) -> bool:
         """Whether frames have stopped, or show nothing new."""
@@ -75,7 +109,7 @@ class Safety:
         """Why reading on is in vain; empty while frames show news."""
         if self._repeats > np.log(self.limits.chance):
             return ""
-        seconds = time.monotonic() - self._heard
+        seconds = self._clock.now() - self._heard
         return "the array repeats one frame; check its power, then begin again" * (
             seconds > self.limits.frozen
         )

@@ -5,12 +5,12 @@ newest frame, not a queue of old ones; what it missed is counted.
 """
 
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.devices.clock import MACHINE, Clock
 from exploration.devices.ports import Port
 from exploration.devices.wire import flexitac, line_text, matrix_text, weiss_dsa, weiss_wts
 from exploration.devices.wire.stream import Cutter, RawFrame, Stream
@@ -20,7 +20,7 @@ from primitives.errors import PalpateError
 
 PROTOCOLS = ("dsa", "wts", "flexitac", "matrix", "lines")
 BAUDS = {"dsa": 115200, "wts": 115200, "flexitac": 2_000_000, "matrix": 2_000_000, "lines": 115200}
-_PATIENCE = 2.0  # [s] without a frame, after which reading is in vain
+_PATIENCE = 3.0  # [s] without a frame, after which reading is in vain
 
 
 @dataclass
@@ -31,6 +31,7 @@ class FrameCounts:
     missed: int = 0  # came while the loop was busy
     late: int = 0  # more than half a period after they were due
     skipped_bytes: int = 0  # belonged to no frame
+    reconnects: int = 0  # of a port that had gone
 
 
 def cutter(protocol: str, shape: tuple[int, int]) -> Cutter:
@@ -52,8 +53,15 @@ class SerialArray:
     """A tactile array behind a port; `watch` is called with every frame, in the reader's thread."""
 
     def __init__(
-        self, port: Port, protocol: str, array: TaxelArray, period: float, flange_from_sensor: Floats
+        self,
+        port: Port,
+        protocol: str,
+        array: TaxelArray,
+        period: float,
+        flange_from_sensor: Floats,
+        clock: Clock = MACHINE,
     ) -> None:
+        self._clock = clock
         self._port, self._protocol, self._array, self._period = port, protocol, array, period
         self._mount = frozen(flange_from_sensor)
         self._stream = Stream(cutter(protocol, array.shape))
@@ -63,7 +71,8 @@ class SerialArray:
         self._fault = ""
         self._open = True
         self._index = 0
-        self._last = time.monotonic()
+        self._strange = 0  # bytes of no frame before the newest frame
+        self._last = self._clock.now()
         self.counts = FrameCounts()
         self.watch: Callable[[TaxelFrame], None] = lambda frame: None
         self.before: Callable[[TaxelFrame], None] = lambda frame: None  # called before `read` returns a frame
@@ -86,27 +95,19 @@ class SerialArray:
         """Seconds from one frame to the next."""
         return self._period
 
-    @property
-    def last_frame(self) -> float:
-        """[s] when the newest frame came, on the clock of `time.monotonic`."""
-        return self._last
-
     def start(self) -> None:
         """Begin to listen."""
         self._thread.start()
 
     def read(self) -> TaxelFrame:
         """The next frame; one that came while nobody read is taken only if no newer one has come."""
-        deadline = time.monotonic() + _PATIENCE
+        deadline = self._clock.now() + _PATIENCE
         with self._news:
             while self._newest is None or self._newest.index <= self._taken:
                 if why := self._fault or self.fault():
                     raise PalpateError(why)
-                if time.monotonic() > deadline:
-                    raise PalpateError(
-                        f"no frame from {self._port.address} for {_PATIENCE:.0f} s; "
-                        "check cable, protocol and baud rate"
-                    )
+                if self._clock.now() > deadline:
+                    raise PalpateError(self._no_frame())
                 self._news.wait(0.02)
             frame = self._newest
             self.counts.missed += frame.index - self._taken - 1 if self._taken >= 0 else 0
@@ -115,6 +116,11 @@ class SerialArray:
             raise PalpateError(why)
         self.before(frame)
         return frame
+
+    def _no_frame(self) -> str:
+        strange = self._stream.skipped - self._strange
+        why = f", only {strange} bytes that are none; check protocol and baud rate" if strange else ""
+        return f"no frame from {self._port.address} for {_PATIENCE:.0f} s{why or '; check cable and power'}"
 
     def close(self) -> None:
         """Stop listening."""
@@ -139,14 +145,22 @@ class SerialArray:
             self._port.write(start)
 
     def _run(self) -> None:
-        heard = time.monotonic()
+        try:
+            while self._open:
+                try:
+                    self._listen()
+                except PalpateError as error:
+                    if self._open and not self._reconnected():
+                        self._fault = str(error)
+                        return
+        except PalpateError as error:
+            self._fault = str(error)
+
+    def _listen(self) -> None:
+        heard = self._clock.now()
         while self._open:
-            try:
-                data = self._port.read()
-            except PalpateError as error:
-                self._fault = str(error)
-                return
-            now = time.monotonic()
+            data = self._port.read()
+            now = self._clock.now()
             if not data:
                 if self._stream.waiting and now - heard > max(0.5 * self._period, 0.004):
                     self._stream.gap()
@@ -156,12 +170,24 @@ class SerialArray:
                 self._take(raw, now)
             self.counts.skipped_bytes = self._stream.skipped
 
+    def _reconnected(self) -> bool:
+        """Whether the port came again within the patience of who reads."""
+        until = self._clock.now() + 0.8 * _PATIENCE
+        while self._open and self._clock.now() < until:
+            self._clock.sleep(0.1)
+            if self._port.reopened():
+                self._stream.gap()
+                self._greet()
+                self.counts.reconnects += 1
+                return True
+        return False
+
     def _take(self, raw: RawFrame, now: float) -> None:
         frame = TaxelFrame(frozen(np.reshape(raw.counts, self._array.shape)), now, self._index)
         self.counts.read += 1
         self.counts.late += bool(self._index and now - self._last > 1.5 * self._period)
         self._index += 1
-        self._last = now
+        self._last, self._strange = now, self._stream.skipped
         self.watch(frame)
         with self._news:
             self._newest = frame

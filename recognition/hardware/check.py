@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +24,9 @@ def check(path: Path) -> dict[str, Any]:
     array = rig.array if rig is not None else open_array(config)
     try:
         array.read()
-        began, first = time.monotonic(), array.counts.read
+        began, first = config.clock.now(), array.counts.read
         frames = [array.read() for _ in range(_FRAMES)]
-        rate = (array.counts.read - first) / (time.monotonic() - began)
+        rate = (array.counts.read - first) / (config.clock.now() - began)
         where = None if rig is None else rig.stage.pose()
     finally:
         if rig is not None:

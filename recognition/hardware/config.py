@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from exploration.devices.clock import MACHINE, Clock, ReadClock
 from exploration.devices.kinematic_chain import Axis, KinematicChain
 from exploration.devices.serial_array import BAUDS, PROTOCOLS
 from primitives import pose as se3
@@ -66,6 +67,13 @@ class LimitConfig:
 
 
 @dataclass(frozen=True)
+class EmulationConfig:
+    """`[emulation]`, which an emulator writes."""
+
+    clock: str = ""  # the file of its clock
+
+
+@dataclass(frozen=True)
 class DeviceConfig:
     """A whole set-up; without a stage it can show frames and nothing else."""
 
@@ -73,6 +81,7 @@ class DeviceConfig:
     array: ArrayConfig
     stage: StageConfig | None
     limits: LimitConfig
+    clock: Clock = MACHINE
 
 
 def load_device(path: Path) -> DeviceConfig:
@@ -84,8 +93,10 @@ def load_device(path: Path) -> DeviceConfig:
     except tomllib.TOMLDecodeError as error:
         raise PalpateError(f"{path} is not valid TOML: {error}") from error
     for name in table:
-        if name not in ("array", "stage", "limits"):
-            raise PalpateError(f"{path}: unknown table [{name}]; there are array, stage and limits")
+        if name not in ("array", "stage", "limits", "emulation"):
+            raise PalpateError(
+                f"{path}: unknown table [{name}]; there are array, stage, limits and emulation"
+            )
     if "array" not in table:
         raise PalpateError(f"{path}: the table [array] is missing, with port and protocol")
     array = _build(ArrayConfig, table["array"], path, "array")
@@ -99,7 +110,9 @@ def load_device(path: Path) -> DeviceConfig:
             raise PalpateError(f"{path} [limits]: {name} is X0,Y0,Z0,X1,Y1,Z1, the least corner first")
     if min(limits.force_n, limits.depth_mm) <= 0.0:
         raise PalpateError(f"{path} [limits]: force_n and depth_mm must be positive")
-    return DeviceConfig(path, array, stage, limits)
+    emulation = _build(EmulationConfig, table.get("emulation", {}), path, "emulation")
+    clock = ReadClock(Path(emulation.clock)) if emulation.clock else MACHINE
+    return DeviceConfig(path, array, stage, limits, clock)
 
 
 def baud(config: ArrayConfig) -> int:

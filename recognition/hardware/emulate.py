@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import cast
@@ -25,7 +24,7 @@ from recognition.simulation import WorldConfig, random_pose
 BOX = (-80.0, -80.0, -80.0, 80.0, 80.0, 80.0)  # [mm] workspace of an emulated rig
 
 
-def emulated(options: ExploreOptions, protocol: str, letters: str) -> EmulatedRig:
+def emulated(options: ExploreOptions, protocol: str, letters: str, pace: float = 1.0) -> EmulatedRig:
     """The rig over a part at its pose, the pad above the workspace and facing down."""
     if protocol not in PROTOCOLS:
         raise PalpateError(f"no protocol {protocol!r}; there are {', '.join(PROTOCOLS)}")
@@ -40,7 +39,7 @@ def emulated(options: ExploreOptions, protocol: str, letters: str) -> EmulatedRi
     chain = KinematicChain.gantry(letters)
     above = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, box[1][2] + WorldConfig().start])
     start = chain.reach(above, np.zeros(len(letters))).q
-    return EmulatedRig(part.solid.placed(pose), spec, chain, start, protocol, options.seed)
+    return EmulatedRig(part.solid.placed(pose), spec, chain, start, protocol, options.seed, pace=pace)
 
 
 def config_text(rig: EmulatedRig, options: ExploreOptions, protocol: str, letters: str) -> str:
@@ -49,13 +48,14 @@ def config_text(rig: EmulatedRig, options: ExploreOptions, protocol: str, letter
     stage: dict[str, object] = {
         "port": rig.stage_path,
         "axes": letters,
-        "speed_mm_s": 100.0,
+        "speed_mm_s": 60.0,
         "acceleration_mm_s2": 2000.0,
         "turn_speed_deg_s": StageConfig("").turn_speed_deg_s,
         "crash_pin": "P",
     }
     limits: dict[str, object] = {"force_n": 60.0, "workspace_mm": options.workspace}
-    tables: dict[str, dict[str, object]] = {"array": array, "stage": stage, "limits": limits}
+    clock: dict[str, object] = {"clock": str(rig.clock_path)}
+    tables = {"array": array, "stage": stage, "limits": limits, "emulation": clock}
     return "\n".join(f"[{name}]\n" + "\n".join(toml_lines(t)) + "\n" for name, t in tables.items())
 
 
@@ -66,9 +66,10 @@ def serve(
     config: Path,
     seconds: float,
     say: Callable[[str], object],
+    pace: float = 1.0,
 ) -> None:
     """Write the config, then answer until Ctrl-C or for some seconds."""
-    rig = emulated(options, protocol, letters)
+    rig = emulated(options, protocol, letters, pace)
     partial = config.with_suffix(".partial")
     try:
         partial.write_text(config_text(rig, options, protocol, letters), encoding="utf-8")
@@ -78,9 +79,9 @@ def serve(
             f"cannot write {config} ({error.strerror or error}); choose another --config"
         ) from error
     say(f"array at {rig.array_path} ({protocol}), stage at {rig.stage_path} ({letters}); config: {config}")
-    until = time.monotonic() + seconds if seconds else np.inf
+    until = seconds or np.inf
     try:
-        rig.serve(lambda: time.monotonic() > until)
+        rig.serve(lambda: rig.clock.now() > until)
     except KeyboardInterrupt:
         pass
     finally:

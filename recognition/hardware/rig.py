@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import atexit
 import contextlib
-import time
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from exploration.devices.clock import Clock
 from exploration.devices.grbl_link import GrblLink
 from exploration.devices.grbl_stage import GrblStage
 from exploration.devices.ports import Port
@@ -25,6 +26,7 @@ from recognition.hardware.config import DeviceConfig, baud
 
 _CONTACT = 0.05  # of the force limit, above which letting go begins with backing off
 _BACK = 5.0  # [mm]
+_SWITCH = 0.0005  # [s] that the loop may keep the interpreter from the threads that watch over it
 
 
 @dataclass
@@ -35,6 +37,7 @@ class DeviceRig:
     stage: GrblStage
     safety: Safety
     calibration: Calibration
+    clock: Clock
 
     def close(self) -> None:
         """Back off where something is touched and frames still come, else hold; then let go of both ports."""
@@ -48,17 +51,14 @@ class DeviceRig:
         atexit.unregister(self.close)
 
     def _back_off(self) -> None:
-        frame = self.array.read()
-        area = self.array.array.pitch[0] * self.array.array.pitch[1]
-        c = self.calibration
-        force = float(area * ((frame.counts - c.zero) / c.gain)[~c.dead].sum())
-        if self.stage.fault or force < _CONTACT * self.safety.limits.force:
+        pressed = self.safety.force(self.array.read()) > _CONTACT * self.safety.limits.force
+        if self.stage.fault or not pressed:
             return
         mount = self.array.flange_from_sensor
         sensor = self.stage.pose() @ mount @ se3.pose(None, [0.0, 0.0, -_BACK])
         self.stage.go_to(sensor @ se3.inverse(mount))
-        until = time.monotonic() + 2.0
-        while self.stage.moving and time.monotonic() < until:
+        until = self.clock.now() + 2.0
+        while self.stage.moving and self.clock.now() < until:
             self.array.read()
 
 
@@ -79,7 +79,7 @@ def open_array(config: DeviceConfig) -> SerialArray:
     spec = sensor_of(config)
     port = Port(config.array.port, baud(config.array))
     mount = config.array.flange_from_sensor
-    array = SerialArray(port, config.array.protocol, spec.array, spec.period, mount)
+    array = SerialArray(port, config.array.protocol, spec.array, spec.period, mount, config.clock)
     array.start()
     return array
 
@@ -92,7 +92,8 @@ def open_rig(config: DeviceConfig) -> DeviceRig:
     calibration = calibration_of(config, spec)
     area = spec.array.pitch[0] * spec.array.pitch[1]
     limits = SafetyLimits(config.limits.force_n, config.limits.reach_mm)
-    safety = Safety(calibration, area, spec.period, limits)
+    mount = config.array.flange_from_sensor
+    safety = Safety(calibration, area, spec.period, limits, mount, config.clock)
     told = config.stage
     stage_limits = StageLimits(
         told.speed_mm_s,
@@ -104,14 +105,15 @@ def open_rig(config: DeviceConfig) -> DeviceRig:
     array.watch = safety.seen
     try:
         array.read()
-        link = GrblLink(Port(told.port, told.baud))
+        link = GrblLink(Port(told.port, told.baud), config.clock)
         stage = GrblStage(link, told.chain, stage_limits, safety, crash_pin=told.crash_pin)
     except PalpateError:
         array.close()
         raise
+    sys.setswitchinterval(_SWITCH)
     array.before = lambda frame: stage.as_of(frame.time)
     array.fault = lambda: stage.fault or safety.frozen
     stage.start()
-    rig = DeviceRig(array, stage, safety, calibration)
+    rig = DeviceRig(array, stage, safety, calibration, config.clock)
     atexit.register(rig.close)
     return rig

@@ -1,19 +1,23 @@
 """An array and a Grbl stage over one object, each on a pseudo-terminal, in real time.
 
 The simulator's own array rides on a stage that the controller's planner moves.  `Faults` disturb what
-goes over the wire; what happened in the physics is kept for whoever judges.
+goes over the wire; what happened in the physics is kept for whoever judges.  The ports' names are links that stay
+when a cable is pulled and plugged in again.  Whoever drives the rig reads its clock (`devices.clock`).
 """
 
 import contextlib
 import os
 import select
-import time
+import shutil
+import tempfile
 import tty
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
+from exploration.devices.clock import WrittenClock
 from exploration.devices.emulators.grbl_machine import GrblMachine
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.simulated_array import SimulatedArray
@@ -25,6 +29,8 @@ from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats
 from primitives.surface import Surface
 
+_ROUND = 0.001  # [s] at most that a round waits for bytes
+
 
 @dataclass
 class Faults:
@@ -35,6 +41,8 @@ class Faults:
     silent: bool = False  # the array sends nothing
     frozen: bool = False  # the array repeats one frame
     deaf: bool = False  # the stage neither hears nor answers, and moves on
+    garbled: float = 0.0  # share of the stage's answers that arrive with a changed byte
+    noise: bool = False  # the array's bytes are those of another baud rate
     latency: float = 0.0  # [s] by which the stage answers late
 
 
@@ -64,50 +72,72 @@ class EmulatedRig:
         protocol: str,
         seed: int = 0,
         acceleration: float = 2000.0,
+        pace: float = 1.0,
+        flange_from_sensor: Floats | None = None,
     ) -> None:
         rng = np.random.default_rng(seed)
         letters = "".join(axis.letter for axis in chain.axes)
         travel = np.maximum(np.abs(chain.least), np.abs(chain.most)) * chain.to_wire
         self.machine = GrblMachine(letters, start * chain.to_wire, travel, acceleration)
         self.stage = _DrivenStage(self.machine, chain, rng.spawn(1)[0])
-        self.array = SimulatedArray(surface, spec, self.stage, np.eye(4), rng.spawn(1)[0])
+        mount = np.eye(4) if flange_from_sensor is None else flange_from_sensor
+        self.array = SimulatedArray(surface, spec, self.stage, mount, rng.spawn(1)[0])
         self.faults = Faults()
         self.most_force = 0.0  # [N] that the skin truly carried, as far as its taxels show
         self.housing_hits = 0
         self._spec, self._protocol, self._rng = spec, protocol, rng
         self._calibration = Calibration.nominal(spec)
-        self._array_end, self.array_path = _terminal()
-        self._stage_end, self.stage_path = _terminal()
+        self._folder = Path(tempfile.mkdtemp(prefix="palpate-"))
+        self.array_path, self.stage_path = str(self._folder / "array"), str(self._folder / "stage")
+        self.clock_path = self._folder / "clock"
+        self.clock = WrittenClock(self.clock_path, pace)
+        self._array_end, self._array_held = _plugged(self.array_path)
+        self._stage_end, self._stage_held = _plugged(self.stage_path)
         self._late: list[tuple[float, bytes]] = []
         self._frozen: TaxelFrame | None = None
 
     def serve(self, ends: Callable[[], bool]) -> None:
         """Answer until `ends()`."""
-        began = time.monotonic() - self.stage._time
         while not ends():
-            now = time.monotonic() - began
-            due = (np.floor(self.stage._time / self._spec.period + 1e-6) + 1) * self._spec.period
-            if now >= due:
-                self._frame()
-            wait = max(0.0, min(due - (time.monotonic() - began), 0.02))
-            for end in select.select([self._stage_end, self._array_end], [], [], wait)[0]:
-                data = _read(end)
-                if end == self._stage_end and data and not self.faults.deaf:
-                    self.stage._advance(time.monotonic() - began)
-                    self.machine.receive(data)
-                elif end == self._array_end and data:
-                    self._answer(data)
-            self._send_replies(time.monotonic())
+            self.turn()
+
+    def turn(self) -> None:
+        """One round: frames that are due, and what has come."""
+        now = self.clock.tick()
+        due = (np.floor(self.stage._time / self._spec.period + 1e-6) + 1) * self._spec.period
+        if now >= due:
+            self._frame()
+        self.stage._advance(self.clock.tick())
+        ends = [end for end in (self._stage_end, self._array_end) if end >= 0]
+        for end in select.select(ends, [], [], _ROUND if now < due else 0.0)[0]:
+            data = _read(end)
+            if end == self._stage_end and data and not self.faults.deaf:
+                self.stage._advance(self.clock.tick())
+                self.machine.receive(data)
+            elif end == self._array_end and data:
+                self._answer(data)
+        self._send_replies(self.clock.now())
 
     def close(self) -> None:
-        """Unplug both."""
-        for end in (self._array_end, self._stage_end):
-            with contextlib.suppress(OSError):
-                os.close(end)
+        """Unplug both, and leave nothing behind."""
+        self.unplug_array()
+        self.unplug_stage()
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     def unplug_array(self) -> None:
         """Pull the array's cable."""
-        self.faults.silent = True
+        self._array_end, self._array_held = _pulled(self._array_end, self._array_held)
+
+    def unplug_stage(self) -> None:
+        """Pull the stage's cable; the controller moves on."""
+        self._stage_end, self._stage_held = _pulled(self._stage_end, self._stage_held)
+
+    def plug_in(self) -> None:
+        """Plug in again what was pulled."""
+        if self._array_end < 0:
+            self._array_end, self._array_held = _plugged(self.array_path)
+        if self._stage_end < 0:
+            self._stage_end, self._stage_held = _plugged(self.stage_path)
 
     def _frame(self) -> None:
         frame = self.array.read()
@@ -122,6 +152,8 @@ class EmulatedRig:
         if self.faults.silent or self._rng.random() < self.faults.dropouts:
             return
         data = bytearray(encoded(self._protocol, frame))
+        if self.faults.noise:
+            data[:] = self._rng.integers(0, 256, len(data), dtype=np.uint8).tobytes()
         if self.faults.byte_errors:
             hit = np.flatnonzero(self._rng.random(len(data)) < self.faults.byte_errors)
             for at in hit:
@@ -144,9 +176,11 @@ class EmulatedRig:
             self.machine.replies.clear()
             self._late.append((now + self.faults.latency, data))
         while self._late and self._late[0][0] <= now:
-            data = self._late.pop(0)[1]
+            answer = bytearray(self._late.pop(0)[1])
+            if answer and self._rng.random() < self.faults.garbled:
+                answer[int(self._rng.integers(0, len(answer)))] = int(self._rng.integers(0, 256))
             if not self.faults.deaf:
-                _write(self._stage_end, data)
+                _write(self._stage_end, bytes(answer))
 
 
 def encoded(protocol: str, frame: TaxelFrame) -> bytes:
@@ -166,12 +200,21 @@ def encoded(protocol: str, frame: TaxelFrame) -> bytes:
     )
 
 
-def _terminal() -> tuple[int, str]:
+def _plugged(path: str) -> tuple[int, int]:
+    """Both ends of a new pseudo-terminal that `path` leads to."""
     master, slave = os.openpty()
     tty.setraw(slave)
     os.set_blocking(master, False)
-    path = os.ttyname(slave)
-    return master, path
+    Path(path).unlink(missing_ok=True)
+    Path(path).symlink_to(os.ttyname(slave))
+    return master, slave
+
+
+def _pulled(*ends: int) -> tuple[int, int]:
+    for end in ends:
+        with contextlib.suppress(OSError):
+            os.close(end)
+    return -1, -1
 
 
 def _read(end: int) -> bytes:
