@@ -11,7 +11,15 @@ from recognition.commands.answering import Json, one_line_errors, print_json
 
 
 def frames(
-    file: Annotated[str, typer.Argument(help="A recording: .mcap, .dsa, .csv, .npy or .npz.")],
+    file: Annotated[str, typer.Argument(help="A recording: .mcap, .dsa, .csv, .npy or .npz.")] = "",
+    device: Annotated[
+        str | None,
+        typer.Option(metavar="CONFIG.toml", help="Live from an array, in FILE's place.", show_default=False),
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(help="How long to listen to a device.", show_default="until Ctrl-C; 5 with --json"),
+    ] = None,
     sensor: Annotated[
         str | None,
         typer.Option(
@@ -31,17 +39,26 @@ def frames(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Show what each frame of a recording felt: kind of contact, lines, curvature."""
+    """Show what each frame of a recording, or of an array on a port, felt: kind of contact, lines, curvature."""
     with one_line_errors():
         from recognition.frames.options import FramesOptions
 
-        options = FramesOptions(file, sensor, index, png)
-        recording = options.recording()
+        options = FramesOptions(device or file, sensor, index, png)
+        calibration = None
+        if device is None:
+            recording = options.recording()
+        else:
+            from recognition.frames.terminal import showing
+            from recognition.hardware.listen import listen
+
+            limit = seconds if seconds is not None else 5.0 * as_json
+            with showing(quiet=as_json) as show:
+                recording, calibration = listen(Path(device), limit, show)
         from recognition.frames.run import run
         from recognition.frames.terminal import print_frames, telling
 
         with telling(quiet=as_json) as tell:
-            seen = run(options, recording, tell)
+            seen = run(options, recording, tell, calibration)
     if as_json:
         print_json(seen.summary)
     else:

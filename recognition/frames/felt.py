@@ -50,9 +50,18 @@ class Feeler:
     calibrations: tuple[Calibration, ...]
 
     @staticmethod
-    def of(recording: Recording, frames: Iterator[PadFrame] | None = None) -> "Feeler":
-        """Calibrate from one pass over the recording; a broken file is found out here."""
+    def of(
+        recording: Recording,
+        frames: Iterator[PadFrame] | None = None,
+        calibration: Calibration | None = None,
+    ) -> "Feeler":
+        """Calibrate from one pass over the recording; a broken file is found out here.
+
+        A `calibration` of the array's own, made earlier, leaves its zeros to be told.
+        """
         rests = at_rest(recording, frames)
+        if calibration is not None:
+            return Feeler(recording, rests, tuple(replace(calibration, zero=rest.zero) for rest in rests))
         pairs = zip(recording.pads, rests, strict=True)
         return Feeler(recording, rests, tuple(calibration_at_rest(pad, rest) for pad, rest in pairs))
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from exploration.recordings.recording import PadFrame, Recording
 from exploration.recordings.untouched import Untouched
+from exploration.sensing.calibration import Calibration
 from primitives.errors import PalpateError
 from recognition.frames.felt import Feeler, Felt, unreadable_warnings
 from recognition.frames.options import FramesOptions
@@ -48,9 +49,14 @@ class Seen:
 Tell = Callable[[str, int, int], object]  # phase, frames done, frames in all (0: not known)
 
 
-def run(options: FramesOptions, recording: Recording, tell: Tell = lambda *_: None) -> Seen:
-    """Perceive what was asked of a recording."""
-    feeler = Feeler.of(recording, _told(recording.frames(), "reading", 0, tell))
+def run(
+    options: FramesOptions,
+    recording: Recording,
+    tell: Tell = lambda *_: None,
+    calibration: Calibration | None = None,
+) -> Seen:
+    """Perceive what was asked of a recording; `calibration` is its array's own, where there is one."""
+    feeler = Feeler.of(recording, _told(recording.frames(), "reading", 0, tell), calibration)
     total = sum(feeler.frame_counts) if options.index is None else 0
     asked = _asked(options, feeler)
     folder = options.folder()

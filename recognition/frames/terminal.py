@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rich.console import Console
+from rich.console import Console, Group
+from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
 from recognition.frames.colors import KINDS, Color
+from recognition.frames.felt import Feeler, Felt
 from recognition.frames.overview import SHOWN, FeltTouch, timeline, touches_of
 from recognition.frames.picture_text import taxel_text
 from recognition.frames.run import Seen, Tell
@@ -38,6 +40,32 @@ def telling(quiet: bool = False) -> Iterator[Tell]:
         yield lambda phase, done, total: status.update(
             f"{phase} {done} of {total} frames" if total else f"{phase} {done} frames"
         )
+
+
+@contextmanager
+def showing(quiet: bool = False) -> Iterator[Callable[[Felt, Feeler], object]]:
+    """Something to show the newest frame of an array to, redrawn in place where stderr is a terminal."""
+    console = Console(stderr=True, highlight=False)
+    if quiet or not console.is_terminal:
+        yield lambda *_: None
+        return
+    with Live(Text("leave the array untouched for a moment"), console=console, auto_refresh=False) as live:
+
+        def show(felt: Felt, feeler: Feeler) -> None:
+            pad, rest = feeler.recording.pads[0], feeler.rests[0]
+            color = _style(KINDS[felt.touch.kind])
+            lines = [", ".join(line_words(line, unit_of(pad))[:2]) for line in felt.touch.lines]
+            live.update(
+                Group(
+                    taxel_text(felt, pad, rest, console),
+                    Text(f"{felt.time:6.1f} s  {verdict(felt)}  {force_words(felt, pad)}", color),
+                    Text("; ".join(lines) or "no lines", style="dim"),
+                    Text("Ctrl-C ends, and tells what was felt", style="dim"),
+                ),
+                refresh=True,
+            )
+
+        yield show
 
 
 def print_frames(seen: Seen, one: bool, console: Console | None = None) -> None:
