@@ -24,7 +24,7 @@ ONE_FILE_ONLY = {
     "OCP": "models/formats/step_out_worker.py",
     "cascadio": "models/formats/step_worker.py",
     "mcap": "exploration/recordings/container.py",
-    "typer": "recognition/cli.py recognition/flags.py recognition/commands",  # the command line
+    "typer": "recognition/cli.py recognition/commands",  # the command line
     "cv2": "exploration/sensing/baselines/opencv_lines.py",
     "skimage": "exploration/sensing/baselines/skimage_lines.py",
 }

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from primitives.errors import PalpateError
-from recognition import flags
+from recognition.commands import flags
 from recognition.commands.answering import Json, one_line_errors, print_json
 
 app = typer.Typer(

@@ -6,7 +6,7 @@ from typing import Annotated, cast
 
 import typer
 
-from recognition import flags
+from recognition.commands import flags
 from recognition.commands.answering import Json, one_line_errors, print_json
 from recognition.commands.part_argument import look_at_file
 from recognition.console import interrupts

@@ -6,26 +6,18 @@ from typing import Annotated
 
 import typer
 
-from recognition import flags
 from recognition.commands.answering import Json, one_line_errors, print_json
 from recognition.commands.part_argument import listing_parts_if_unknown, look_at_file
+from recognition.commands.run_flags import Latency, Part, RunFlags, spread
 from recognition.console import interrupts
 
 
+@spread
 def probe(
-    part: Annotated[str, typer.Argument(help="A built-in part (palpate parts) or a CAD file.")] = "",
+    part: Part = "",
     procedure: Annotated[
         str, typer.Argument(help="What to do there; without one, all procedures are listed.")
     ] = "",
-    units: flags.Units = "auto",
-    scale: flags.Scale = 1.0,
-    body: flags.Body = None,
-    facets: flags.Facets = False,
-    workspace: flags.Workspace = flags.EVERYWHERE,
-    pose: flags.Pose = "random",
-    sensor: flags.Sensor = "lts210",
-    noise: flags.Noise = None,
-    pose_noise_mm: flags.PoseNoise = 0.0,
     force_n: Annotated[float, typer.Option(help="Of an approach, and of compliance [N].")] = 20.0,
     stiffness: Annotated[
         float | None,
@@ -39,12 +31,9 @@ def probe(
         str | None,
         typer.Option(metavar="FILE.toml", help="Both of these, face by face.", show_default=False),
     ] = None,
-    latency_s: Annotated[
-        float, typer.Option(help="By which the simulated stage obeys late [s]; measured, never told.")
-    ] = 0.02,
-    seed: flags.Seed = 0,
-    out: flags.Out = None,
-    overwrite: flags.Overwrite = False,
+    latency_s: Latency = 0.02,
+    *,
+    told: RunFlags,
     as_json: Json = False,
 ) -> None:
     """Carry one exploratory procedure out on an object: what it felt.
@@ -53,23 +42,11 @@ def probe(
     """
     with one_line_errors(exit_code=2):
         with interrupts.held():
-            from recognition.config import parse_numbers, parse_pose
             from recognition.probing.options import ProbeOptions
 
-        options = ProbeOptions(
+        options = told.options(
+            ProbeOptions,
             part=part,
-            units=units,
-            scale=scale,
-            body=body,
-            facets=facets,
-            workspace=parse_numbers(workspace, 6, "--workspace", "X0,Y0,Z0,X1,Y1,Z1 in mm"),
-            pose=parse_pose(pose),
-            sensors=tuple(sensor.split(",")),
-            noise=noise,
-            pose_noise=pose_noise_mm,
-            seed=seed,
-            out=out,
-            overwrite=overwrite,
             procedure=procedure,
             force_n=force_n,
             stiffness_n_mm3=stiffness,

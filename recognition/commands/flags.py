@@ -35,5 +35,3 @@ Device = Annotated[
     typer.Option(metavar="CONFIG.toml", help="On hardware, in PART's place.", show_default=False),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in --out.")]
-
-EVERYWHERE = "-300,-300,-300,300,300,300"
