@@ -57,6 +57,11 @@ def calibration_from_toml(source: str, name: str = "calibration") -> Calibration
         table = tomllib.loads(source)
     except tomllib.TOMLDecodeError as error:
         raise PalpateError(f"{name}: not valid TOML: {error}") from error
+    return calibration_from_table(table, name)
+
+
+def calibration_from_table(table: dict[str, Any], name: str = "calibration") -> Calibration:
+    """A calibration from a file's table."""
     valid = {field.name for field in fields(Calibration)}
     for key in table:
         if key not in valid:

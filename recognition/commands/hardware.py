@@ -57,6 +57,35 @@ def check(config: Config, as_json: Json = False) -> None:
 
 
 @app.command()
+def calibrate(
+    config: Config,
+    out: Annotated[
+        Path | None, typer.Option(help="The file to write.", show_default="CONFIG-calibration.toml")
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before each part.")] = False,
+    seed: flags.Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Press a flat, an edge, a step and a ball: zeros, gains, spread, stiffness and mount, each with its sigma."""
+    with one_line_errors():
+        from recognition.hardware.calibrate import calibrate as calibrated
+        from recognition.hardware.calibrate import calibrate_text
+
+        def ask(line: str) -> None:
+            if yes:
+                typer.echo(f"palpate: {line}", err=True)
+            else:
+                typer.prompt(f"{line}; Enter", default="", show_default=False, err=True)
+
+        file = out or config.with_name(f"{config.stem}-calibration.toml")
+        told = calibrated(config, file, ask, seed)
+    if as_json:
+        print_json(told)
+    else:
+        typer.echo(calibrate_text(told))
+
+
+@app.command()
 def jog(
     config: Config,
     by: Annotated[
@@ -90,6 +119,9 @@ def emulate(
     pose: flags.Pose = "random",
     seed: flags.Seed = 0,
     seconds: Annotated[float, typer.Option(help="How long to answer; 0: until Ctrl-C.")] = 0.0,
+    pace: Annotated[
+        float, typer.Option(help="Of its clock; below 1 on a busy machine, and all is as much slower.")
+    ] = 1.0,
 ) -> None:
     """Serve a virtual array and a virtual Grbl stage over a part, on pseudo-terminals."""
     with one_line_errors():
@@ -98,4 +130,5 @@ def emulate(
 
         box = parse_numbers(workspace, 6, "--workspace", "X0,Y0,Z0,X1,Y1,Z1 in mm")
         options = ExploreOptions(part, workspace=box, pose=parse_pose(pose), sensors=(sensor,), seed=seed)
-        serve(options, protocol, axes, config, seconds, lambda line: typer.echo(f"palpate: {line}", err=True))
+        say = lambda line: typer.echo(f"palpate: {line}", err=True)  # noqa: E731
+        serve(options, protocol, axes, config, seconds, say, pace)

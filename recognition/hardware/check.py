@@ -19,7 +19,8 @@ _CREPT = 8.0  # standard deviations of a zero, beyond which it has moved since t
 def check(path: Path) -> dict[str, Any]:
     """What was measured, and what is not as it should be; the array must touch nothing."""
     config = load_device(path)
-    spec, calibration = sensor_of(config), calibration_of(config, sensor_of(config))
+    spec = sensor_of(config)
+    calibration, _ = calibration_of(config, spec)
     rig = open_rig(config) if config.stage is not None else None
     array = rig.array if rig is not None else open_array(config)
     try:

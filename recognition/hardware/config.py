@@ -16,6 +16,9 @@ from exploration.devices.serial_array import BAUDS, PROTOCOLS
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
+from recognition.hardware.artifact import Artifact
+
+_TABLES = ("array", "stage", "limits", "artifact", "emulation")
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,7 @@ class DeviceConfig:
     array: ArrayConfig
     stage: StageConfig | None
     limits: LimitConfig
+    artifact: Artifact | None = None  # what to calibrate on, where the stage finds it
     clock: Clock = MACHINE
 
 
@@ -93,10 +97,8 @@ def load_device(path: Path) -> DeviceConfig:
     except tomllib.TOMLDecodeError as error:
         raise PalpateError(f"{path} is not valid TOML: {error}") from error
     for name in table:
-        if name not in ("array", "stage", "limits", "emulation"):
-            raise PalpateError(
-                f"{path}: unknown table [{name}]; there are array, stage, limits and emulation"
-            )
+        if name not in _TABLES:
+            raise PalpateError(f"{path}: unknown table [{name}]; there are {', '.join(_TABLES)}")
     if "array" not in table:
         raise PalpateError(f"{path}: the table [array] is missing, with port and protocol")
     array = _build(ArrayConfig, table["array"], path, "array")
@@ -112,7 +114,8 @@ def load_device(path: Path) -> DeviceConfig:
         raise PalpateError(f"{path} [limits]: force_n and depth_mm must be positive")
     emulation = _build(EmulationConfig, table.get("emulation", {}), path, "emulation")
     clock = ReadClock(Path(emulation.clock)) if emulation.clock else MACHINE
-    return DeviceConfig(path, array, stage, limits, clock)
+    artifact = Artifact.of(table["artifact"], f"{path} [artifact]") if "artifact" in table else None
+    return DeviceConfig(path, array, stage, limits, artifact, clock)
 
 
 def baud(config: ArrayConfig) -> int:

@@ -14,10 +14,13 @@ from exploration.devices.serial_array import PROTOCOLS
 from exploration.sensing.spec import load_sensor
 from models.formats.units import Units
 from models.part import load_part
+from models.solid import Solid
 from primitives import pose as se3
+from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.toml_text import toml_lines
 from recognition.config import ExploreOptions
+from recognition.hardware import artifact
 from recognition.hardware.config import StageConfig
 from recognition.simulation import WorldConfig, random_pose
 
@@ -30,16 +33,24 @@ def emulated(options: ExploreOptions, protocol: str, letters: str, pace: float =
         raise PalpateError(f"no protocol {protocol!r}; there are {', '.join(PROTOCOLS)}")
     if set(letters) - set("XYZABC") or not set("XYZ") <= set(letters):
         raise PalpateError(f"--axes {letters!r} must be X, Y, Z and any of A, B, C")
-    part = load_part(options.part, cast(Units, options.units), options.scale, options.body, options.facets)
     box = np.reshape(options.workspace, (2, 3))
-    pose = options.fixed_pose
-    if pose is None:
-        pose = random_pose(part.solid, box, np.random.default_rng(options.seed), WorldConfig(offset=20.0))
+    solid = _solid(options, box)
     spec = load_sensor(options.sensors[0])
     chain = KinematicChain.gantry(letters)
     above = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, box[1][2] + WorldConfig().start])
     start = chain.reach(above, np.zeros(len(letters))).q
-    return EmulatedRig(part.solid.placed(pose), spec, chain, start, protocol, options.seed, pace=pace)
+    return EmulatedRig(solid, spec, chain, start, protocol, options.seed, pace=pace)
+
+
+def _solid(options: ExploreOptions, box: Floats) -> Solid:
+    """The part at its pose, or the artifact to calibrate on."""
+    if options.part == artifact.NAME:
+        return Solid.from_csg(artifact.emulated_artifact())
+    part = load_part(options.part, cast(Units, options.units), options.scale, options.body, options.facets)
+    pose = options.fixed_pose
+    if pose is None:
+        pose = random_pose(part.solid, box, np.random.default_rng(options.seed), WorldConfig(offset=20.0))
+    return part.solid.placed(pose)
 
 
 def config_text(rig: EmulatedRig, options: ExploreOptions, protocol: str, letters: str) -> str:
@@ -56,6 +67,8 @@ def config_text(rig: EmulatedRig, options: ExploreOptions, protocol: str, letter
     limits: dict[str, object] = {"force_n": 60.0, "workspace_mm": options.workspace}
     clock: dict[str, object] = {"clock": str(rig.clock_path)}
     tables = {"array": array, "stage": stage, "limits": limits, "emulation": clock}
+    if options.part == artifact.NAME:
+        tables["artifact"] = artifact.Artifact().table()
     return "\n".join(f"[{name}]\n" + "\n".join(toml_lines(t)) + "\n" for name, t in tables.items())
 
 

@@ -34,7 +34,7 @@ def listen(path: Path, seconds: float, show: Show) -> tuple[Recording, Calibrati
     """The frames of some seconds (0: until Ctrl-C), the newest shown as they come; and the array's calibration."""
     config = load_device(path)
     spec = sensor_of(config)
-    calibration = calibration_of(config, spec) if config.array.calibration else None
+    calibration = calibration_of(config, spec)[0] if config.array.calibration else None
     with interrupts.held(), closing(open_array(config)) as array:
         kept: list[PadFrame] = []
         feeler, shown = None, 0.0

@@ -18,11 +18,12 @@ from exploration.devices.protocols import StageLimits
 from exploration.devices.safety import Safety, SafetyLimits
 from exploration.devices.serial_array import SerialArray
 from exploration.sensing.calibration import Calibration
-from exploration.sensing.calibration_toml import load_calibration
 from exploration.sensing.spec import SensorSpec, load_sensor
 from primitives import pose as se3
+from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from recognition.hardware.config import DeviceConfig, baud
+from recognition.hardware.saved_calibration import load
 
 _CONTACT = 0.05  # of the force limit, above which letting go begins with backing off
 _BACK = 5.0  # [mm]
@@ -67,18 +68,24 @@ def sensor_of(config: DeviceConfig) -> SensorSpec:
     return load_sensor(config.array.sensor)
 
 
-def calibration_of(config: DeviceConfig, spec: SensorSpec) -> Calibration:
-    """The array's own calibration, or the data sheet's."""
+def calibration_of(config: DeviceConfig, spec: SensorSpec) -> tuple[Calibration, Floats]:
+    """The array's own calibration, or the data sheet's; and (4, 4) where the array sits on the flange."""
+    told = config.array.flange_from_sensor
     if not config.array.calibration:
-        return Calibration.nominal(spec)
-    return load_calibration(config.path.parent / Path(config.array.calibration))
+        return Calibration.nominal(spec), told
+    calibration, mount = load(config.path.parent / Path(config.array.calibration))
+    if calibration.zero.shape != spec.array.shape:
+        raise PalpateError(
+            f"{config.array.calibration} is of another array than {spec.name}; calibrate again"
+        )
+    return calibration, told if mount is None else mount
 
 
 def open_array(config: DeviceConfig) -> SerialArray:
     """The array alone, listening."""
     spec = sensor_of(config)
+    _, mount = calibration_of(config, spec)
     port = Port(config.array.port, baud(config.array))
-    mount = config.array.flange_from_sensor
     array = SerialArray(port, config.array.protocol, spec.array, spec.period, mount, config.clock)
     array.start()
     return array
@@ -89,10 +96,9 @@ def open_rig(config: DeviceConfig) -> DeviceRig:
     if config.stage is None:
         raise PalpateError(f"{config.path}: without a table [stage] only palpate frames works; add one")
     spec = sensor_of(config)
-    calibration = calibration_of(config, spec)
+    calibration, mount = calibration_of(config, spec)
     area = spec.array.pitch[0] * spec.array.pitch[1]
     limits = SafetyLimits(config.limits.force_n, config.limits.reach_mm)
-    mount = config.array.flange_from_sensor
     safety = Safety(calibration, area, spec.period, limits, mount, config.clock)
     told = config.stage
     stage_limits = StageLimits(
