@@ -22,7 +22,6 @@ from exploration.planning.routes import Tool
 from exploration.recordings.mcap import Recorder
 from models.formats import mesh, openscad, step_out
 from models.solid import Solid
-from primitives.arrays import Ints
 from primitives.errors import NotWritten, PalpateError
 from recognition.assembly import NotClosed
 from recognition.assembly.described import written_tree
@@ -32,6 +31,7 @@ from recognition.logbook import Logbook
 from recognition.patience import Patience
 from recognition.progress import Progress
 from recognition.reconstruct import Reconstruction, reconstruct
+from recognition.report.against import drawn_truth, off_truth
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
@@ -40,7 +40,6 @@ from recognition.simulation import World, guarded, load_world
 from recognition.summary import FAULT, GAVE_UP, summarize
 from recognition.truth import LabeledFaces, Truth, evaluate
 
-_DRAWN_FACET = 0.02  # [mm] between a drawn facet and the surface that it stands for
 Watcher = Callable[[Progress], None]
 
 
@@ -136,6 +135,8 @@ def _explored(
         found.ended = f"{FAULT}{bugs.named(error)}"
         found.warnings.append(f"the fault is a bug in palpate; {bugs.BUG} has its details")
         folder.write_text(bugs.BUG, bugs.report_text(error))
+    for trace, _ in found.traces:
+        logbook.announce_trace(trace)
     logbook.announce("ended", {"why": found.ended})
     return found
 
@@ -197,12 +198,13 @@ def _report(
     if isinstance(assembly, NotClosed) or boundary is None:
         model = felt_faces(made.faces, made.contacts.points, made.face_of_contact)
     else:
-        model = _drawn(assembly.solid, boundary.of_triangle)
+        model = ReportMesh(assembly.solid.vertices, assembly.solid.triangles, boundary.of_triangle)
     return RunReport(
         summary=summary,
         settings=settings(options),
         model=model,
-        truth=_truth_to_draw(world),
+        truth=drawn_truth(world.part, world.solid) if world.known else None,
+        off=off_truth(model, world.solid) if world.known else None,
         contacts=made.contacts.points,
         contact_face=made.face_of_contact,
         traces=[trace.points for trace, _ in findings.traces],
@@ -210,17 +212,3 @@ def _report(
         pad_size=world.spec.array.size,
         housing_size=world.spec.housing.size,
     )
-
-
-def _truth_to_draw(world: World) -> ReportMesh | None:
-    """The object, in facets as coarse as a drawing allows where it was made from a tree; None where unknown."""
-    if not world.known:
-        return None
-    solid = world.solid
-    if world.part.csg is not None:
-        solid = Solid.from_csg(world.part.csg, _DRAWN_FACET).placed(solid.pose)
-    return _drawn(solid, LabeledFaces.of(solid).of_triangle)
-
-
-def _drawn(solid: Solid, of_triangle: Ints) -> ReportMesh:
-    return ReportMesh(solid.vertices, solid.triangles, of_triangle)

@@ -3,7 +3,7 @@
     with felt_run(options, "track", watch) as run:      # recording, latency measured, config.toml
         run.find()                                      # the pad lies on a face of the object
         ...                                             # run.guard, run.pad, run.announce
-    summary = run.finish(felt, contacts)                # contacts.csv, summary.json
+    summary = run.finish(felt, contacts)                # contacts.csv, report.html, summary.json
 
 The stage obeys late, as real ones do, and the explorer measures how late; the object is asked for the truth by
 whoever calls, after the block has ended.
@@ -31,10 +31,13 @@ from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from primitives.surface import Surface
-from recognition.config import ExploreOptions, to_toml
+from recognition.config import ExploreOptions, settings, to_toml
 from recognition.console import bugs, interrupts
 from recognition.logbook import Logbook, force_sigma
 from recognition.progress import Progress
+from recognition.report.against import drawn_truth
+from recognition.report.page import write_report
+from recognition.report.run_report import RunReport
 from recognition.run_folder import RunFolder
 from recognition.simulation import World, guarded
 from recognition.summary import counted
@@ -87,11 +90,29 @@ class FeltRun:
         self.logbook.announce(kind, detail)
 
     def finish(self, felt: Mapping[str, Any], contacts: Contacts) -> dict[str, Any]:
-        """Write `contacts.csv` and `summary.json`: `felt` between what every run says."""
+        """Write `contacts.csv`, the page and `summary.json`: `felt` between what every run says."""
         summary = self.told(felt)
+        summary["files"] = {**summary["files"], "report": "report.html"}
+        with self.folder.writing("report.html") as path:
+            write_report(path, self._report(summary, contacts))
         self.folder.write_contacts(contacts, np.full(len(contacts), -1))
         self.folder.finish(summary)
         return summary
+
+    def _report(self, summary: Mapping[str, Any], contacts: Contacts) -> RunReport:
+        world, trace = self.world, np.asarray(summary.get("trace", ()), dtype=float).reshape(-1, 3)
+        return RunReport(
+            summary=summary,
+            settings=settings(self.options),
+            model=None,
+            contacts=contacts.points,
+            contact_face=np.full(len(contacts), -1),
+            frames=self.logbook.frames(),
+            pad_size=world.spec.array.size,
+            housing_size=world.spec.housing.size,
+            truth=drawn_truth(world.part, world.solid) if world.known else None,
+            traces=[trace] if len(trace) > 1 and summary.get("what") != "surface" else [],
+        )
 
     def told(self, felt: Mapping[str, Any]) -> dict[str, Any]:
         """The summary: `felt` between what every run says."""

@@ -19,6 +19,7 @@ from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.load import load_of
 from primitives.arrays import Floats
+from primitives.evidence import EdgeTrace
 from recognition.console.interrupts import checkpoint
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 
@@ -61,6 +62,10 @@ class Logbook:
     def announce(self, kind: str, detail: Mapping[str, object]) -> None:
         """Write down that something happened, now."""
         self._recorder.event(self._time, kind, detail)
+
+    def announce_trace(self, trace: EdgeTrace) -> None:
+        """Write down where a tracked edge ran."""
+        self.announce("trace", {"points_mm": np.round(trace.points, 5).tolist(), "closed": trace.closed})
 
     def frames(self) -> ReportFrames:
         """The frames that were kept, in order, and the lines in those that touched."""

@@ -22,11 +22,14 @@ from recognition.identifying.identify import Identifier, IdentifyConfig, Step, r
 from recognition.identifying.options import IdentifyOptions
 from recognition.matching.next_touch.choose import Choice, choose
 from recognition.progress import Progress
+from recognition.report.against import drawn_truth, off_truth
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportMesh, RunReport
 from recognition.simulation import load_world
+from recognition.truth import LabeledFaces
 
 Watch = Callable[[Step, Identifier], None]
+_TOLD = 8  # likeliest names of each touch that the history lists
 
 
 def run(
@@ -42,12 +45,14 @@ def run(
     with felt_run(options, "identify", world, told) as felt:
         config = IdentifyConfig(options.policy, options.confidence, options.max_touches, options.unknown)
         rng = np.random.default_rng([options.seed, 1])
-        identifier = Identifier(felt.guard, known, np.asarray(options.workspace), config, rng, felt.announce)
+        identifier = Identifier(felt.guard, known, felt.world.box.ravel(), config, rng, felt.announce)
         identifier.warnings = felt.warnings
         history = []
         for step in identifier.run():
             history.append(_entry(step))
             watch(step, identifier)
+        for trace in identifier.evidence.traces:
+            felt.logbook.announce_trace(trace)
         felt.announce("ended", {"why": identifier.ended})
         separate = _separating(identifier)
     return _finish(felt, options, identifier, history, separate, known)
@@ -65,7 +70,7 @@ def _entry(step: Step) -> dict[str, Any]:
     return {
         "touch": step.touch.touch,
         "entropy_bits": step.entropy,
-        "top": [] if belief is None else top(belief.probabilities),
+        "top": [] if belief is None else top(belief.probabilities, _TOLD),
         "felt": step.touch.note,
         "device_seconds": step.seconds,
         "expected_bits": None if step.choice is None else step.choice.bits,
@@ -110,23 +115,27 @@ def _finish(
         "candidates": [] if belief is None else candidates_json(belief, library),
         "history": history,
         "why": None if belief is None else why_json(belief, separate),
-        "truth": truth_json(belief, library, felt.world.part.name, felt.world.solid),
+        "truth": truth_json(belief, library, felt.world.part.name, felt.world.solid)
+        if felt.world.known
+        else None,
         "warnings": [],
     }  # fmt: skip
-    contacts = identifier.evidence.contacts
+    contacts, world = identifier.evidence.contacts, felt.world
+    model = _model(identifier, library)
     summary = felt.told(said) | {
         "files": {"recording": "episode.mcap", "contacts": "contacts.csv", "report": "report.html"}
     }
     report = RunReport(
         summary=summary,
         settings=settings(options),
-        model=_model(identifier, library),
+        model=model,
         contacts=contacts.points,
         contact_face=np.full(len(contacts), -1),
         frames=felt.logbook.frames(),
-        pad_size=felt.world.spec.array.size,
-        housing_size=felt.world.spec.housing.size,
-        truth=_mesh(felt.world.solid),
+        pad_size=world.spec.array.size,
+        housing_size=world.spec.housing.size,
+        truth=drawn_truth(world.part, world.solid) if world.known else None,
+        off=off_truth(model, world.solid) if world.known else None,
         traces=[trace.points for trace in identifier.evidence.traces],
     )
     with felt.folder.writing("report.html") as path:
@@ -140,8 +149,7 @@ def _model(identifier: Identifier, library: Library) -> ReportMesh | None:
     """The object decided for, where it is believed to be."""
     belief = identifier.belief
     best = None if belief is None else belief.best(belief.decision)
-    return None if best is None else _mesh(library[best.name].solid.placed(best.pose))
-
-
-def _mesh(solid: Solid) -> ReportMesh:
-    return ReportMesh(solid.vertices, solid.triangles, np.zeros(len(solid.triangles), dtype=np.int64))
+    if best is None:
+        return None
+    solid = library[best.name].solid.placed(best.pose)
+    return ReportMesh(solid.vertices, solid.triangles, LabeledFaces.of(solid).of_triangle)

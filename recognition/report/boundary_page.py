@@ -50,7 +50,7 @@ def _data(summary: Json, brep: Brep, mesh: ReportMesh) -> dict[str, Any]:
     inside = [edge.points for edge in brep.edges if edge.kind == "concave"]
     return out | {
         "model": out["model"] | {"edges": packed(_segments(plain), "f4")},
-        "traces": packed(_segments(inside), "f4"),
+        "traces": {"segments": packed(_segments(inside), "f4"), "from": packed([], "i4")},
     }
 
 
@@ -130,7 +130,7 @@ def _meets(others: dict[int, str]) -> str:
 
 
 _FACES: tuple[tables.Column, ...] = (
-    ("", True, lambda f: str(int(f["id"]))),
+    ("Face", True, lambda f: str(int(f["id"]))),
     ("Shape", False, lambda f: tables.swatch(str(f["shape"])) + escape(str(f["shape"]))),
     ("Side", False, lambda f: words.side(f)),
     ("Extent, mm", False, lambda f: escape(words.extent(f))),
@@ -140,7 +140,7 @@ _FACES: tuple[tables.Column, ...] = (
     ("Meets", False, lambda f: _meets(f["meets"])),
 )
 _EDGES: tuple[tables.Column, ...] = (
-    ("", True, lambda e: str(int(e["id"]))),
+    ("Edge", True, lambda e: str(int(e["id"]))),
     ("Between faces", False, lambda e: " and ".join(str(face) for face in e["faces"])),
     ("Kind", False, lambda e: f'<span class="{escape(e["kind"])}">{escape(e["kind"])}</span>'),
     ("Curve", False, lambda e: escape(str(e["curve"]))),

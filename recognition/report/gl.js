@@ -101,13 +101,13 @@ class Program {
     return { vertexArray, buffers, count };
   }
 
-  draw(table, mode, uniforms) {
-    if (!table || !table.count) return;
+  draw(table, mode, uniforms, count = table && table.count) {
+    if (!table || !count) return;
     const gl = this.gl;
     gl.useProgram(this.handle);
     for (const [name, value] of Object.entries(uniforms)) this.set(name, value);
     gl.bindVertexArray(table.vertexArray);
-    gl.drawArrays(mode, 0, table.count);
+    gl.drawArrays(mode, 0, count);
     gl.bindVertexArray(null);
   }
 }

@@ -26,7 +26,17 @@ function start() {
     element("now-force").textContent = plain(frames.forces[moment], 2);
     element("now-touch").textContent = touch < 0 ? "–" : touch + 1;
     element("now-pad").textContent = [12, 13, 14].map((i) => plain(pose[i], 1)).join(", ");
+    if (data.belief) {
+      drawBelief(element("beliefs"), data, moment, theme);
+      showBelief(element("names"), data, moment, theme);
+    }
     slider.setAttribute("aria-valuetext", `${(frames.times[moment] - frames.times[0]).toFixed(2)} seconds`);
+  }
+
+  // The key of the colors goes with what is colored.
+  function shownLayers() {
+    const ramp = element("off-ramp");
+    if (ramp) ramp.hidden = !(scene.shown.off && scene.shown.model);
   }
 
   function setPlaying(on) {
@@ -62,8 +72,9 @@ function start() {
   force.addEventListener("pointermove", (e) => { if (e.buttons) scrub(e); });
   for (const box of document.querySelectorAll("[data-layer]")) {
     scene.shown[box.dataset.layer] = box.checked;
-    box.addEventListener("change", () => { scene.shown[box.dataset.layer] = box.checked; scene.draw(); });
+    box.addEventListener("change", () => { scene.shown[box.dataset.layer] = box.checked; shownLayers(); scene.draw(); });
   }
+  shownLayers();
   element("home").addEventListener("click", () => { scene.home(); scene.draw(); });
   markFacesOnHover(scene);
   document.addEventListener("keydown", (e) => {
@@ -83,7 +94,7 @@ function start() {
   const seconds = frames.count ? frames.times[frames.count - 1] - frames.times[0] : 0;
   speed.value = [1, 2, 5, 10, 20].find((x) => seconds / x <= 40) || 20;
   if (!frames.count) for (const id of ["moment", "play", "speed"]) element(id).disabled = true;
-  show(Math.round(frames.count * 0.4));
+  show(Math.max(0, frames.touch.findLastIndex((touch) => touch >= 0)));
   scene.render();
   window.palpate = { scene, show, data };
   document.documentElement.dataset.ready = "yes";

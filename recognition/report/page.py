@@ -13,17 +13,23 @@ from pathlib import Path
 from recognition.report import tables
 from recognition.report.payload import left_out, payload
 from recognition.report.run_report import RunReport
+from recognition.report.run_words import figures, words
 from recognition.run_folder import json_text
 
-_SCRIPTS = ("gl.js", "scene.js", "panels.js", "theme.js", "main.js")
+_SCRIPTS = ("gl.js", "scene.js", "panels.js", "belief.js", "theme.js", "main.js")
 _LAYERS = (
     ("model", "Model"),
+    ("off", "Deviation"),
     ("truth", "Truth"),
     ("contacts", "Contacts"),
     ("traces", "Traces"),
     ("pad", "Pad"),
 )
-_FELT = "Felt faces"  # in the model's place where there is none
+_HIDDEN = ("off", "truth")  # layers that are not shown until asked for
+_BELIEFS = (
+    '<h2>Belief</h2><canvas id="beliefs" role="img" aria-label="Probability of objects over time"></canvas>'
+)
+_NAMES = '<h2>Belief</h2><ol id="names" class="names"></ol><p id="felt" class="felt" aria-live="off"></p>'
 
 
 def write_report(path: Path, report: RunReport) -> None:
@@ -34,33 +40,49 @@ def write_report(path: Path, report: RunReport) -> None:
 def report_html(report: RunReport) -> str:
     """The page as text."""
     summary = report.summary
-    opened = tables.without_body(summary)
+    opened, told = tables.without_body(summary) or report.model is None, words(summary)
     present = {
         "model": report.model is not None,
+        "off": report.off is not None,
         "truth": report.truth is not None,
         "contacts": len(report.contacts) > 0,
         "traces": len(report.traces) > 0,
         "pad": len(report.frames.times) > 0,
     }
+    data = payload(report)
     places = {
         "title": escape(str(summary.get("part") or "a touched object")),
         "style": resource("style.css"),
-        "lede": tables.lede(summary),
-        "figures": tables.figures(summary),
+        "lede": told.lede(summary),
+        "figures": figures(summary),
         "layers": "".join(
-            _layer(name, _FELT if name == "model" and opened else label, name != "truth" or opened)
+            _layer(name, told.model(summary) if name == "model" else label, _shown(name, opened))
             for name, label in _LAYERS
             if present[name]
         ),
         "legend": tables.legend(summary, present["traces"]),
-        "sections": tables.sections(summary, report.settings, left_out(report)),
+        "beliefs": _BELIEFS if data["belief"] else "",
+        "names": _NAMES if data["belief"] else "",
+        "off": "" if report.off is None else _off_key(report.off.scale),
+        "sections": tables.sections(summary, report.settings, left_out(report), told.sections(summary)),
         "footer": escape(
             f"palpate {summary.get('version', '')}, seed {summary.get('seed', '')}. Lengths in mm, world frame."
         ),
-        "data": json_text(payload(report)).replace("<", "\\u003c"),
+        "data": json_text(data).replace("<", "\\u003c"),
         "script": "\n".join(resource(name) for name in _SCRIPTS).replace('"use strict";\n', ""),
     }
     return re.sub(r"\{\{(\w+)\}\}", lambda place: places[place[1]], resource("page.html"))
+
+
+def _shown(name: str, opened: bool) -> bool:
+    return name not in _HIDDEN or (name == "truth" and opened)
+
+
+def _off_key(scale: float) -> str:
+    return (
+        '<div id="off-ramp" hidden><h2>Off the truth</h2>'
+        f'<p class="ramp off"><span>{scale:g} mm inside</span><i></i><span>{scale:g} mm outside</span></p></div>'
+    )
 
 
 def _layer(name: str, label: str, shown: bool) -> str:

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from primitives.arrays import Floats, Ints
-from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
+from recognition.report.belief import belief_payload
+from recognition.report.growth import felt_from
+from recognition.report.run_report import Deviation, ReportFrames, ReportMesh, RunReport
 from recognition.report.tables import without_body
 
 
@@ -30,18 +32,17 @@ def payload(report: RunReport, limits: PayloadLimits | None = None) -> dict[str,
     """What the page's script unpacks."""
     limits = limits or PayloadLimits()
     model, truth = (_small_enough(mesh, limits) for mesh in (report.model, report.truth))
-    contacts = _thinned(len(report.contacts), limits.contacts)
+    kept = _kept_frames(report.frames, limits)
     faces: Any = report.summary.get("faces") or []
     return {
         "shapes": {str(face["id"]): face["shape"] for face in faces},
         "model": _mesh(model, limits),
         "truth": _mesh(truth, limits),
-        "contacts": {
-            "points": packed(report.contacts[contacts], "f4"),
-            "face": packed(report.contact_face[contacts], "f4"),
-        },
-        "traces": packed(_trace_segments(report, limits), "f4"),
-        "frames": _frames(report.frames, limits),
+        "off": _off(report.off, limits),
+        "contacts": _contacts(report, kept, limits),
+        "traces": _traces(report, kept, limits),
+        "belief": belief_payload(report.summary.get("history")),
+        "frames": _frames(report.frames, kept),
         "pad": list(report.pad_size),
         "housing": list(report.housing_size),
         "bounds": _bounds(report),
@@ -73,6 +74,44 @@ def _mesh(mesh: ReportMesh | None, limits: PayloadLimits) -> Mapping[str, Any] |
     }
 
 
+def _off(off: Deviation | None, limits: PayloadLimits) -> Mapping[str, Any] | None:
+    if off is None or _small_enough(off.mesh, limits) is None:
+        return None
+    return {
+        "vertices": packed(off.mesh.vertices, "f4"),
+        "triangles": packed(off.mesh.triangles, "i4"),
+        "face": packed(off.mesh.face, "i4"),
+        "distance": packed(off.distance, "f4"),
+        "scale": off.scale,
+    }
+
+
+def _contacts(report: RunReport, kept: Ints, limits: PayloadLimits) -> dict[str, Any]:
+    """Points in the order in which they come, and the frame that each comes with."""
+    chosen = _thinned(len(report.contacts), limits.contacts)
+    points = report.contacts[chosen]
+    order, born = _in_order(points, report, kept)
+    return {
+        "points": packed(points[order], "f4"),
+        "face": packed(report.contact_face[chosen][order], "f4"),
+        "from": packed(born, "i4"),
+    }
+
+
+def _traces(report: RunReport, kept: Ints, limits: PayloadLimits) -> dict[str, Any]:
+    """Pieces of every trace in the order in which they come, and the frame that each comes with."""
+    segments = _trace_segments(report, limits)
+    order, born = _in_order(segments[:, 1], report, kept)
+    return {"segments": packed(segments[order], "f4"), "from": packed(born, "i4")}
+
+
+def _in_order(points: Floats, report: RunReport, kept: Ints) -> tuple[Ints, Ints]:
+    frames = report.frames
+    born = felt_from(points, frames.poses[kept], frames.touch[kept] >= 0, report.pad_size)
+    order = np.argsort(born, kind="stable")
+    return order, born[order]
+
+
 def _outline(mesh: ReportMesh, most: int) -> Floats:
     """(k, 2, 3) the mesh edges between two faces, or on a rim."""
     if not len(mesh.triangles):
@@ -92,9 +131,13 @@ def _outline(mesh: ReportMesh, most: int) -> Floats:
     return segments
 
 
-def _frames(frames: ReportFrames, limits: PayloadLimits) -> dict[str, Any]:
+def _kept_frames(frames: ReportFrames, limits: PayloadLimits) -> Ints:
     count, rows, columns = frames.counts.shape
-    kept = _thinned(count, min(limits.frames, limits.taxels // max(1, rows * columns)))
+    return _thinned(count, min(limits.frames, limits.taxels // max(1, rows * columns)))
+
+
+def _frames(frames: ReportFrames, kept: Ints) -> dict[str, Any]:
+    count, rows, columns = frames.counts.shape
     counts = frames.counts[kept]
     low, high = (float(np.quantile(counts, 0.02)), float(counts.max())) if counts.size else (0.0, 1.0)
     levels = np.clip((counts - low) / max(high - low, 1e-9), 0.0, 1.0) * 255.0
@@ -129,7 +172,7 @@ def _trace_segments(report: RunReport, limits: PayloadLimits) -> Floats:
 
 def _bounds(report: RunReport) -> dict[str, Any]:
     """The ball that the camera looks at: what is drawn, and what was touched, or the pad's way."""
-    drawn = report.truth if without_body(report.summary) else report.model
+    drawn = report.truth if without_body(report.summary) or report.model is None else report.model
     clouds = [drawn.vertices if drawn is not None else report.contacts, report.contacts]
     points = np.concatenate([cloud for cloud in clouds if len(cloud)] or [report.frames.poses[:, :3, 3]])
     if not len(points):

@@ -1,63 +1,124 @@
-"""The frames of a recording that a page shows: a bounded choice, evenly spread, those in contact more densely."""
+"""What a page shows of a recording: traces, and a bounded choice of frames, those in contact more densely."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, read
-from exploration.sensing.spec import load_sensor, sensor_names
+from exploration.sensing.calibration import Calibration, correct
+from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.spec import SensorSpec, load_sensor, sensor_from_toml, sensor_names
+from primitives.arrays import Bools, Floats, Ints
+from primitives.errors import PalpateError
+from primitives.toml_text import toml_lines
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 
 _CONTACT, _FREE = 400, 150  # frames that are shown
 _SHARE = 0.02  # of the largest force, above which a frame is in contact
-Size = tuple[tuple[float, float], tuple[float, float, float]]
+_GAP = 60  # frames without contact that part two touches
 
 
-def recorded_frames(path: Path) -> tuple[ReportFrames, tuple[float, float], tuple[float, float, float]]:
-    """Frames of the first array, and the sizes of its pad and housing; zero where it is not built in."""
-    first, forces = "", list[float]()
+@dataclass(frozen=True)
+class Recorded:
+    """Frames of the first array, and where edges ran; sizes are zero where the array is not known."""
+
+    frames: ReportFrames = EMPTY_FRAMES
+    traces: Sequence[Floats] = ()  # each (n, 3) [mm]
+    pad: tuple[float, float] = (0.0, 0.0)
+    housing: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+def recorded(path: Path, spec: SensorSpec | None = None) -> Recorded:
+    """What to show of an episode; `spec` describes its array where that is not a built-in one."""
+    first, forces, traces = "", list[float](), list[Floats]()
     for item in read(path):
         if isinstance(item, RecordedEvent):
+            traces += _trace(item)
             continue
         first = first or item.sensor
         if item.sensor == first:
             forces.append(-float(item.wrench[2]))
-    pad, housing = _sizes(first)
+    if spec is None and first in sensor_names():
+        spec = load_sensor(first)
+    pad, housing = ((0.0, 0.0), (0.0, 0.0, 0.0)) if spec is None else (spec.array.size, spec.housing.size)
     if not forces:
-        return EMPTY_FRAMES, pad, housing
+        return Recorded(EMPTY_FRAMES, traces, pad, housing)
     force = np.array(forces)
     pressed = force > _SHARE * max(float(force.max()), 1e-9)
-    touch = np.where(pressed, np.cumsum(np.diff(pressed, prepend=False) & pressed) - 1, -1)
+    touch = _touches(pressed)
     wanted = {*_spread(np.flatnonzero(pressed), _CONTACT), *_spread(np.flatnonzero(~pressed), _FREE)}
+    chosen = sorted(wanted)
+    kept = _kept(path, first, wanted)
+    frames = ReportFrames(
+        times=np.array([item.frame.time for item in kept]),
+        poses=np.stack([item.world_from_sensor for item in kept]),
+        counts=np.stack([item.frame.counts for item in kept]),
+        forces=force[chosen],
+        touch=touch[chosen],
+        lines=_lines(kept, pressed[chosen].tolist(), spec),
+    )
+    return Recorded(frames, traces, pad, housing)
+
+
+def _touches(pressed: Bools) -> Ints:
+    """(n,) which touch each frame belongs to, -1 between two; a gap of few frames parts no touch."""
+    out = np.full(len(pressed), -1, dtype=np.int64)
+    number, last = -1, -_GAP - 1
+    for place in np.flatnonzero(pressed).tolist():
+        number += place - last > _GAP
+        out[place] = number
+        last = place
+    return out
+
+
+def resolved_spec(resolved: Mapping[str, Any]) -> SensorSpec | None:
+    """The array as `config.toml` describes it; None where it does not."""
+    try:
+        told = dict(resolved["sensor"])
+        array = dict(told.pop("array"))
+        name = str(array.pop("name"))
+        return sensor_from_toml("\n".join(toml_lines({"name": name, **told, "array": array})), name)
+    except (KeyError, TypeError, ValueError, PalpateError):
+        return None
+
+
+def _kept(path: Path, sensor: str, wanted: set[int]) -> list[RecordedFrame]:
     kept, number = list[RecordedFrame](), 0
     for item in read(path):
-        if isinstance(item, RecordedFrame) and item.sensor == first:
+        if isinstance(item, RecordedFrame) and item.sensor == sensor:
             if number in wanted:
                 kept.append(item)
             number += 1
-    chosen = sorted(wanted)
-    return (
-        ReportFrames(
-            times=np.array([item.frame.time for item in kept]),
-            poses=np.stack([item.world_from_sensor for item in kept]),
-            counts=np.stack([item.frame.counts for item in kept]),
-            forces=force[chosen],
-            touch=touch[chosen],
-        ),
-        pad,
-        housing,
-    )
+    return kept
+
+
+def _lines(kept: Sequence[RecordedFrame], pressed: Sequence[bool], spec: SensorSpec | None) -> list[Floats]:
+    """Angle and offset of each line in each frame that touches; none where the array is not known."""
+    if spec is None or any(item.frame.counts.shape != spec.array.shape for item in kept):
+        return []
+    calibration = Calibration.nominal(spec)
+    return [
+        np.array(
+            [(x.angle, x.offset) for x in find_lines(correct(item.frame, calibration, spec.array))]
+            if touches
+            else []
+        ).reshape(-1, 2)
+        for item, touches in zip(kept, pressed, strict=True)
+    ]
+
+
+def _trace(event: RecordedEvent) -> list[Floats]:
+    if event.kind != "trace":
+        return []
+    points = np.array(event.detail.get("points_mm", []), dtype=float).reshape(-1, 3)
+    return [points] if len(points) > 1 else []
 
 
 def _spread(places: np.ndarray, most: int) -> list[int]:
     picked = np.unique(np.linspace(0, len(places) - 1, min(most, len(places))).astype(np.int64))
     return [int(place) for place in places[picked]]
-
-
-def _sizes(sensor: str) -> Size:
-    if sensor not in sensor_names():
-        return (0.0, 0.0), (0.0, 0.0, 0.0)
-    spec = load_sensor(sensor)
-    return spec.array.size, spec.housing.size

@@ -1,27 +1,32 @@
 """A run's page written anew from its folder: what was felt, what was found, and what the recording holds.
 
-A face of the mesh gets the number that most contacts on it have.  The truth and the library are not in a folder,
-so a page written anew shows neither.
+The object and the library's models are read again from where the run's settings say they were; where they are gone
+the page does without.
 """
 
 from __future__ import annotations
 
 import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from models.part import load_part
-from models.rays.triangle_tree import TriangleTree
+from models.library import Library
+from models.part import Part, load_part
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
+from primitives.pose import from_quaternion
+from recognition.report.against import drawn_truth, off_truth
 from recognition.report.page import write_report
-from recognition.report.recorded import recorded_frames
-from recognition.report.run_report import EMPTY_FRAMES, ReportFrames, ReportMesh, RunReport
+from recognition.report.recorded import Recorded, recorded, resolved_spec
+from recognition.report.relabeled import labeled_mesh
+from recognition.report.run_report import ReportMesh, RunReport
 from recognition.report.suite_page import suite_html
 from recognition.run_folder import RECORDING, SUMMARY, RunFolder
+from recognition.truth import LabeledFaces
 
 PAGE = "report.html"
 _TAIL = ("sigma", "face")
@@ -60,31 +65,68 @@ def _summary(run: Path) -> dict[str, Any]:
 
 def _report(run: Path, summary: dict[str, Any]) -> RunReport:
     points, faces = _contacts(run / "contacts.csv")
-    frames: ReportFrames = EMPTY_FRAMES
-    pad: tuple[float, float] = (0.0, 0.0)
-    housing: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    if (run / RECORDING).is_file():
-        frames, pad, housing = recorded_frames(run / RECORDING)
+    settings, resolved = _config(run / "config.toml")
+    spec = resolved_spec(resolved)
+    told = recorded(run / RECORDING, spec) if (run / RECORDING).is_file() else Recorded()
     trace = np.array(summary.get("trace") or np.empty((0, 3)), dtype=float).reshape(-1, 3)
+    model = labeled_mesh(run / "model.stl", points, faces)
+    if summary["command"] == "identify":
+        model = _decided(summary, settings)
+    part = _touched(settings, resolved)
     return RunReport(
         summary=summary,
-        settings=_settings(run / "config.toml"),
-        model=_model(run / "model.stl", points, faces),
+        settings=settings,
+        model=model,
         contacts=points,
         contact_face=faces,
-        frames=frames,
-        pad_size=pad,
-        housing_size=housing,
-        traces=[trace] if len(trace) > 1 else [],
+        frames=told.frames,
+        pad_size=told.pad,
+        housing_size=told.housing,
+        truth=None if part is None else drawn_truth(part, part.solid),
+        off=None if part is None else off_truth(model, part.solid),
+        traces=[*told.traces, *([trace] if len(trace) > 1 else [])],
     )
 
 
-def _settings(path: Path) -> dict[str, Any]:
+def _config(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The settings, and what they came to."""
     try:
-        told = tomllib.loads(path.read_text(encoding="utf-8")).get("settings", {})
+        told = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        return {}
-    return told if isinstance(told, dict) else {}
+        return {}, {}
+    settings, resolved = told.get("settings", {}), told.get("resolved", {})
+    return (settings if isinstance(settings, dict) else {}), (resolved if isinstance(resolved, dict) else {})
+
+
+def _touched(settings: dict[str, Any], resolved: dict[str, Any]) -> Part | None:
+    """The part at its pose; None off simulation, and where its file is gone."""
+    try:
+        pose = pose_of(resolved["world_from_part"])
+        told = {key: settings[key] for key in ("units", "scale", "body", "facets") if key in settings}
+        part = load_part(settings["part"], **told)
+    except (KeyError, TypeError, PalpateError):
+        return None
+    return replace(part, solid=part.solid.placed(pose))
+
+
+def _decided(summary: dict[str, Any], settings: dict[str, Any]) -> ReportMesh | None:
+    """The object of the library that was decided for, where it was believed to be; None where its file is gone."""
+    name = str(summary.get("decision"))
+    pose = next((c["pose"] for c in summary.get("candidates") or [] if c["name"] == name and c["pose"]), None)
+    if pose is None:
+        return None
+    try:
+        folder = settings.get("library")
+        solid = load_part(name).solid if folder is None else Library.open(Path(folder))[name].solid
+    except (KeyError, PalpateError):
+        return None
+    solid = solid.placed(pose_of(pose))
+    return ReportMesh(solid.vertices, solid.triangles, LabeledFaces.of(solid).of_triangle)
+
+
+def pose_of(told: dict[str, Any]) -> Floats:
+    """(4, 4) from a pose as files write it."""
+    return from_quaternion(np.asarray(told["quaternion_wxyz"]), np.asarray(told["translation_mm"]))
 
 
 def _contacts(path: Path) -> tuple[Floats, Ints]:
@@ -101,43 +143,3 @@ def _contacts(path: Path) -> tuple[Floats, Ints]:
     except (OSError, ValueError, IndexError) as error:
         raise PalpateError(f"cannot read {path} ({error}); run it again") from error
     return points, faces
-
-
-def _model(path: Path, points: Floats, faces: Ints) -> ReportMesh | None:
-    if not path.is_file():
-        return None
-    solid = load_part(path, units="mm").solid
-    vertices, triangles = solid.vertices, solid.triangles
-    smooth = _smooth_parts(vertices, triangles)
-    label = np.full(len(triangles), -1)
-    told = faces >= 0
-    if told.any():
-        landed = smooth[TriangleTree(vertices, triangles).nearest(points[told]).triangle]
-        for part in np.unique(landed):
-            label[smooth == part] = np.bincount(faces[told][landed == part]).argmax()
-    return ReportMesh(vertices, triangles, label)
-
-
-_CREASE = np.cos(np.radians(15.0))  # of the angle between triangles of one smooth part
-
-
-def _smooth_parts(vertices: Floats, triangles: Ints) -> Ints:
-    """(t,) which smooth part of the surface each triangle belongs to."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    count = len(triangles)
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)
-    normals = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
-    sides = np.sort(
-        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
-    )
-    order = np.lexsort((sides[:, 1], sides[:, 0]))
-    owner, sides = order % count, sides[order]
-    twins = np.flatnonzero((sides[1:] == sides[:-1]).all(axis=1))
-    i, j = owner[twins], owner[twins + 1]
-    flat = np.einsum("ij,ij->i", normals[i], normals[j]) > _CREASE
-    joined = coo_matrix((np.ones(flat.sum()), (i[flat], j[flat])), shape=(count, count))
-    parts: Ints = connected_components(joined, directed=False)[1].astype(np.int64)
-    return parts

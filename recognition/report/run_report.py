@@ -20,6 +20,15 @@ class ReportMesh:
 
 
 @dataclass(frozen=True)
+class Deviation:
+    """A model's surface in small triangles, and what their corners are off by."""
+
+    mesh: ReportMesh
+    distance: Floats  # (v,) [mm] positive where the model reaches out of the truth
+    scale: float  # [mm] at which the color is full
+
+
+@dataclass(frozen=True)
 class ReportFrames:
     """What one array read, frame by frame."""
 
@@ -44,6 +53,7 @@ class RunReport:
     pad_size: tuple[float, float]  # (x, y) [mm] sensing area
     housing_size: tuple[float, float, float]  # (x, y, depth behind the skin) [mm]
     truth: ReportMesh | None = None
+    off: Deviation | None = None  # of the model from the truth
     traces: Sequence[Floats] = field(default_factory=tuple)  # each (n, 3) [mm]
 
     def __post_init__(self) -> None:

@@ -6,7 +6,7 @@ const FIELD_OF_VIEW = 0.5;
 class Scene {
   constructor(canvas, data, theme, onMove) {
     this.canvas = canvas; this.data = data; this.onMove = onMove;
-    this.shown = { model: true, truth: false, contacts: true, traces: true, pad: true };
+    this.shown = { model: true, off: false, truth: false, contacts: true, traces: true, pad: true };
     this.marked = -1; this.moment = 0;
     this.gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
     this.home();
@@ -31,7 +31,8 @@ class Scene {
         position: [d.contacts.points, 3],
         color: [colorRows(d.contacts.face, (face) => theme.contact(face)), 3],
       }, d.contacts.face.length),
-      traces: this.line.table(...segmentColumns(d.traces)),
+      off: d.off && this.mesh.table(...offColumns(d.off, theme)),
+      traces: this.line.table(...segmentColumns(d.traces.segments)),
       ...this.padTables(),
     };
     this.draw();
@@ -80,13 +81,25 @@ class Scene {
     this.draw();
   }
 
+  // How many of a layer's things, which are in order of time, are felt by now.
+  felt(from, table, vertices) {
+    if (!this.data.frames.count) return table.count / vertices;
+    let low = 0, high = from.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (from[middle] <= this.moment) low = middle + 1; else high = middle;
+    }
+    return low;
+  }
+
   padPose() {
     return this.data.frames.poses.subarray(this.moment * 16, this.moment * 16 + 16);
   }
 
   home() {
-    const { center, radius } = this.data.bounds;
-    this.camera = { yaw: -0.9, pitch: 0.45, distance: (radius * 1.22) / Math.sin(FIELD_OF_VIEW / 2), target: [...center] };
+    const { center, radius } = this.data.bounds, { clientWidth, clientHeight } = this.canvas;
+    const narrow = Math.min(1, clientWidth / clientHeight || 1);
+    this.camera = { yaw: -0.9, pitch: 0.45, distance: (radius * 1.22) / Math.sin(FIELD_OF_VIEW / 2) / narrow, target: [...center] };
   }
 
   orbit(dx, dy) {
@@ -138,17 +151,19 @@ class Scene {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     const common = { clip, place: IDENTITY, eye, marked: this.marked, lit: 1 };
-    const stroke = (table, ink, width, place = IDENTITY) =>
-      this.line.draw(table, gl.TRIANGLES, { clip, place, view, width: width * ratio, ink });
+    const stroke = (table, ink, width, place = IDENTITY, count = undefined) =>
+      this.line.draw(table, gl.TRIANGLES, { clip, place, view, width: width * ratio, ink }, count);
     if (shown.model) {
       gl.enable(gl.POLYGON_OFFSET_FILL);
       gl.polygonOffset(1, 1);
-      this.mesh.draw(layers.model, gl.TRIANGLES, { ...common, alpha: 1 });
+      this.mesh.draw(shown.off ? layers.off : layers.model, gl.TRIANGLES, { ...common, alpha: 1 });
       gl.disable(gl.POLYGON_OFFSET_FILL);
       stroke(layers.modelEdges, theme.edge, 1.6);
     }
-    if (shown.traces) stroke(layers.traces, theme.trace, 2.6);
-    if (shown.contacts) this.point.draw(layers.contacts, gl.POINTS, { clip, size: theme.pointSize * ratio });
+    if (shown.traces) stroke(layers.traces, theme.trace, 2.6, IDENTITY, 6 * this.felt(this.data.traces.from, layers.traces, 6));
+    if (shown.contacts)
+      this.point.draw(layers.contacts, gl.POINTS, { clip, size: theme.pointSize * ratio },
+        this.felt(this.data.contacts.from, layers.contacts, 1));
     if (shown.pad && this.data.frames.count) {
       this.mesh.draw(layers.skin, gl.TRIANGLES, { ...common, place: this.padPose(), alpha: 1, lit: 0 });
       stroke(layers.housingRim, theme.housingEdge, 1.2, this.padPose());
@@ -209,6 +224,13 @@ function colorRows(values, colorOf) {
   const out = new Float32Array(values.length * 3);
   values.forEach((value, i) => out.set(colorOf(value), i * 3));
   return out;
+}
+
+// A model's surface in the colors of its distance from the truth.
+function offColumns(off, theme) {
+  const [columns, count] = meshColumns(off, () => theme.ghost), values = new Float32Array(count);
+  off.triangles.forEach((vertex, i) => { values[i] = off.distance[vertex] / off.scale; });
+  return [{ ...columns, color: [colorRows(values, theme.off), 3] }, count];
 }
 
 // Corners share a normal where they share both vertex and face: smooth within a face, sharp between two.

@@ -6,27 +6,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
+import numpy as np
+
 Row = Mapping[str, Any]
 Column = tuple[str, bool, Callable[[Row], str]]  # title, whether a number, the cell's HTML
 Json = Mapping[str, Any]
 _UNITS = {"mm": "mm", "mm2": "mm²", "mm3": "mm³", "deg": "°", "seconds": "s", "s": "s", "n": "N"}
 _NAMES = {"iou": "Overlap (IoU)"}
-
-
-def figures(summary: Json) -> str:
-    """The large numbers under the title."""
-    truth = summary.get("truth") or {}
-    cells = [
-        ("Touches", summary.get("touches"), ""),
-        ("Strokes", summary.get("strokes"), ""),
-        ("Frames", summary.get("frames"), ""),
-        ("Travel", _rounded(summary.get("travel_mm"), 0), "mm"),
-        ("Device time", _rounded(summary.get("device_seconds"), 1), "s"),
-        ("Volume", _rounded(summary.get("volume_mm3"), 0), "mm³"),
-        ("Surface error, rms", _rounded(truth.get("surface_rms_mm"), 3), "mm"),
-        ("Overlap with truth", _rounded(truth.get("iou"), 4), ""),
-    ]
-    return figure_cells(cells)
 
 
 def figure_cells(cells: Iterable[tuple[str, Any, str]]) -> str:
@@ -40,28 +26,8 @@ def figure_cells(cells: Iterable[tuple[str, Any, str]]) -> str:
 
 
 def without_body(summary: Json) -> bool:
-    """Whether the run found no closed body."""
-    return not summary.get("closed") and summary.get("csg") is None
-
-
-def lede(summary: Json) -> str:
-    """How it ended, and why there is no body where there is none."""
-    state = "closed" if summary.get("closed") else "open"
-    ended = str(summary.get("ended") or state)
-    tail = "" if ended == state else f" Exploration ended: {escape(ended)}."
-    if without_body(summary):
-        told = [str(w) for w in summary.get("warnings") or [] if str(w).startswith("no closed body")]
-        tail += "".join(f" There is {escape(text)}." for text in told[:1])
-    faces, edges = summary.get("faces") or [], summary.get("edges") or []
-    counted = f"{_many(len(faces), 'face')}, {_many(len(edges), 'edge')}"
-    return (
-        f'Boundary <span class="state {state}">{state}</span>: {counted}, '
-        f"felt with {escape(str(summary.get('sensor', 'a tactile array')))}.{tail}"
-    )
-
-
-def _many(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+    """Whether the run was to find a closed body, and did not."""
+    return "faces" in summary and not summary.get("closed") and summary.get("csg") is None
 
 
 def legend(summary: Json, traces: bool) -> str:
@@ -73,19 +39,17 @@ def legend(summary: Json, traces: bool) -> str:
     return "".join(items)
 
 
-def sections(summary: Json, settings: Json, notes: Sequence[str]) -> str:
-    """Everything below the replay."""
+def sections(summary: Json, settings: Json, notes: Sequence[str], own: str) -> str:
+    """Everything below the replay, `own` being the tables of its command."""
     warnings = [*(summary.get("warnings") or []), *notes]
     listed = "".join(f"<li>{escape(str(warning))}</li>" for warning in warnings)
     return "".join(
         [
             section("Warnings", f'<ul class="warnings">{listed}</ul>' if warnings else ""),
-            section("Faces", table(summary.get("faces") or [], FACES, face_rows=True)),
-            section("Edges", table(summary.get("edges") or [], EDGES)),
-            section("Primitives", table(summary.get("primitives") or [], PRIMITIVES)),
+            own,
             '<div class="pair">',
-            section("Against the truth", _pairs(summary.get("truth") or {})),
-            section("Settings", _pairs(settings)),
+            section("Against the truth", pairs(summary.get("truth") or {})),
+            section("Settings", pairs(settings)),
             "</div>",
         ]
     )
@@ -107,14 +71,17 @@ def table(rows: Iterable[Row], columns: Sequence[Column], face_rows: bool = Fals
     if not body:
         return ""
     head = "".join(f"<th{_align(number)}>{title}</th>" for title, number, _ in columns)
-    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div>'
+    label = escape("Table of " + ", ".join(title for title, _, _ in columns[:2]))
+    region = f'<div class="scroll" tabindex="0" role="region" aria-label="{label}">'
+    return f"{region}<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table></div>"
 
 
 def _align(number: bool) -> str:
     return ' class="number"' if number else ""
 
 
-def _pairs(values: Json) -> str:
+def pairs(values: Json) -> str:
+    """Names and values, one a line."""
     rows = [
         f"<tr><td>{escape(_worded(name))}</td><td>{escape(_any(value))}</td></tr>"
         for name, value in _flat(values)
@@ -140,10 +107,17 @@ def _worded(name: str) -> str:
 
 
 def _any(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.5g}"
+    if isinstance(value, Mapping):
+        return "; ".join(f"{_worded(str(key))} {_any(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):
-        return ", ".join(_any(item) for item in value)
+        joint = "; " if any(isinstance(item, list | tuple | np.ndarray | Mapping) for item in value) else ", "
+        return joint.join(_any(item) for item in value) or "none"
     return str(value)
 
 
@@ -197,7 +171,7 @@ def _radii(row: Row) -> str:
 
 
 FACES: tuple[Column, ...] = (
-    ("", True, lambda f: str(int(f["id"]))),
+    ("Face", True, lambda f: str(int(f["id"]))),
     ("Shape", False, lambda f: swatch(str(f["shape"])) + escape(str(f["shape"]))),
     ("Status", False, _state),
     ("Extent, mm", True, lambda f: _lengths(f.get("extent_mm"))),
@@ -209,7 +183,7 @@ FACES: tuple[Column, ...] = (
     ("Area, mm²", True, lambda f: _rounded(f.get("area_mm2"), 1) or ""),
 )
 EDGES: tuple[Column, ...] = (
-    ("", True, lambda e: str(int(e["id"]))),
+    ("Edge", True, lambda e: str(int(e["id"]))),
     ("Between faces", False, lambda e: " and ".join(str(face) for face in e.get("faces") or [])),
     ("Kind", False, lambda e: escape(str(e.get("kind", "")))),
     ("Curve", False, lambda e: escape(str(e.get("curve", "")))),

@@ -22,6 +22,7 @@ function makeTheme(data) {
     return [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
   };
   const dark = read("paper")[0] < 0.5, ramp = [0, 1, 2, 3, 4].map((i) => read("heat-" + i));
+  const [under, over, even] = [read("off-under"), read("off-over"), read("off-0")];
   const shapes = Object.fromEntries(["plane", "cylinder", "cone", "sphere", "torus", "freeform"].map((s) => [s, read(s)]));
   const towards = (a, b, t) => a.map((x, i) => x + (b[i] - x) * t);
   const face = (id) => {
@@ -34,6 +35,8 @@ function makeTheme(data) {
     trace: [...read("trace"), 1],
     pointSize: Math.max(2.6, Math.min(6, 130 / Math.sqrt(data.contacts.face.length + 1))), face,
     contact: (id) => towards(face(id), dark ? [1, 1, 1] : [0.05, 0.06, 0.08], 0.42),
+    names: [0, 1, 2, 3, 4, 5].map((i) => read("name-" + i)),
+    off: (t) => towards(even, t < 0 ? under : over, Math.min(1, Math.abs(t))),
     heat: (t) => {
       const k = Math.min(3.999, Math.max(0, t * 4)), i = Math.floor(k);
       return towards(ramp[i], ramp[i + 1], k - i);

@@ -2,6 +2,7 @@
 
 import base64
 import fcntl
+import importlib.util
 import json
 import os
 import select
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 from primitives.pose import frame_along, pose
-from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
+from recognition.report.run_report import Deviation, ReportFrames, ReportMesh, RunReport
 
 
 def cylinder_mesh(radius, height, sides=48):
@@ -145,11 +146,13 @@ def made_up_report(frame_count=2000, rows=10, columns=16):
         "warnings": ["face 2 was outlined but not pressed in its middle"],
     }
     ghost = ReportMesh(mesh.vertices * [1.01, 1.01, 1.0], mesh.triangles, mesh.face)
+    off = Deviation(mesh, np.where(mesh.vertices[:, 2] > 1, 0.05, -0.02), 0.05)
     return RunReport(
         summary=summary,
         settings={"part": "post", "seed": 3, "sensors": ["lts210"], "noise": 0.05, "feature_mm": 10.0},
         model=mesh,
         truth=ghost,
+        off=off,
         contacts=wall,
         contact_face=np.zeros(len(wall), dtype=np.int64),
         traces=(rim,),
@@ -260,6 +263,16 @@ class Browser:
                 out.append(params["request"]["url"])
         return out
 
+    def violations(self, axe):
+        """What axe-core finds serious or worse; `axe` is its script."""
+        self.call("Page.setBypassCSP", enabled=True)
+        self.evaluate(axe + ";0")
+        return self.evaluate(
+            """axe.run().then((found) => found.violations
+              .filter((rule) => ["serious", "critical"].includes(rule.impact))
+              .map((rule) => `${rule.id}: ${rule.nodes[0].html.slice(0, 200)}`))"""
+        )
+
     def screenshot(self, path):
         data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True)["data"]
         Path(path).write_bytes(base64.b64decode(data))
@@ -270,6 +283,15 @@ class Browser:
         os.close(self._read)
         os.close(self._write)
         shutil.rmtree(self.profile, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
+def axe():
+    """The script of axe-core, which tries a page on those who cannot see it, or use no mouse."""
+    found = importlib.util.find_spec("axe_core_python")
+    if found is None:
+        pytest.skip("left out: no axe-core here (pip install axe-core-python)")
+    return (Path(found.origin).parent / "axe.min.js").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session")

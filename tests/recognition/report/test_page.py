@@ -19,6 +19,27 @@ def page(report, tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="module")
+def identified(report):
+    """An identification, of which the page shows what was believed."""
+    history = [
+        {"touch": 1, "top": [["block", 0.7], ["post", 0.2]], "entropy_bits": 1.2, "felt": "a flat face"},
+        {"touch": 2, "top": [["post", 0.97], ["rod", 0.03]], "entropy_bits": 0.2, "felt": "an edge"},
+    ]
+    summary = {
+        "command": "identify",
+        "part": "post",
+        "decision": "post",
+        "confidence": 0.97,
+        "ended": "sure",
+        "library": {"objects": 3, "folder": None},
+        "candidates": [{"name": "post", "probability": 0.97, "pose_sigma": {"translation_mm": 0.1}}],
+        "history": [step | {"device_seconds": 6.0 * step["touch"]} for step in history],
+        "truth": {"name": "post", "correct": True, "translation_error_mm": 0.1, "rotation_error_deg": 0.2},
+    }
+    return replace(report, summary=summary)
+
+
 @pytest.fixture
 def opened(browser, page):
     browser.open(page)
@@ -132,7 +153,35 @@ def test_every_layer_changes_the_picture(opened):
           return out;
         })()"""
     )
-    assert different == {"model": True, "truth": True, "contacts": True, "traces": True, "pad": True}
+    assert different == dict.fromkeys(("model", "off", "truth", "contacts", "traces", "pad"), True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nobody_is_shut_out(browser, axe, report, identified, tmp_path, scheme):
+    for told in (report, identified):
+        write_report(tmp_path / "report.html", told)
+        browser.open(tmp_path / "report.html", scheme)
+        assert browser.violations(axe) == []
+
+
+@pytest.mark.slow
+def test_contacts_come_as_time_goes_on(opened):
+    felt = """((moment) => { palpate.show(moment);
+      return palpate.scene.felt(palpate.data.contacts.from, palpate.scene.layers.contacts, 1); })"""
+    counts = [opened.evaluate(f"{felt}({moment})") for moment in (0, 400, 1400)]
+    assert counts[0] < counts[1] < counts[2]
+
+
+@pytest.mark.slow
+def test_belief_is_that_of_the_moment(browser, identified, tmp_path):
+    write_report(tmp_path / "report.html", identified)
+    browser.open(tmp_path / "report.html")
+    seen = """((moment) => { palpate.show(moment);
+      return [...document.querySelectorAll("#names li")].map((item) => item.innerText.replace("\\n", " ")); })"""
+    assert browser.evaluate(f"{seen}(0)") == ["post –", "rod –", "block –"]
+    assert browser.evaluate(f"{seen}(1499)") == ["post 97 %", "rod 3 %", "block 0 %"]
+    assert browser.complaints() == []
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from models.formats import mesh
 from models.solid import Solid
 from primitives.evidence import Contacts
 from recognition.cli import app
-from recognition.report.rewritten import _model as model_of
+from recognition.report.relabeled import labeled_mesh
 from recognition.report.rewritten import rewrite
 from recognition.run_folder import RunFolder
 
@@ -33,7 +33,7 @@ def test_a_page_is_written_again_without_anything_but_its_folder(run):
 
 
 def test_triangles_have_the_face_of_the_contacts_on_them(run):
-    model = model_of(run / "model.stl", np.array([[0.0, 0.0, 5.0], [0.0, 0.0, -5.0]]), np.array([3, 1]))
+    model = labeled_mesh(run / "model.stl", np.array([[0.0, 0.0, 5.0], [0.0, 0.0, -5.0]]), np.array([3, 1]))
     height = model.vertices[model.triangles][:, :, 2]
     assert (model.face[(height > 4.99).all(axis=1)] == 3).all()
     assert (model.face[(height < -4.99).all(axis=1)] == 1).all()
