@@ -27,17 +27,17 @@ from recognition.assembly import NotClosed
 from recognition.assembly.described import written_tree
 from recognition.config import ExploreOptions, settings, to_toml
 from recognition.console import bugs, interrupts
-from recognition.logbook import Logbook
-from recognition.patience import Patience
-from recognition.progress import Progress
 from recognition.reconstruct import Reconstruction, reconstruct
 from recognition.report.against import drawn_truth, off_truth
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
-from recognition.run_folder import RunFolder
-from recognition.simulation import World, guarded, load_world
-from recognition.summary import FAULT, GAVE_UP, summarize
+from recognition.running.folder import RunFolder
+from recognition.running.logbook import Logbook
+from recognition.running.patience import Patience
+from recognition.running.progress import Progress
+from recognition.running.simulation import World, guarded, load_world
+from recognition.running.summary import FAULT, GAVE_UP, summarize
 from recognition.truth import LabeledFaces, Truth, evaluate
 
 Watcher = Callable[[Progress], None]

@@ -33,6 +33,6 @@ def one_line_errors(exit_code: int = 1) -> Iterator[None]:
 
 def print_json(value: Mapping[str, object]) -> None:
     """One JSON object on stdout."""
-    from recognition.run_folder import json_text
+    from recognition.running.folder import json_text
 
     typer.echo(json_text(value))

@@ -50,7 +50,7 @@ def explore(
             from recognition.console import compiling
             from recognition.explore import run
             from recognition.report.terminal import summary_text, watching
-            from recognition.summary import fault_of
+            from recognition.running.summary import fault_of
 
         with watching(quiet=as_json) as watch, compiling.told(watch.say):
             summary = run(options, watch)

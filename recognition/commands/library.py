@@ -37,7 +37,7 @@ def library_build(
     with one_line_errors():
         with interrupts.held():
             from models.library import build
-            from recognition.library import built_json, built_text, progress, workers_of
+            from recognition.libraries.answers import built_json, built_text, progress, workers_of
 
         with progress(as_json) as watch:
             built = build(folder, units, scale, watch, workers_of(workers))
@@ -60,7 +60,7 @@ def library_list(
     _checked(units, scale)
     with one_line_errors():
         with interrupts.held():
-            from recognition.library import list_rows, list_text, opened
+            from recognition.libraries.answers import list_rows, list_text, opened
 
         library = opened(folder, units, scale, as_json)
         rows = list_rows(library)
@@ -95,7 +95,7 @@ def library_show(
         if not of_folder:
             look_at_file(file)
         with interrupts.held():
-            from recognition.library_show import show, show_object, write_page
+            from recognition.libraries.shown import show, show_object, write_page
 
         if of_folder:
             shown = show_object(Path(file), name, units, scale)
@@ -138,7 +138,7 @@ def library_confusable(
     _checked(units, scale)
     with one_line_errors(exit_code=2):
         with interrupts.held():
-            from recognition.library import (
+            from recognition.libraries.answers import (
                 confusable_json,
                 confusable_text,
                 contact_sigma_of,

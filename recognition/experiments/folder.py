@@ -10,7 +10,7 @@ from pathlib import Path
 
 from primitives.errors import NotWritten, PalpateError
 from recognition.experiments.suite import Suite
-from recognition.run_folder import RunFolder
+from recognition.running.folder import RunFolder
 
 MARK = "suite.json"
 OWN = (MARK, "suite.toml", "results.parquet", "summary.json", "report.html", ".lock", "runs")

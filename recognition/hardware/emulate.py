@@ -22,7 +22,7 @@ from primitives.toml_text import toml_lines
 from recognition.config import ExploreOptions
 from recognition.hardware import artifact
 from recognition.hardware.config import StageConfig
-from recognition.simulation import WorldConfig, random_pose
+from recognition.running.simulation import WorldConfig, random_pose
 
 BOX = (-80.0, -80.0, -80.0, 80.0, 80.0, 80.0)  # [mm] workspace of an emulated rig
 

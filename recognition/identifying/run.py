@@ -16,16 +16,16 @@ from models.library import Library
 from models.solid import Solid
 from primitives.errors import PalpateError
 from recognition.config import settings
-from recognition.felt_run import FeltRun, felt_run
 from recognition.identifying.answer import candidates_json, truth_json, why_json
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step, require_objects, top
 from recognition.identifying.options import IdentifyOptions
 from recognition.matching.next_touch.choose import Choice, choose
-from recognition.progress import Progress
 from recognition.report.against import drawn_truth, off_truth
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportMesh, RunReport
-from recognition.simulation import load_world
+from recognition.running.felt_run import FeltRun, felt_run
+from recognition.running.progress import Progress
+from recognition.running.simulation import load_world
 from recognition.truth import LabeledFaces
 
 Watch = Callable[[Step, Identifier], None]

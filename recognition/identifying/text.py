@@ -11,7 +11,7 @@ from rich.text import Text
 
 from recognition.identifying.answer import reason_in_words
 from recognition.identifying.identify import Identifier, Step, top
-from recognition.progress import Progress
+from recognition.running.progress import Progress
 
 _BAR = 14  # characters of a sure name
 _FELT = 34

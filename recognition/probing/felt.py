@@ -23,8 +23,8 @@ from exploration.control.procedures.thermal import thermal
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
-from recognition.felt_run import FeltRun
 from recognition.probing.options import ProbeOptions
+from recognition.running.felt_run import FeltRun
 from recognition.tracking.edge import track_edge
 from recognition.tracking.surface import track_surface
 

@@ -7,11 +7,11 @@ from typing import Any
 from exploration.control.procedures.thermal import WITHOUT
 from models.material import MadeOf
 from primitives.errors import PalpateError
-from recognition.felt_run import FeltConfig, felt_json, felt_run
 from recognition.probing.felt import probe
 from recognition.probing.options import ProbeOptions
 from recognition.probing.truth import probe_truth
-from recognition.simulation import load_world
+from recognition.running.felt_run import FeltConfig, felt_json, felt_run
+from recognition.running.simulation import load_world
 from recognition.tracking.truth import edge_truth
 from recognition.tracking.view import View
 

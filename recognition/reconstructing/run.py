@@ -15,17 +15,17 @@ from primitives.evidence import Contacts
 from primitives.toml_text import toml_lines
 from recognition.assembly import NotClosed
 from recognition.console import bugs, interrupts
-from recognition.progress import Progress
 from recognition.reconstruct import Reconstruction, reconstruct
 from recognition.reconstructing.options import ReconstructSourceOptions
 from recognition.reconstructing.surfaces import surfaces
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
 from recognition.report.run_report import EMPTY_FRAMES, ReportMesh, RunReport
-from recognition.run_folder import RunFolder
+from recognition.running.folder import RunFolder
+from recognition.running.progress import Progress
+from recognition.running.summary import counted
+from recognition.running.writing import write_model
 from recognition.sources import Source, read_source
-from recognition.summary import counted
-from recognition.writing import write_model
 
 _LEAST = 4  # contacts, without which nothing has a volume
 _ROOM = 0.5  # of the contacts' extent, by which the body may reach past them

@@ -16,7 +16,7 @@ from recognition.report.face_graph import graph_svg
 from recognition.report.page import resource
 from recognition.report.payload import packed, payload
 from recognition.report.run_report import EMPTY_FRAMES, ReportMesh, RunReport
-from recognition.run_folder import json_text
+from recognition.running.folder import json_text
 
 _SCRIPTS = ("gl.js", "scene.js", "panels.js", "theme.js", "boundary.js")
 _LONG = 40  # rows of edges; more are folded away

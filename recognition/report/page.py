@@ -14,7 +14,7 @@ from recognition.report import tables
 from recognition.report.payload import left_out, payload
 from recognition.report.run_report import RunReport
 from recognition.report.run_words import figures, words
-from recognition.run_folder import json_text
+from recognition.running.folder import json_text
 
 _SCRIPTS = ("gl.js", "scene.js", "panels.js", "belief.js", "theme.js", "main.js")
 _LAYERS = (

@@ -25,7 +25,7 @@ from recognition.report.recorded import Recorded, recorded, resolved_spec
 from recognition.report.relabeled import labeled_mesh
 from recognition.report.run_report import ReportMesh, RunReport
 from recognition.report.suite_page import suite_html
-from recognition.run_folder import RECORDING, SUMMARY, RunFolder
+from recognition.running.folder import RECORDING, SUMMARY, RunFolder
 from recognition.truth import LabeledFaces
 
 PAGE = "report.html"

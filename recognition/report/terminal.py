@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from recognition.progress import Progress
+from recognition.running.progress import Progress
 
 _TRUTH = (
     ("surface_rms_mm", "surface rms", " mm"),

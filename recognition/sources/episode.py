@@ -23,7 +23,7 @@ from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, FreeSpace
 from recognition.frames.felt import Feeler, unreadable
-from recognition.logbook import force_sigma
+from recognition.running.logbook import force_sigma
 from recognition.sources.source import Felt
 
 

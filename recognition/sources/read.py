@@ -14,7 +14,7 @@ import numpy as np
 
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
-from recognition.run_folder import RECORDING, SUMMARY
+from recognition.running.folder import RECORDING, SUMMARY
 from recognition.sources.columns import Columns
 from recognition.sources.contact_ply import read_ply
 from recognition.sources.contact_table import read_table

@@ -19,7 +19,7 @@ from exploration.devices.guard import Collision, OverPress
 from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, pressed, reach_edge
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
-from recognition.felt_run import FeltRun
+from recognition.running.felt_run import FeltRun
 from recognition.tracking.traced import (
     angles_between,
     comes_round,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from primitives.evidence import Contacts
-from recognition.felt_run import FeltConfig, FeltRun, felt_json, felt_run
-from recognition.simulation import load_world
+from recognition.running.felt_run import FeltConfig, FeltRun, felt_json, felt_run
+from recognition.running.simulation import load_world
 from recognition.tracking.edge import EdgeTrack, track_edge
 from recognition.tracking.options import TrackOptions
 from recognition.tracking.surface import SurfaceTrack, track_surface

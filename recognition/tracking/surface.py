@@ -22,7 +22,7 @@ from primitives.arrays import Floats
 from primitives.classify import RankedFit, rank
 from primitives.evidence import Contacts
 from primitives.shapes import parameters
-from recognition.felt_run import FeltRun
+from recognition.running.felt_run import FeltRun
 
 Say = Callable[[str], None]
 LONGEST = 400.0  # [mm] of one stroke

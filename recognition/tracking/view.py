@@ -19,7 +19,7 @@ from exploration.devices.guard import Observation
 from exploration.sensing.lines.hough import find_lines
 from primitives.arrays import Floats
 from recognition.frames.colors import HEAT, INK, LINES, Color, heat
-from recognition.progress import Progress
+from recognition.running.progress import Progress
 
 EVERY = 0.2  # [s] between two pictures
 BAR = 30  # characters of the force bar

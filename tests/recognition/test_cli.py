@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from exploration.recordings.mcap import read
 from recognition.cli import app
 from recognition.config import ExploreOptions
-from recognition.progress import Progress
+from recognition.running.progress import Progress
 
 BROKEN = {
     "nothing": (["explore"], 1, "needs a part"),

@@ -16,8 +16,8 @@ from primitives.errors import NotWritten, PalpateError
 from recognition.config import ExploreOptions, from_toml
 from recognition.console.bugs import Bug
 from recognition.explore import run
-from recognition.run_folder import json_text
-from recognition.summary import fault_of
+from recognition.running.folder import json_text
+from recognition.running.summary import fault_of
 
 SMALL = (-60.0, -60.0, -60.0, 60.0, 60.0, 60.0)
 FILES = {

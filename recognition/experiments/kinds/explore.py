@@ -12,7 +12,7 @@ from recognition.experiments.kinds.sensors import sensor_of
 from recognition.experiments.settings import Value
 from recognition.experiments.trial import Work
 from recognition.explore import run
-from recognition.summary import fault_of
+from recognition.running.summary import fault_of
 
 _COST = ("touches", "strokes", "frames", "travel_mm", "device_seconds", "wall_seconds")
 _TRUTH = ("iou", "hausdorff_mm", "surface_rms_mm", "surface_mean_mm", "face_shape_accuracy")

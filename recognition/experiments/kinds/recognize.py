@@ -20,7 +20,7 @@ from recognition.experiments.kinds.libraries import library_of, told_of
 from recognition.experiments.settings import Value
 from recognition.experiments.trial import Work
 from recognition.matching import Evidence, Prior, match
-from recognition.simulation import WorldConfig, random_pose
+from recognition.running.simulation import WorldConfig, random_pose
 
 BOX = np.array([[-300.0] * 3, [300.0] * 3])  # [mm] that the object is somewhere in
 TILT = 0.02  # [rad] 1 sigma of a normal about each of two axes

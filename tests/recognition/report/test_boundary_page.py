@@ -9,7 +9,7 @@ import recognition.report
 from models.csg import Cube, Cylinder, Sphere
 from models.part import Part
 from models.solid import Solid
-from recognition.library_show import ShownBoundary, show, write_page
+from recognition.libraries.shown import ShownBoundary, show, write_page
 from recognition.report.boundary_words import SHAPES, counted, extent, neighbors
 from recognition.report.face_graph import graph_svg
 

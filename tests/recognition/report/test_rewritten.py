@@ -12,7 +12,7 @@ from primitives.evidence import Contacts
 from recognition.cli import app
 from recognition.report.relabeled import labeled_mesh
 from recognition.report.rewritten import rewrite
-from recognition.run_folder import RunFolder
+from recognition.running.folder import RunFolder
 
 
 @pytest.fixture

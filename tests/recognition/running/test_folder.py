@@ -7,7 +7,7 @@ import pytest
 
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
-from recognition.run_folder import RunFolder
+from recognition.running.folder import RunFolder
 
 
 def test_a_new_or_an_empty_folder_is_taken(tmp_path):

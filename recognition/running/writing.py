@@ -9,7 +9,7 @@ from primitives.errors import NotWritten, PalpateError
 from recognition.assembly import NotClosed
 from recognition.assembly.described import written_tree
 from recognition.reconstruct import Reconstruction
-from recognition.run_folder import RunFolder
+from recognition.running.folder import RunFolder
 
 
 def write_model(folder: RunFolder, made: Reconstruction) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from primitives.pose import quaternion_wxyz
 from recognition.assembly import NotClosed
 from recognition.config import ExploreOptions
 from recognition.reconstruct import Reconstruction
-from recognition.simulation import World
+from recognition.running.simulation import World
 from recognition.truth import Truth
 
 CLOSED = "closed"

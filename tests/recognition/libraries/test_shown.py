@@ -9,7 +9,7 @@ from models import parts
 from models.formats import mesh as mesh_files
 from primitives.errors import PalpateError
 from recognition.cli import app
-from recognition.library_show import show, write_page
+from recognition.libraries.shown import show, write_page
 
 FIELDS = {
     "name", "faces", "edges", "volume_mm3", "area_mm2", "extent_mm", "symmetry", "watertight",

@@ -1,4 +1,4 @@
-from recognition.summary import counted
+from recognition.running.summary import counted
 
 
 def test_warnings_are_counted_and_not_repeated():

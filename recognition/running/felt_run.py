@@ -33,14 +33,14 @@ from primitives.evidence import Contacts
 from primitives.surface import Surface
 from recognition.config import ExploreOptions, settings, to_toml
 from recognition.console import bugs, interrupts
-from recognition.logbook import Logbook, force_sigma
-from recognition.progress import Progress
 from recognition.report.against import drawn_truth
 from recognition.report.page import write_report
 from recognition.report.run_report import RunReport
-from recognition.run_folder import RunFolder
-from recognition.simulation import World, guarded
-from recognition.summary import counted
+from recognition.running.folder import RunFolder
+from recognition.running.logbook import Logbook, force_sigma
+from recognition.running.progress import Progress
+from recognition.running.simulation import World, guarded
+from recognition.running.summary import counted
 
 Watcher = Callable[[Progress], None]
 

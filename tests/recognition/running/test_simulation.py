@@ -7,7 +7,7 @@ from models.csg import Cylinder
 from models.solid import Solid
 from primitives.errors import PalpateError
 from recognition.config import ExploreOptions
-from recognition.simulation import WorldConfig, load_world, random_pose
+from recognition.running.simulation import WorldConfig, load_world, random_pose
 
 BOX = np.array([[-300.0, -300, -300], [300, 300, 300]])
 

@@ -1,6 +1,6 @@
 """Patience ends what goes round in circles, and nothing that still learns."""
 
-from recognition.patience import Patience, PatienceConfig
+from recognition.running.patience import Patience, PatienceConfig
 
 TEN = PatienceConfig(touches=10)
 

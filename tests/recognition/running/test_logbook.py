@@ -8,7 +8,7 @@ import pytest
 from exploration.devices.guard import Observation
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, read
 from exploration.sensing.frame import TactileImage, TaxelArray, TaxelFrame
-from recognition.logbook import Logbook, LogConfig, Thinned, wrench
+from recognition.running.logbook import Logbook, LogConfig, Thinned, wrench
 
 ARRAY = TaxelArray("pad", 4, 6, (2.0, 3.0))
 

@@ -1,0 +1,1 @@
+"""What `palpate library` answers."""
