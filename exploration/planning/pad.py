@@ -57,7 +57,7 @@ class Pad:
         self.free = FeltFree()
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self._watched: Floats | None = None  # (3,) where the skin was last looked at for free space
-        guard.observers = (*guard.observers, self._watch)
+        guard.learners = (*guard.learners, self._watch)
         self.here = Support(np.array([0.0, 0.0, box[5]]), np.array([0.0, 0.0, 1.0]))
 
     @property

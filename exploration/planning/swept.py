@@ -48,12 +48,12 @@ class Swept:
     @contextmanager
     def watching(self) -> Iterator[None]:
         """Note every pose at which the skin feels nothing."""
-        before = self._guard.observers
-        self._guard.observers = (*before, self._see)
+        before = self._guard.learners
+        self._guard.learners = (*before, self._see)
         try:
             yield
         finally:
-            self._guard.observers = before
+            self._guard.learners = before
 
     def boxes(self) -> FreeSpace:
         """What was swept."""

@@ -74,3 +74,13 @@ def test_frames_read_while_backing_off_are_counted_and_shown():
     assert shown[-1].world_from_sensor[2, 3] > shown[-2].world_from_sensor[2, 3] - 1e-9
     assert shown[-1].world_from_sensor[2, 3] > 20.0
     assert guard.cost.frames == len(shown)
+
+
+def test_nobody_learns_from_a_frame_that_passed_a_limit():
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 22.0]))
+    shown, learned = [], []
+    guard.observers, guard.learners = (shown.append,), (learned.append,)
+    with pytest.raises(Fault):
+        keep_moving(guard, 10.0)
+    assert 0 < len(learned) < len(shown)
+    assert all(seen.image.depth.max() < guard.limits.depth for seen in learned)
