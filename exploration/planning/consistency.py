@@ -21,6 +21,7 @@ _SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
 _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
 _FEW = 30  # contacts, below which a face may be a poor reading of a larger one
+_SAME = 0.1  # [mm] from a larger face, within which more contacts than those are no face beside it
 _LARGER = 1.5  # times as many contacts make a face the larger
 _SOUND = 10  # contacts of a face that is no reading of a rim
 _BEFORE = 3.0  # [mm] in front of a face, from which a contact cannot be of one convex body with it
@@ -41,8 +42,8 @@ def drop_edges(graph: PatchGraph) -> PatchGraph:
         on_edge = np.sort(away, axis=0)[1] < _ON_EDGE
         larger = np.array([len(f.contacts) > _LARGER * len(face.contacts) for f in others])
         facing = np.array([(_outward(f, face.contacts) * face.contacts.normals).sum(axis=1) for f in others])
-        read = (away[larger] < _ON_EDGE) & (facing[larger] > _FACING)
-        on_larger = read.any(axis=0) & (len(face.contacts) < _FEW)
+        near = _ON_EDGE if len(face.contacts) < _FEW else _SAME
+        on_larger = ((away[larger] < near) & (facing[larger] > _FACING)).any(axis=0)
         if float(on_edge.mean()) > _EDGE_SHARE or float(on_larger.mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
