@@ -13,7 +13,7 @@ import numpy as np
 from exploration.control.feel import Felt
 from exploration.devices.guard import Observation
 from exploration.sensing.surfaces.footprint import Footprint
-from exploration.sensing.surfaces.smooth_fit import fit_dome, fit_shape, smooth_contact
+from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, fit_shape, smooth_contact
 from exploration.sensing.surfaces.smooth_shapes import DOME
 from primitives.arrays import Floats
 
@@ -75,17 +75,23 @@ def read_surface(seen: Observation, felt: Felt, last: SurfaceReading | None = No
     contact = smooth_contact(seen.image, felt.mask)
     if not contact:
         return None
-    fit = fit_dome(contact) if last is None else fit_shape(contact, _began(last), DOME)
+    fit = _fitted(contact, last)
     whole = _explains(fit)
     if not whole and int(felt.inner.sum()) >= LEAST:
         part = replace(contact, precision=np.where(felt.inner, contact.precision, 0.0), mask=felt.inner)
-        fit = fit_dome(part)
+        fit = _fitted(part, last)
     if not fit.converged or not np.isfinite(fit.parameters).all():
         return None
     inflation = max(1.0, fit.chi2 / max(1, fit.dof))
     return SurfaceReading(
         fit.parameters[:6], fit.covariance[:6, :6] * inflation, whole, seen.world_from_sensor, seen.force
     )
+
+
+def _fitted(contact: SmoothContact, last: SurfaceReading | None) -> Footprint:
+    """From the last reading, or afresh where that leads nowhere."""
+    fit = None if last is None else fit_shape(contact, _began(last), DOME)
+    return fit if fit is not None and fit.converged else fit_dome(contact)
 
 
 def _began(last: SurfaceReading) -> Footprint:

@@ -44,7 +44,7 @@ class SimulatedArray:
         if isinstance(surface, MaterialSurface):
             self._material = TouchedMaterial(surface, skin_of(spec), spec.elastomer.stiffness)
         self._far = FreeSpaceBound(surface, spec, stage.limits)
-        self._nothing = frozen(np.zeros(spec.array.shape))
+        self._nothing = np.zeros(spec.array.shape)
         self._unit = draw_unit(spec, rng)
         self._memory = Memory.fresh(spec)
         self._index = 0

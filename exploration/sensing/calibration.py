@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import inf
 
+import numba
 import numpy as np
 from scipy.ndimage import maximum_filter
 
@@ -70,9 +71,9 @@ class Calibration:
         return float(np.sqrt(np.mean(np.square(self.gain_sigma))))
 
     @cached_property
-    def any_dead(self) -> bool:
-        """Whether some taxel is known to be dead."""
-        return bool(self.dead.any())
+    def gain_sigmas(self) -> Floats:
+        """(rows, columns) relative 1 sigma to which each gain is known."""
+        return frozen(np.broadcast_to(self.gain_sigma, self.zero.shape))
 
     @staticmethod
     def nominal(spec: SensorSpec) -> "Calibration":
@@ -108,20 +109,24 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
             f"frame {frame.counts.shape}, calibration {calibration.zero.shape} and array {array.name} "
             f"{array.shape} differ in shape: use the calibration made for this array"
         )
-    signal, noise = (frame.counts - calibration.zero) * calibration.per_count, calibration.quiet
-    if calibration.any_dead:
-        signal[calibration.dead] = 0.0
-    if calibration.usual_gain_sigma > 0.0:
-        noise = np.hypot(noise, calibration.gain_sigma * np.maximum(signal, 0.0))
-    if calibration.threshold > 0.0 or frame.counts.max() >= calibration.full_scale:
+    signal, noise, most = _signals(
+        frame.counts,
+        calibration.zero,
+        calibration.per_count,
+        calibration.quiet,
+        calibration.dead,
+        calibration.gain_sigmas,
+    )
+    if calibration.threshold > 0.0 or most >= calibration.full_scale:
         noise = np.hypot(noise, _censored(frame.counts, signal, calibration.per_count, calibration))
     depth = signal
     if calibration.curve is not STRAIGHT:
         depth, noise = calibration.curve.depth(signal), noise * calibration.curve.slope(signal)
+    depth.flags.writeable = noise.flags.writeable = False
     return TactileImage(
         array,
-        frozen(depth),
-        frozen(noise),
+        depth,
+        noise,
         calibration.spread,
         calibration.stiffness,
         frame.time,
@@ -129,6 +134,22 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
         calibration.usual_gain_sigma,
         calibration.response,
     )
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _signals(
+    counts: Floats, zero: Floats, per_count: Floats, quiet: Floats, dead: Bools, gain_sigmas: Floats
+) -> tuple[Floats, Floats, float]:
+    """(rows, columns) [mm] of a straight curve's depth and its sigma; the greatest count."""
+    signal, noise = np.empty(counts.shape), np.empty(counts.shape)
+    most = -np.inf
+    for i in range(counts.shape[0]):
+        for j in range(counts.shape[1]):
+            value = 0.0 if dead[i, j] else (counts[i, j] - zero[i, j]) * per_count[i, j]
+            signal[i, j] = value
+            noise[i, j] = np.hypot(quiet[i, j], gain_sigmas[i, j] * max(value, 0.0))
+            most = max(most, counts[i, j])
+    return signal, noise, most
 
 
 def _censored(counts: Floats, signal: Floats, per_count: Floats, calibration: Calibration) -> Floats:

@@ -1,15 +1,18 @@
 """From pressure to counts: gain, hysteresis, drift, noise, dead taxels, saturation, quantization.
 
-Signals are in counts above the offset until `saturate`.  A stage whose number is zero does nothing and draws
-nothing.
+Signals are in counts above the offset until they are converted.  A stage whose number is zero does nothing and
+draws nothing.  All stages of a frame are one pass over its taxels.
 """
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
-from exploration.sensing.spec import Electronics, SensorSpec
+from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Bools, Floats, frozen
+
+_SILENT = np.empty((0, 0))
 
 
 @dataclass(frozen=True)
@@ -46,38 +49,65 @@ def read_out(
 ) -> tuple[Floats, Memory]:
     """(rows, columns) counts of one frame, `dt` [s] after the frame before."""
     e = spec.electronics
-    signal = pressure * (unit.gain * spec.counts_per_pressure)
-    signal, play = hysteresis(signal, memory.play, spec.elastomer.hysteresis * e.plateau)
     zero = drift(memory.drift, e.drift * e.plateau * np.sqrt(dt), rng)
-    signal = noise(signal + zero, e.noise * e.plateau, rng)
-    if e.dead:
-        signal = np.where(unit.dead, 0.0, signal)
-    return quantize(saturate(signal + e.offset, e), e), Memory(play, zero)
-
-
-def hysteresis(signal: Floats, play: Floats, half_width: float) -> tuple[Floats, Floats]:
-    """The play operator: the output follows only what moves it by more than `half_width`, and never pulls."""
-    if half_width == 0.0:
-        return signal, play
-    followed = np.clip(play, np.maximum(signal - half_width, 0.0), signal + half_width)
-    return followed, followed
+    counts, play = _counted(
+        pressure,
+        (unit.gain, unit.dead),
+        spec.counts_per_pressure,
+        memory.play,
+        spec.elastomer.hysteresis * e.plateau,
+        zero,
+        rng.standard_normal(pressure.shape) if e.noise else _SILENT,
+        e.noise * e.plateau,
+        e.offset,
+        e.full_scale,
+    )
+    counts.flags.writeable = play.flags.writeable = False
+    return counts, Memory(play, zero)
 
 
 def drift(zero: Floats, step: float, rng: np.random.Generator) -> Floats:
     """A random walk of each taxel's zero."""
-    return zero if step == 0.0 else np.asarray(zero + step * rng.standard_normal(zero.shape))
+    return zero if step == 0.0 else frozen(zero + step * rng.standard_normal(zero.shape))
 
 
-def noise(signal: Floats, sigma: float, rng: np.random.Generator) -> Floats:
-    """White, on every reading."""
-    return signal if sigma == 0.0 else np.asarray(signal + sigma * rng.standard_normal(signal.shape))
+@numba.njit(cache=True, error_model="numpy")
+def hysteresis(signal: float, play: float, half_width: float) -> float:
+    """The play operator: the output follows only what moves it by more than `half_width`, and never pulls."""
+    return min(max(play, max(signal - half_width, 0.0)), signal + half_width)
 
 
-def saturate(counts: Floats, electronics: Electronics) -> Floats:
-    """Between zero and full scale."""
-    return np.minimum(np.maximum(counts, 0.0), electronics.full_scale)
+@numba.njit(cache=True, error_model="numpy")
+def converted(counts: float, full_scale: float) -> float:
+    """Between zero and full scale; whole, where there is a converter."""
+    counts = min(max(counts, 0.0), full_scale)
+    return np.rint(counts) if full_scale < np.inf else counts
 
 
-def quantize(counts: Floats, electronics: Electronics) -> Floats:
-    """Whole counts, where there is a converter."""
-    return np.rint(counts) if electronics.bits else counts
+@numba.njit(cache=True, error_model="numpy")
+def _counted(
+    pressure: Floats,
+    unit: tuple[Floats, Bools],
+    per_pressure: float,
+    play: Floats,
+    half_width: float,
+    zero: Floats,
+    white: Floats,
+    sigma: float,
+    offset: float,
+    full_scale: float,
+) -> tuple[Floats, Floats]:
+    """Counts, and the state of the hysteresis after them."""
+    gain, dead = unit
+    counts, after = np.empty(pressure.shape), play.copy()
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            signal = pressure[i, j] * (gain[i, j] * per_pressure)
+            if half_width > 0.0:
+                signal = hysteresis(signal, play[i, j], half_width)
+                after[i, j] = signal
+            signal += zero[i, j]
+            if sigma > 0.0:
+                signal += sigma * white[i, j]
+            counts[i, j] = converted(offset + (0.0 if dead[i, j] else signal), full_scale)
+    return counts, after

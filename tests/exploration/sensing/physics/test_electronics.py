@@ -7,12 +7,11 @@ from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.frame import TaxelFrame
 from exploration.sensing.physics.electronics import (
     Memory,
+    converted,
     draw_unit,
     drift,
     hysteresis,
-    quantize,
     read_out,
-    saturate,
 )
 from exploration.sensing.spec import load_sensor, sensor_from_toml
 from primitives.errors import PalpateError
@@ -45,8 +44,8 @@ def test_counts_are_whole_and_saturate():
     assert (counts_of(spec, 50.0) == spec.electronics.full_scale).all()
     noisy = counts_of(with_electronics(noise=0.1), 0.2)
     assert (noisy == np.rint(noisy)).all()
-    assert saturate(np.array([-3.0, 999.0]), spec.electronics).tolist() == [0.0, 255.0]
-    assert quantize(np.array([1.4]), spec.electronics) == [1.0]
+    full = spec.electronics.full_scale
+    assert [converted(value, full) for value in (-3.0, 1.4, 999.0)] == [0.0, 1.0, 255.0]
 
 
 def test_without_a_converter_counts_are_neither_whole_nor_bounded():
@@ -55,7 +54,7 @@ def test_without_a_converter_counts_are_neither_whole_nor_bounded():
     expected = e.offset + e.plateau * 0.123 / spec.press_depth
     assert counts_of(spec, 0.123) == pytest.approx(np.full(spec.array.shape, expected), rel=1e-12)
     assert counts_of(spec, 50.0).min() > 255
-    assert quantize(np.array([1.4]), e) == [1.4]
+    assert converted(1.4, e.full_scale) == 1.4
 
 
 def test_every_stage_is_absent_unless_a_preset_asks_for_it():
@@ -79,10 +78,10 @@ def test_dead_taxels_read_the_offset_and_gain_spreads():
 
 
 def test_hysteresis_lags_on_the_way_down_as_much_as_on_the_way_up():
-    play, path = np.zeros(1), []
+    path = [0.0]
     for signal in [*np.linspace(0, 100, 50), *np.linspace(100, 0, 50)]:
-        felt, play = hysteresis(np.array([signal]), play, 4.0)
-        path.append(felt[0])
+        path.append(hysteresis(signal, path[-1], 4.0))
+    path = path[1:]
     up, down = np.array(path[:50]), np.array(path[50:])[::-1]
     assert down[20] - up[20] == pytest.approx(8.0)
     assert min(path) >= 0.0
