@@ -19,6 +19,7 @@ from primitives.arrays import Floats
 
 _ARM = 50.0  # [mm] that one radian counts as
 _DAMPING = 1e-3
+_TURNS = 100.0  # [rad] that a gantry's turning axes may wind up, where nobody told their limits
 
 
 @dataclass(frozen=True)
@@ -88,5 +89,5 @@ class KinematicChain:
         ways = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
         turn = {"A": ways["X"], "B": ways["Y"], "C": ways["Z"]}
         axes = [Axis(c, False, ways[c], -travel, travel, speed) for c in letters if c in ways]
-        axes += [Axis(c, True, turn[c], -12.0, 12.0, 6.0) for c in "CBA" if c in letters]
+        axes += [Axis(c, True, turn[c], -_TURNS, _TURNS, 6.0) for c in "CBA" if c in letters]
         return KinematicChain(axes, se3.pose(np.diag([1.0, -1.0, -1.0])))

@@ -96,7 +96,11 @@ def _made(
             notes.append(f"the ball was felt {len(touches)} times: where the array sits stays as it was told")
         else:
             planes = _planes(done["flat"], calibration, spec)
-            mount = mount_of(touches, planes, mount_guess, spec.array.size)
+            known = calibration.stiffness_sigma / calibration.stiffness
+            mount = mount_of(touches, planes, mount_guess, spec.array.size, known)
+            stiffness = calibration.stiffness * mount.depth_ratio
+            sigma = stiffness * mount.depth_ratio_sigma
+            calibration = replace(calibration, stiffness=stiffness, stiffness_sigma=sigma)
     zero_sigma = calibration.noise / float(np.sqrt(len(air)))
     return Made(calibration, mount, zero_sigma, {what: len(made) for what, made in done.items()}, notes)
 
@@ -116,9 +120,8 @@ def _planes(presses: list[Pressed], calibration: Calibration, spec: SensorSpec) 
     """The flat as each press saw it, in mm of the calibration just made."""
     flats = [mean_frame(press.frames) for press in presses]
     told = gains_from_flat(flats, calibration, spec.array, min(len(press.frames) for press in presses))
-    sigma = calibration.stiffness_sigma / calibration.stiffness
     return [
-        PlaneTouch(press.world_from_flange, plane, float(sigma * plane[0]))
+        PlaneTouch(press.world_from_flange, plane, 0.0)
         for press, plane in zip(presses, told.planes, strict=True)
         if press.world_from_flange is not None
     ]

@@ -1,7 +1,7 @@
 """The presses that a calibration needs, made by the stage on the artifact, or by hand where there is no stage.
 
 The stage comes down on each place guarded, presses to a force, stands still while frames are read, and backs off.
-The plate need not be level: three presses on its flat tell its normal first.
+The plate need not be level: presses on its flat tell its normal first.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ _CLEAR = 40.0  # [mm] over the artifact, for going across
 _BACK = 8.0  # [mm] before and behind a contact that is expected
 _STILL = 0.1  # [s] before frames are read
 _LEVELINGS = 3
+_LEVEL_TURNS = (0.0, 2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0)  # [rad]
 _LEAN = 0.35  # of the nominal depth, by which the pad's rims may differ on the flat
 _BALL_LEAN = 0.35  # [rad]
 _SHARE = 0.5  # of the force limit, at most
@@ -97,7 +98,10 @@ class StagePresses:
         )
         ball = np.pi * stiff * artifact.ball_radius_mm * spec.press_depth**2
         self._ball_force = min(1.2 * ball, _SHARE * guard.limits.force)
-        self._level = _DOWN
+        self._level, self._up = (
+            _DOWN,
+            -_DOWN[:, 2],
+        )  # a pad's attitude flat on the flat, and the flat's normal
 
     def air(self) -> tuple[TaxelFrame, ...]:
         """Frames in free air, high over the flat."""
@@ -128,7 +132,7 @@ class StagePresses:
             if what == "ball":
                 yield self._ball_target(), self._ball_force
                 continue
-            turn, share = rng.uniform(-np.pi, np.pi), rng.uniform(0.6, 1.0)
+            turn, share = rng.uniform(-np.pi, np.pi), rng.uniform(0.4, 1.0)
             place, lean = np.array(getattr(told, f"{what}_mm"), dtype=float), 0.0
             if what == "flat":
                 lean = _LEAN * depth / (0.5 * float(size.max()))
@@ -139,7 +143,7 @@ class StagePresses:
                 place[:2] += rng.uniform(-0.15, 0.15) * size.min() * np.array([-np.sin(line), np.cos(line)])
                 force = (0.5 if what == "edge" else 0.8) * self._flat_force
             tilt = se3.rotation_exp([*rng.uniform(-lean, lean, 2), 0.0]) if lean else np.eye(3)
-            yield se3.pose(self._level @ tilt @ se3.rotation_exp([0.0, 0.0, turn]), place), force
+            yield se3.pose(tilt @ se3.rotation_exp(turn * self._up) @ self._level, place), force
 
     def _ball_target(self) -> Floats:
         rng, told = self._rng, self._artifact
@@ -149,18 +153,30 @@ class StagePresses:
         return se3.pose(turn, np.array(told.ball_mm) + turn @ off)
 
     def _find_level(self) -> None:
-        """Turn to the flat's normal, which its presses tell."""
+        """Lay the pad flat at several turns: for its own normal m and the flat's n, R_i m = -n at each.
+
+        n and m maximize |sum R_i m|: m is the first right singular vector of that sum (our derivation).
+        """
+        turns = [se3.rotation_exp([0.0, 0.0, turn]) @ _DOWN for turn in _LEVEL_TURNS]
+        laid = [level for turn in turns if (level := self._laid_flat(turn)) is not None]
+        if laid:
+            total = np.sum(laid, axis=0)
+            own = np.linalg.svd(total)[2][0]
+            own *= np.sign(own[2])
+            self._up = -(total @ own) / float(np.linalg.norm(total @ own))
+            self._level = laid[0]
+
+    def _laid_flat(self, attitude: Floats) -> Floats | None:
+        """(3, 3) the attitude near a given one in which the flat is felt to be level."""
         for _ in range(_LEVELINGS):
-            place = se3.pose(self._level, self._artifact.flat_mm)
-            pressed = self._press(place, 0.5 * self._flat_force)
-            if pressed is None or pressed.world_from_flange is None:
-                return
-            mount = self._guard.sensor.flange_from_sensor
+            pressed = self._press(se3.pose(attitude, self._artifact.flat_mm), 0.5 * self._flat_force)
+            if pressed is None:
+                return None
             felt = correct(
                 mean_frame(pressed.frames), self._guard.calibrations[self._guard.active], self._spec.array
             )
-            normal = (pressed.world_from_flange @ mount)[:3, :3] @ _normal(felt)
-            self._level = _turning(self._level[:, 2], -normal) @ self._level
+            attitude = attitude @ _turning(np.array([0.0, 0.0, 1.0]), -_normal(felt))
+        return attitude
 
     def _press(self, target: Floats, force: float) -> Pressed | None:
         """One guarded press; None where the stage cannot take the attitude, or nothing was met."""

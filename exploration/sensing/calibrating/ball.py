@@ -25,10 +25,11 @@ _LEAST_DEPTH = 5.0  # of a press's deepest taxel, over its sigma
 
 @dataclass(frozen=True)
 class BallPress:
-    """A ball's center in the sensor's frame."""
+    """A ball before the pad: its center is at (x, y, radius - depth) in the sensor's frame."""
 
-    center: Floats  # (3,) [mm]
+    place: Floats  # (3,) x, y, depth [mm]
     sigma: Floats  # (3,) [mm]
+    radius: float  # [mm]
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,7 @@ def ball_of(
     spare = max(1, int(live.sum()) - 3)
     jacobian = np.asarray(fit.jac)
     covariance = np.linalg.pinv(jacobian.T @ jacobian) * max(1.0, 2.0 * float(fit.cost) / spare)
-    center = np.array([x0, y0, radius - depth])
-    return BallPress(frozen(center), frozen(np.sqrt(np.diag(covariance))))
+    return BallPress(frozen(fit.x), frozen(np.sqrt(np.diag(covariance))), radius)
 
 
 class _Model:

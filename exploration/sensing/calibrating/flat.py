@@ -5,7 +5,8 @@ rubber carries it (it bends where the skin ends), F the sensor's curve, p_m the 
 over nominal.  Gauss-Newton on all g and p at once, the g eliminated first (Schur's complement; each appears in
 its own readings only).  One press cannot tell a tilt from a trend in the gains: presses at several tilts can, as
 the plane of one times the trend is no plane for another; what they leave open is held by the prior that gains
-scatter independently.
+scatter independently.  Where F is straight a common factor of all gains shows as well in the depths: their mean is
+set to one.
 
 Planes are first fitted robustly.  A taxel that reads less than `DEAD` of its share, or whose readings do not
 follow the presses, is dead (our derivation).
@@ -17,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.sensing.calibration import Calibration
+from exploration.sensing.curve import STRAIGHT
 from exploration.sensing.frame import TaxelArray, TaxelFrame
 from exploration.sensing.surfaces.pressed_field import geometry
 from primitives.arrays import Bools, Floats, frozen
@@ -83,6 +85,9 @@ def gains_from_flat(
     gain, planes, sigma, chi2, dof = _solve(
         felt, noise, basis, planes, told & ~dead, nominal, prior, config.steps
     )
+    if nominal.curve is STRAIGHT and not dead.all():
+        mean = float(gain[~dead].mean())
+        gain, planes, sigma = gain / mean, planes * mean, sigma / mean
     return Gains(
         frozen(np.where(dead, 1.0, gain).reshape(array.shape)),
         frozen(np.where(dead, 0.0, sigma).reshape(array.shape)),

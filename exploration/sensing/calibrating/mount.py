@@ -5,10 +5,11 @@ With F_i where the flange was at touch i, X = flange_from_sensor and s_i the bal
     F_i X s_i = c            for every touch of one ball, its center c unknown,
     n . F_i X p_ik = d       for three points p_ik of every press on one plane, its n and d unknown.
 
-X (six numbers), c, n and d are found together by least squares; the covariance is that of the fit.  A ball alone
-tells X when it was touched at several attitudes and places of the pad; the plane sharpens the tilt.  A stage that
-does not turn can tell the rotation alone: what no touch tells stays at the guess, held by a wide prior, and its
-sigma says so (our derivation).
+The depths in s and p are those of the calibration, over one factor k that the stage's own travel tells better
+than any step does.  X (six numbers), c, n, d and k are found together by least squares; the covariance is that of
+the fit.  A ball alone tells X when it was touched at several attitudes and places of the pad; the plane sharpens
+the tilt.  A stage that does not turn can tell the rotation alone: what no touch tells stays at the guess, held by
+a wide prior, and its sigma says so (our derivation).
 """
 
 from collections.abc import Sequence
@@ -52,38 +53,48 @@ class Mount:
     translation_sigma: float  # [mm] of the worst direction
     rotation_sigma: float  # [rad] about the worst axis
     rms: float  # [mm] of what the touches leave
+    depth_ratio: float  # k: depth as calibrated, over true depth
+    depth_ratio_sigma: float
 
 
 def mount_of(
-    balls: Sequence[BallTouch], planes: Sequence[PlaneTouch], guess: Floats, size: tuple[float, float]
+    balls: Sequence[BallTouch],
+    planes: Sequence[PlaneTouch],
+    guess: Floats,
+    size: tuple[float, float],
+    depth_sigma: float,
 ) -> Mount:
-    """The mount that explains all touches, near a (4, 4) guess; `size` is the pad's [mm]."""
+    """The mount that explains all touches, near a (4, 4) guess; `size` is the pad's [mm].
+
+    `depth_sigma` is the relative 1 sigma to which the calibration knows depths.
+    """
     if len(balls) < LEAST_BALLS:
         raise PalpateError(
             f"{len(balls)} touches of the ball are too few; {LEAST_BALLS} or more tell the mount"
         )
     flanges = np.array([touch.world_from_flange for touch in balls])
-    centers = np.array([touch.ball.center for touch in balls])
+    radii = np.array([touch.ball.radius for touch in balls])
+    places = np.array([touch.ball.place for touch in balls])
     sigmas = np.hypot(np.array([touch.ball.sigma for touch in balls]), _FLOOR)
-    center = np.mean([_apply(f @ guess, c) for f, c in zip(flanges, centers, strict=True)], axis=0)
+    center = np.mean(_seen(flanges @ guess, _centers(places, radii, 1.0)), axis=0)
     tables = np.array([touch.world_from_flange for touch in planes]).reshape(-1, 4, 4)
-    points = np.array([_points(touch.plane, size) for touch in planes]).reshape(-1, 3, 3)
+    corners = np.array([_points(touch.plane, size) for touch in planes]).reshape(-1, 3, 3)
     off = np.hypot([touch.sigma for touch in planes], _FLOOR)
-    frame, height = _plane_frame(tables, points, guess)
+    frame, height = _plane_frame(tables, corners, guess)
 
     def residual(p: Floats) -> Floats:
         mount = guess @ se3.exp(p[:6])
-        seen = np.einsum("nij,nj->ni", flanges @ mount, _homogeneous(centers))[:, :3]
+        seen = _seen(flanges @ mount, _centers(places, radii, p[6]))
         turned = (flanges @ mount)[:, :3, :3]
-        apart = np.einsum("nji,nj->ni", turned, seen - p[6:9]) / sigmas
-        parts = [apart.ravel(), p[:6] / _PRIOR]
+        apart = np.einsum("nji,nj->ni", turned, seen - p[7:10]) / sigmas
+        parts = [apart.ravel(), p[:6] / _PRIOR, [(p[6] - 1.0) / depth_sigma]]
         if len(tables):
-            normal = frame @ np.array([p[9], p[10], 1.0])
-            world = np.einsum("nij,nkj->nki", tables @ mount, _homogeneous(points))[..., :3]
-            parts.append(((world @ normal - p[11]) / off[:, None]).ravel())
+            normal = frame @ np.array([p[10], p[11], 1.0])
+            world = np.einsum("nij,nkj->nki", tables @ mount, _homogeneous(corners / [1.0, 1.0, p[6]]))
+            parts.append(((world[..., :3] @ normal - p[12]) / off[:, None]).ravel())
         return np.concatenate(parts)
 
-    start = np.concatenate([np.zeros(6), center, [0.0, 0.0, height]])[: 12 if len(tables) else 9]
+    start = np.concatenate([np.zeros(6), [1.0], center, [0.0, 0.0, height]])[: 13 if len(tables) else 10]
     fit = least_squares(residual, start, x_scale="jac", loss="linear")
     spare = max(1, len(fit.fun) - len(start))
     jacobian = np.asarray(fit.jac)
@@ -95,7 +106,19 @@ def mount_of(
         float(np.sqrt(np.linalg.eigvalsh(covariance[:3, :3])[-1])),
         float(np.sqrt(np.linalg.eigvalsh(covariance[3:6, 3:6])[-1])),
         float(np.sqrt(np.mean(misses**2))),
+        float(fit.x[6]),
+        float(np.sqrt(covariance[6, 6])),
     )
+
+
+def _centers(places: Floats, radii: Floats, ratio: float) -> Floats:
+    """(n, 3) of balls in the sensor's frame."""
+    return np.column_stack([places[:, :2], radii - places[:, 2] / ratio])
+
+
+def _seen(poses: Floats, points: Floats) -> Floats:
+    """(n, 3) each point from its own pose."""
+    return np.asarray(np.einsum("nij,nj->ni", poses, _homogeneous(points))[:, :3])
 
 
 def _points(plane: Floats, size: tuple[float, float]) -> Floats:
@@ -119,7 +142,3 @@ def _plane_frame(tables: Floats, points: Floats, guess: Floats) -> tuple[Floats,
 
 def _homogeneous(points: Floats) -> Floats:
     return np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1)
-
-
-def _apply(pose: Floats, point: Floats) -> Floats:
-    return np.asarray(pose[:3, :3] @ point + pose[:3, 3])
