@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from recognition.commands import flags
 from recognition.commands.answering import Json, one_line_errors, print_json
 from recognition.commands.part_argument import listing_parts_if_unknown, look_at_file
 from recognition.commands.run_flags import Part, RunFlags, spread
@@ -16,6 +17,7 @@ from recognition.console import interrupts
 @spread
 def identify(
     part: Part = "",
+    device: flags.Device = None,
     library: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="A folder of CAD files.", show_default="the built-in parts"),
@@ -40,12 +42,13 @@ def identify(
         options = told.options(
             IdentifyOptions,
             part=part,
+            device=device,
             max_touches=max_touches,
             library=library,
             policy=policy,
             confidence=confidence,
         )
-    with listing_parts_if_unknown(part, "identify"):
+    with listing_parts_if_unknown(device or part, "identify"):
         look_at_file(part)
         with interrupts.held():
             from recognition.console import compiling
