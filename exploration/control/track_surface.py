@@ -4,7 +4,8 @@ Every tick: read the surface, look ahead for its end, and command ``v = heading 
 with the hybrid law for the rest (`surface_servo`).  The heading is fixed in the sensor frame, so on a curved
 surface the pad follows a geodesic.  A stroke ends short of an edge, where the stage's reach ends, where the
 surface rises ahead of the pad (a concavity), where it has come round, or after its length.  Where it is asked to,
-it also ends at a wall: what meets housing or skin from the side, from which the guard has backed off by then.
+it also ends at a wall: what meets housing or skin from the side while the pad lies on its surface as it did all
+along.  A pad that hangs on a rim meets the object's own flank instead, and is lost.  The guard has backed off by then.
 """
 
 from dataclasses import dataclass, replace
@@ -15,7 +16,7 @@ import numpy as np
 
 from exploration.control.feel import FeelConfig, Felt, feel
 from exploration.control.procedures.look import look_closely
-from exploration.control.servo import ServoGains
+from exploration.control.hybrid import PRESS
 from exploration.control.sighting import Sighting, contact_front, reach_along, sight
 from exploration.control.stroke_ends import edge_near, leaves, rises
 from exploration.control.surface_reading import SurfaceReading, read_surface
@@ -56,6 +57,7 @@ class StrokeConfig:
     sharper: float = 1.5  # times as curved as where the stroke began, if that was sharp already
     rising: float = 2.0  # times the nominal press, under the pad's front, at which a concavity begins
     room: float = 2.0  # [mm] kept from the end of the stage's reach, beside what it takes to stop
+    lies: float = 0.5  # share of a stroke's usual area of contact, from which the pad lies on its surface
     walls: bool = False  # whether what is met from the side ends a stroke; else it is a fault
 
 
@@ -117,7 +119,7 @@ def follow_surface(
     length: float,
     touch: int,
     stroke: int,
-    gains: ServoGains = ServoGains(),
+    press: float = PRESS,
     config: StrokeConfig = StrokeConfig(),
 ) -> Stroke:
     """Stroke up to `length` [mm] along a (2,) unit `heading` in the pad's plane."""
@@ -126,11 +128,12 @@ def follow_surface(
     facing: list[Floats] = []
     met: Floats | None = None
     readings: list[SurfaceReading] = []
-    servo = SurfaceServo(guard, gains)
+    servo = SurfaceServo(guard, press)
     start = guard.world_from_sensor
     at, travel, since, missing, confirmed, ticks = start, 0.0, np.inf, 0, 0, 0
     farthest, ending, over = 0.0, 0, 0
     sharp: float | None = None
+    areas: list[float] = []
     fastest = min(config.speed, config.tick * min(guard.sensor.array.pitch) / guard.period)
     every = max(1, round(config.looks / (fastest * guard.period)))
     half = 0.5 * float(np.abs(heading) @ np.asarray(guard.sensor.array.size))
@@ -147,6 +150,7 @@ def follow_surface(
             seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
             continue
         missing = 0
+        areas.append(felt.area)
         looks = ticks % every == 0 or confirmed
         if looks and contact_front(felt, seen, heading) < half - 1.5 * max(seen.image.array.pitch):
             near = edge_near(find_lines(seen.image, 3), heading, seen.image, config.stop_share)
@@ -162,7 +166,7 @@ def follow_surface(
         if max(ending - config.confirm, over, confirmed) >= config.confirm:
             ended = "edge"
             break
-        if rises(seen.image, heading, config.rising * gains.press):
+        if rises(seen.image, heading, config.rising * press):
             ended = "concavity"
             break
         if leaves(guard, seen, heading, fastest, config.room):
@@ -190,7 +194,9 @@ def follow_surface(
         except (Collision, OverPress) as fault:
             if not config.walls or fault.seen is None:
                 raise
-            ended, met = "wall", fault.seen.world_from_sensor
+            last = feel(fault.seen.image)
+            lay = last.area > config.lies * float(np.median(areas)) if last else False
+            ended, met = ("wall", fault.seen.world_from_sensor) if lay else ("lost", None)
             break
         step = float((seen.world_from_sensor[:3, 3] - at[:3, 3]) @ (at[:3, :2] @ heading))
         at, travel, since = seen.world_from_sensor, travel + step, since + step
