@@ -49,7 +49,7 @@ def calibrate(path: Path, out: Path, ask: Ask, seed: int = 0) -> dict[str, Any]:
     spec, artifact = sensor_of(config), config.artifact or Artifact()
     if config.stage is None:
         with closing(open_array(config)) as array:
-            made = _made(HandPresses(array, ask), lambda _: None, spec, artifact, None)
+            made = made_by(HandPresses(array, ask), lambda _: None, spec, artifact, None)
     else:
         made = _by_stage(config, spec, artifact, ask, seed)
     save(made.calibration, made.mount, out)
@@ -68,10 +68,10 @@ def _by_stage(config: DeviceConfig, spec: SensorSpec, artifact: Artifact, ask: A
         limits = GuardLimits(told.force_n, told.depth_mm, told.reach_mm)
         guard = Guard(rig.stage, [rig.array], [rig.calibration], limits)
         presses = StagePresses(guard, spec, artifact, np.random.default_rng(seed))
-        return _made(presses, ask, spec, artifact, rig.array.flange_from_sensor)
+        return made_by(presses, ask, spec, artifact, rig.array.flange_from_sensor)
 
 
-def _made(
+def made_by(
     presses: Presses, ask: Ask, spec: SensorSpec, artifact: Artifact, mount_guess: Floats | None
 ) -> Made:
     nominal, done = Calibration.nominal(spec), {}
