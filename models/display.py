@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from models.body import Body
 from models.solid import Solid
 from primitives.arrays import Floats, Ints
 
@@ -26,6 +27,11 @@ def display_mesh(solid: Solid, face: Ints, most: int = 30_000) -> tuple[Floats, 
         tolerance *= 2
     if triangles is body.triangles:
         return vertices, triangles, face
+    return vertices, triangles, faces_of(body, face, vertices, triangles)
+
+
+def faces_of(body: Body, face: Ints, vertices: Floats, triangles: Ints) -> Ints:
+    """(t,) the face behind each triangle of a coarser mesh, given that of each of the body's own."""
     asked = np.einsum("ki,tix->ktx", _INSIDE, vertices[triangles])
     first, second, third = (face[body.tree.nearest(points).triangle] for points in asked)
-    return vertices, triangles, np.where(second == third, second, first)
+    return np.where(second == third, second, first)

@@ -16,6 +16,7 @@ from models.library.packed import map_arrays, write_arrays
 from models.library.record import record, text_of
 from models.library.settings import read_settings
 from models.library.store import HOME, Row, Store
+from models.library.stored_table import save_table
 from models.part import Part, load_part
 from primitives.errors import NotWritten, PalpateError
 
@@ -70,6 +71,7 @@ def build(
         final = _ordered(files, rows)
         store.save(final)
         store.sweep(final)
+        save_table(store, final)
     good = [row for row in final if not row.failed]
     return Built(
         tuple(file.name for file, *_ in todo if not rows[file.name].failed),

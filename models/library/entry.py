@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.boundary import labeled_boundary
 from models.brep import Brep
 from models.library.field import DistanceField, distance_field
+from models.library.pair_table import pair_scores
 from models.library.samples import SurfaceSamples, surface_samples
 from models.solid import Solid
 from models.symmetry import SymmetryGroup, symmetry
@@ -42,6 +44,10 @@ class Source(Protocol):
         """Its distance on a grid."""
         ...
 
+    def pairs(self) -> NDArray[np.uint8]:
+        """How probable the distance and angles of two of its places are."""
+        ...
+
 
 class Computed:
     """Everything from the solid, when asked for."""
@@ -63,11 +69,19 @@ class Computed:
 
     def samples(self) -> SurfaceSamples:
         """See `Source`."""
+        return self._samples
+
+    @cached_property
+    def _samples(self) -> SurfaceSamples:
         return surface_samples(self._solid)
 
     def field(self) -> DistanceField:
         """See `Source`."""
         return distance_field(self._solid)
+
+    def pairs(self) -> NDArray[np.uint8]:
+        """See `Source`."""
+        return pair_scores(self._samples)
 
 
 class Entry:
@@ -103,6 +117,11 @@ class Entry:
     def field(self) -> DistanceField:
         """Its signed distance on a grid: fast, and good to half a cell at edges; `solid` has it exactly."""
         return self._source.field()
+
+    @cached_property
+    def pairs(self) -> NDArray[np.uint8]:
+        """How probable the distance and angles of two of its places are: a column of `pair_table.PairTable`."""
+        return self._source.pairs()
 
     def __repr__(self) -> str:
         return f"Entry({self.name!r})"

@@ -15,9 +15,11 @@ from typing import Any
 from models.library.build import Watch, build, read_part
 from models.library.entry import Computed, Entry
 from models.library.folder import ModelFile, model_files, stamp, strays
+from models.library.pair_table import PairTable, table_of
 from models.library.settings import FolderSettings, read_settings
 from models.library.store import Row, Store
 from models.library.stored import Stored
+from models.library.stored_table import load_table
 from models.solid import Solid
 from primitives.errors import NotWritten, PalpateError
 
@@ -32,7 +34,9 @@ class Library(Mapping[str, Entry]):
         makers: Mapping[str, Callable[[], Entry]],
         rows: tuple[Row, ...] = (),
         warnings: tuple[str, ...] = (),
+        table: PairTable | None = None,
     ) -> None:
+        self._table = table
         self._makers = dict(makers)
         self._at_hand: OrderedDict[str, Entry] = OrderedDict()
         self.rows = rows  # what the index says of each; none in memory
@@ -65,6 +69,13 @@ class Library(Mapping[str, Entry]):
             except NotWritten:
                 return _in_memory(home, files, rows or (), settings)
         return _stored(home, files, rows, strays(home, settings))
+
+    @property
+    def pair_table(self) -> PairTable:
+        """What pairs of touched places say of every object before any pose."""
+        if self._table is None:
+            self._table = table_of(list(self), [entry.pairs for entry in self.values()])
+        return self._table
 
     def __getitem__(self, name: str) -> Entry:
         if name not in self._makers:
@@ -111,7 +122,9 @@ def _stored(
     bad = tuple(f"{row.file} is left out: {row.failed}" for row in rows if row.failed)
     if not makers:
         raise PalpateError(bad[0] if bad else f"{home} holds no CAD files; copy some into it")
-    return Library(makers, tuple(row for row in rows if not row.failed), (*warnings, *bad))
+    good = tuple(row for row in rows if not row.failed)
+    table = load_table(store, good) if len(good) == len(makers) else None
+    return Library(makers, good, (*warnings, *bad), table)
 
 
 def _stored_maker(store: Store, row: Row, file: ModelFile) -> Callable[[], Entry]:

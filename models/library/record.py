@@ -20,9 +20,10 @@ from models.body import LabeledSurface
 from models.boundary import labeled_boundary
 from models.brep import Brep
 from models.brep_json import brep_from_json
-from models.display import display_mesh
 from models.library.field import DistanceField, distance_field
+from models.library.pair_table import pair_scores
 from models.library.samples import SurfaceSamples, surface_samples
+from models.library.thinned import thinned
 from models.part import Part
 from models.solid import Solid
 from models.symmetry import SymmetryGroup, symmetry
@@ -45,7 +46,7 @@ def record(part: Part, config: RecordConfig | None = None) -> dict[str, NDArray[
     solid = part.solid
     brep, of_triangle = labeled_boundary(solid)
     group = symmetry(brep)
-    vertices, triangles, label = display_mesh(solid, of_triangle, config.triangles)
+    vertices, triangles, label = thinned(solid, of_triangle, config.triangles)
     samples, field = surface_samples(solid), distance_field(solid)
     chord = config.chord
     lines = [_thinned(edge.points, chord) for edge in brep.edges]
@@ -82,6 +83,7 @@ def record(part: Part, config: RecordConfig | None = None) -> dict[str, NDArray[
         "sample_face": samples.face.astype(np.uint16),
         "sample_area": samples.area.astype(np.float32),
         "sample_curvatures": samples.curvatures.astype(np.float32),
+        "pairs": pair_scores(samples),
         "field": field.values,
         "field_origin": field.origin,
     }
@@ -133,6 +135,11 @@ def samples_of(arrays: Arrays) -> SurfaceSamples:
         frozen(arrays["sample_area"].astype(float)),
         frozen(arrays["sample_curvatures"].astype(float)),
     )
+
+
+def pairs_of(arrays: Arrays) -> NDArray[np.uint8]:
+    """How probable the distance and angles of two of its places are; see `pair_table`."""
+    return arrays["pairs"]
 
 
 def field_of(arrays: Arrays) -> DistanceField:

@@ -6,6 +6,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from models.brep import Brep
 from models.library import record
 from models.library.build import read_part
@@ -49,3 +52,7 @@ class Stored:
     def field(self) -> DistanceField:
         """See `Source`."""
         return record.field_of(self.arrays)
+
+    def pairs(self) -> NDArray[np.uint8]:
+        """See `Source`."""
+        return record.pairs_of(self.arrays)

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from recognition.matching.facets import Facets, likeliest, tilt_bound
-from recognition.matching.field_kernels import turn
+from recognition.matching.steps import add_distance, add_normal, moved, rotated, solved, turn
 
 
 class Aligned(NamedTuple):
@@ -26,82 +26,86 @@ class Aligned(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolute, mesh):  # type: ignore[no-untyped-def]
+def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider, absolute, mesh):  # type: ignore[no-untyped-def]
     """Refine each of (k, 3, 4) poses; noise is `wider` times itself at first and as it is at last."""
-    k, n = len(poses), len(points)
+    count, n = len(poses), len(points)
     poses = poses.copy()
-    distances, angles = np.full((k, n), np.inf), np.full((k, n), np.inf)
-    information = np.zeros((k, 6, 6))
+    distances, angles = np.full((count, n), np.inf), np.full((count, n), np.inf)
+    information = np.zeros((count, 6, 6))
     stack, reach, found = np.empty(64, dtype=np.int64), np.empty(64), np.empty(6)
-    jd, jn = np.empty(6), np.empty((3, 6))
-    middle = np.zeros(3)
+    h, b, j, x = np.empty((6, 6)), np.empty(6), np.empty(6), np.empty(6)
+    q, m, r, u, center, middle = (np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3),
+                                  np.zeros(3))  # fmt: skip
     for i in range(n):
-        middle += points[i] / n
-    for row in range(k):
+        for k in range(3):
+            middle[k] += points[i, k] / n
+    least = 1e-3 * n / np.median(sigma) ** 2
+    for row in range(count):
         pose = poses[row]
-        for step in range(rounds + 1):
-            wide = max(1.0, wider * 0.5**step)
-            if step >= rounds - 1:
-                wide = 1.0
-            h, b = np.zeros((6, 6)), np.zeros(6)
-            center = pose[:, :3] @ middle + pose[:, 3]
+        step = -1
+        while step < rounds:
+            step += 1
+            wide = 1.0 if step >= rounds - 1 else max(1.0, wider * 0.5**step)
+            h[:], b[:] = 0.0, 0.0
+            moved(pose, middle, center)
             far = 1.0
             for i in range(n):
-                q = pose[:, :3] @ points[i] + pose[:, 3]
-                m = pose[:, :3] @ normals[i]
+                moved(pose, points[i], q)
+                rotated(pose, normals[i], m)
                 s, a = sigma[i] * wide, tau[i] * min(wide, 3.0)
                 cost = likeliest(q, m, felt[i], s, a, cap, mesh, stack, reach, found)
                 if not np.isfinite(cost):
                     if step == rounds:
                         distances[row, i], angles[row, i] = np.inf, np.inf
                     continue
-                e = q - found[:3]
-                d = np.sqrt(e @ e)
-                along = e @ found[3:]
-                u = found[3:].copy() if d < 1e-9 or abs(along) > 0.9 * d else e / d
+                d2, along, turned = 0.0, 0.0, 0.0
+                for k in range(3):
+                    u[k] = q[k] - found[k]
+                    d2 += u[k] * u[k]
+                    along += u[k] * found[3 + k]
+                    turned += (m[k] - found[3 + k]) ** 2
+                    r[k] = q[k] - center[k]
+                d = np.sqrt(d2)
                 if step == rounds:
-                    x = m - found[3:]
-                    distances[row, i], angles[row, i] = d, np.sqrt(x @ x) if felt[i] else 0.0
-                weight = 1.0 / (1.0 + np.exp(0.5 * min(d * d / (s * s), 200.0) - 0.35 * cap))
-                r = q - center
-                far = max(far, r @ r)
-                jd[:3] = u
-                jd[3], jd[4], jd[5] = (
-                    r[1] * u[2] - r[2] * u[1],
-                    r[2] * u[0] - r[0] * u[2],
-                    r[0] * u[1] - r[1] * u[0],
-                )
+                    distances[row, i], angles[row, i] = d, np.sqrt(turned) if felt[i] else 0.0
+                weight = shares[i] / (1.0 + np.exp(0.5 * min(d2 / (s * s), 200.0) - 0.35 * cap))
+                far = max(far, r[0] * r[0] + r[1] * r[1] + r[2] * r[2])
+                on_face = d < 1e-9 or abs(along) > 0.9 * d
+                for k in range(3):
+                    u[k] = found[3 + k] if on_face else u[k] / d
                 w = 1.0 / (s * max(d, 0.02 * s)) if absolute else weight / (s * s)
-                for p in range(6):
-                    b[p] -= w * (e @ u) * jd[p]
-                    for o in range(6):
-                        h[p, o] += w * jd[p] * jd[o]
+                add_distance(h, b, r, u, along if on_face else d, w, j)
                 if felt[i]:
-                    x = m - found[3:]
-                    turned = min((x @ x) / (a * a), 200.0)
-                    w = weight / (a * a) / (1.0 + np.exp(0.5 * (turned - tilt_bound(a))))
-                    jn[:] = 0.0
-                    jn[0, 4], jn[0, 5], jn[1, 3] = m[2], -m[1], -m[2]
-                    jn[1, 5], jn[2, 3], jn[2, 4] = m[0], m[1], -m[0]
-                    h += w * (jn.T @ jn)
-                    b -= w * (jn.T @ x)
+                    w = (
+                        weight
+                        / (a * a)
+                        / (1.0 + np.exp(0.5 * (min(turned / (a * a), 200.0) - tilt_bound(a))))
+                    )
+                    add_normal(h, b, m, found[3:], w)
             if step == rounds:
-                information[row] = h
+                for p in range(6):
+                    for o in range(6):
+                        information[row, p, o] = h[max(p, o), min(p, o)]
                 break
-            least = 1e-3 * n / (np.median(sigma) ** 2 * wide * wide)
             for p in range(3):
-                h[p, p] += least
-                h[p + 3, p + 3] += least * far
-            x = np.linalg.solve(h, b)
-            long = np.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
-            if long > np.sqrt(far):
-                x *= np.sqrt(far) / long
+                h[p, p] += least / (wide * wide)
+                h[p + 3, p + 3] += least * far / (wide * wide)
+            if not solved(h, b, x):
+                continue
+            long = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
+            if long > far:
+                x *= np.sqrt(far / long)
             turn(pose, x, center)
+            turned = x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+            if wide == 1.0 and long + turned * far < 1e-8:
+                step = rounds - 1
     return poses, distances, angles, information
 
 
-def refine(poses: Floats, points: Floats, normals: Floats, felt: object, sigma: Floats, tau: Floats,
-           mesh: Facets, wider: float, rounds: int = 12, cap: float = 25.0,
+def refine(poses: Floats, points: Floats, normals: Floats, felt: Bools, sigma: Floats, tau: Floats,
+           shares: Floats, mesh: Facets, wider: float, rounds: int = 12, cap: float = 25.0,
            absolute: bool = False) -> Aligned:  # fmt: skip
-    """`aligned`, from Python."""
-    return Aligned(*aligned(poses, points, normals, felt, sigma, tau, cap, rounds, wider, absolute, mesh))
+    """`aligned`, from Python; `shares` (n,) are what each contact counts for."""
+    return Aligned(
+        *aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider, absolute, mesh)
+    )

@@ -1,5 +1,7 @@
 """What touch has given, and what was known before: the input of matching.
 
+n contacts of one touch whose errors correlate by r are worth n / (1 + r (n - 1)) of independent ones (Kish 1965).
+
 Contacts may carry normals or not, and free space bounds where material can be.  Lengths are in mm.
 """
 
@@ -12,6 +14,8 @@ import numpy as np
 from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace, FreeSpace
+
+ALIKE = 0.3  # share of the error's variance that contacts of one touch have in common
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,14 @@ class Evidence:
     def with_contacts(self, more: Contacts) -> Evidence:
         """After further contacts."""
         return replace(self, contacts=Contacts.concatenate([self.contacts, more]))
+
+    @property
+    def shares(self) -> Floats:
+        """(n,) what each contact counts for: those of one touch share its pose's error and speak as fewer."""
+        _, of, many = np.unique(self.contacts.touch, return_inverse=True, return_counts=True)
+        if len(many) < 2:
+            return np.ones(len(self.contacts))
+        return np.asarray(1.0 / (1.0 + ALIKE * (many[of] - 1.0)))
 
     @property
     def lacking(self) -> int:

@@ -54,7 +54,19 @@ def _made(body: Body) -> Facets:
     order = np.argsort(at, kind="stable")
     first = np.searchsorted(at[order], np.arange(len(body.vertices) + 1))
     normals = _corner_normals(body.triangles, flat, area, order // 3, first, float(np.cos(CREASE)))
+    _put_exact(body, corners, flat, normals)
     return Facets(corners, flat, normals, *tree.arrays)
+
+
+def _put_exact(body: Body, corners: Floats, flat: Floats, normals: Floats) -> None:
+    """The normals of the surfaces that facets stand for, where these are known."""
+    for label, surface in enumerate(body.surfaces):
+        rows = np.flatnonzero(body.face_of_triangle == label)
+        if surface.shape is None or not len(rows):
+            continue
+        exact = surface.normals(corners[rows].reshape(-1, 3), normals[rows].reshape(-1, 3)).reshape(-1, 3, 3)
+        good = np.isfinite(exact).all(axis=2) & (np.einsum("ijk,ik->ij", exact, flat[rows]) > np.cos(CREASE))
+        normals[rows] = np.where(good[..., None], exact, normals[rows])
 
 
 @njit(cache=True)

@@ -3,18 +3,21 @@
 A pose is object_from_world, a (3, 4) array.  The cost of a contact is, with d the field's distance at it, g its
 gradient and m the felt normal, both in the object's frame::
 
-    min(d^2 / s^2, c) + min(|m - g|^2 / a^2, c)
+    min(d^2 / s^2, c) + w min(|m - g|^2 / a^2, c)
 
-where s and a say how far from the truth the pose may still be.
+where s and a say how far from the truth the pose may still be, and w is the length of the gradient, 1 but where
+the grid is too coarse for it: within a sheet thinner than a cell the two sides' gradients cancel, and say nothing.
 """
 
 import numpy as np
 from numba import njit
 
+from recognition.matching.steps import add_distance, add_normal, moved, rotated, solved, turn
+
 
 @njit(cache=True, nogil=True, inline="always")
 def field_at(x, y, z, values, origin, spacing, step, out):  # type: ignore[no-untyped-def]
-    """Distance and, in `out`, its unit gradient; outside the grid as `models.library.field` has it."""
+    """Distance and, in `out`, its unit gradient and its length before; outside as `models.library.field`."""
     ax, ay, az = (x - origin[0]) / spacing, (y - origin[1]) / spacing, (z - origin[2]) / spacing
     nx, ny, nz = values.shape[0] - 1, values.shape[1] - 1, values.shape[2] - 1
     ix, iy, iz = min(max(ax, 0.0), nx), min(max(ay, 0.0), ny), min(max(az, 0.0), nz)
@@ -35,6 +38,7 @@ def field_at(x, y, z, values, origin, spacing, step, out):  # type: ignore[no-un
     )
     d = step * (c0 + w * (c1 - c0))
     length = max(np.sqrt(gx * gx + gy * gy + gz * gz), 1e-12)
+    out[3] = min(length * step / spacing, 1.0)
     gx, gy, gz = gx / length, gy / length, gz / length
     if bx != 0.0 or by != 0.0 or bz != 0.0:
         gx, gy, gz = bx + d * gx, by + d * gy, bz + d * gz
@@ -62,7 +66,7 @@ def cost_at(pose, points, normals, felt, s, a, c, limit, target, g):  # type: ig
             u = pose[0, 0] * n[0] + pose[0, 1] * n[1] + pose[0, 2] * n[2] - g[0]
             v = pose[1, 0] * n[0] + pose[1, 1] * n[1] + pose[1, 2] * n[2] - g[1]
             w = pose[2, 0] * n[0] + pose[2, 1] * n[1] + pose[2, 2] * n[2] - g[2]
-            total += min((u * u + v * v + w * w) * turn, c)
+            total += g[3] * min((u * u + v * v + w * w) * turn, c)
         if total > most:
             return limit + 1.0
     return total / max(len(points), 1)
@@ -72,64 +76,30 @@ def cost_at(pose, points, normals, felt, s, a, c, limit, target, g):  # type: ig
 def descend(pose, points, normals, felt, s, a, c, rounds, target):  # type: ignore[no-untyped-def]
     """Gauss-Newton with weights 1 / (1 + cost)^2 on the field, in place, about the contacts' middle."""
     values, origin, spacing, step = target
-    g, jd, jn = np.empty(3), np.empty(6), np.empty((3, 6))
+    g, j, b, x = np.empty(4), np.empty(6), np.empty(6), np.empty(6)
+    q, m, r, center, middle = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
+    h = np.empty((6, 6))
     n = len(points)
-    middle = np.zeros(3)
     for i in range(n):
-        middle += points[i] / n
+        for k in range(3):
+            middle[k] += points[i, k] / n
     for _ in range(rounds):
-        h, b = np.zeros((6, 6)), np.zeros(6)
-        center = pose[:, :3] @ middle + pose[:, 3]
+        h[:], b[:] = 0.0, 0.0
+        moved(pose, middle, center)
         far = 1.0
         for i in range(n):
-            q = pose[:, :3] @ points[i] + pose[:, 3]
+            moved(pose, points[i], q)
             d = field_at(q[0], q[1], q[2], values, origin, spacing, step, g)
-            r = q - center
+            for k in range(3):
+                r[k] = q[k] - center[k]
             far = max(far, r[0] * r[0] + r[1] * r[1] + r[2] * r[2])
-            jd[0], jd[1], jd[2] = g[0], g[1], g[2]
-            jd[3], jd[4], jd[5] = (
-                r[1] * g[2] - r[2] * g[1],
-                r[2] * g[0] - r[0] * g[2],
-                r[0] * g[1] - r[1] * g[0],
-            )
-            weight = 1.0 / (1.0 + d * d / (s * s * c)) ** 2 / (s * s)
-            for u in range(6):
-                b[u] -= weight * d * jd[u]
-                for v in range(6):
-                    h[u, v] += weight * jd[u] * jd[v]
+            add_distance(h, b, r, g, d, 1.0 / (1.0 + d * d / (s * s * c)) ** 2 / (s * s), j)
             if felt[i]:
-                m = pose[:, :3] @ normals[i]
-                e = m - g
-                weight = 1.0 / (1.0 + (e @ e) / (a * a * c)) ** 2 / (a * a)
-                jn[:] = 0.0
-                jn[0, 4], jn[0, 5], jn[1, 3], jn[1, 5], jn[2, 3], jn[2, 4] = (
-                    m[2],
-                    -m[1],
-                    -m[2],
-                    m[0],
-                    m[1],
-                    -m[0],
-                )
-                h += weight * (jn.T @ jn)
-                b -= weight * (jn.T @ e)
-        for u in range(3):
-            h[u, u] += 0.02 * n / (s * s) / 10.0
-            h[u + 3, u + 3] += 0.02 * n * far / (s * s) / 10.0
-        turn(pose, np.linalg.solve(h, b), center)
-
-
-@njit(cache=True, nogil=True)
-def turn(pose, x, center):  # type: ignore[no-untyped-def]
-    """Move by (v, w) about `center`, in place: q becomes center + v + R(w) (q - center)."""
-    angle = np.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
-    r = np.eye(3)
-    if angle > 1e-12:
-        if angle > 0.5:
-            x[3:] *= 0.5 / angle
-            angle = 0.5
-        k = np.array([[0.0, -x[5], x[4]], [x[5], 0.0, -x[3]], [-x[4], x[3], 0.0]]) / angle
-        r = r + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k)
-    moved = r @ pose[:, :3]
-    shift = r @ (pose[:, 3] - center) + center + x[:3]
-    pose[:, :3] = moved
-    pose[:, 3] = shift
+                rotated(pose, normals[i], m)
+                off = (m[0] - g[0]) ** 2 + (m[1] - g[1]) ** 2 + (m[2] - g[2]) ** 2
+                add_normal(h, b, m, g, g[3] / (1.0 + off / (a * a * c)) ** 2 / (a * a))
+        for k in range(3):
+            h[k, k] += 0.002 * n / (s * s)
+            h[k + 3, k + 3] += 0.002 * n * far / (s * s)
+        if solved(h, b, x):
+            turn(pose, x, center)

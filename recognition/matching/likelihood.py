@@ -7,11 +7,14 @@ volume V::
 
 with N2 over the sphere of normals, left out where none was felt, and t the share of pads that lay on an edge,
 with any normal (Thrun, Burgard and Fox 2005, section 6.3, has the mixture; the area, which keeps a larger model
-from winning for its size, is our derivation).  An object in no library is like one of it with every second
-contact off, half of these by some millimeters and half anywhere::
+from winning for its size, is our derivation).  An object in no library is like one of it with a share f of its
+contacts off, half of these by some millimeters and half anywhere; nobody knows f, so it is integrated out::
 
-    p(z | unknown) = 1/2 p(z | object, pose) + 1/4 / V / (4 pi)
-                     + 1/4 / A  exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi))
+    p(Z | unknown) = integral over f in [0, 1] of  product over contacts of
+                     (1 - f) p(z | object, pose) + f p(z | off)
+    p(z | off) = 1/2 / V / (4 pi) + 1/2 / A  exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi))
+
+which costs an object of the library that fits about a factor of the number of contacts (our derivation).
 
 Where nobody told how far contacts scatter, Laplace's density exp(-d / b) / 2b takes the normal one's place: its
 tails forgive, and its likeliest pose is that of the least mean distance.
@@ -22,9 +25,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import logsumexp
 
 from primitives.arrays import Bools, Floats
 from recognition.matching.facets import TILTED
+
+_NODES = 12  # of the integral over the share that is off
 
 
 @dataclass(frozen=True)
@@ -39,7 +45,7 @@ class NoiseConfig:
 def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Floats, tau: Floats, area: float,
                     size: float, volume: float, config: NoiseConfig,
                     absolute: bool = False) -> tuple[Floats, Floats]:  # fmt: skip
-    """(k, n) logarithms of p(z | object, pose) and of p(z | an unknown like it)."""
+    """(k, n) logarithms of p(z | object, pose) and of p(z | off)."""
     d2, a2 = (distances / sigma) ** 2, (angles / tau) ** 2
     turned = np.where(felt, np.exp(-0.5 * np.minimum(a2, 700)) / (2 * np.pi * tau**2), 1.0)
     everywhere = np.where(felt, 1.0 / (4 * np.pi), 1.0)
@@ -52,4 +58,12 @@ def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Float
     b = config.broad * size
     off = np.where(np.isfinite(distances), distances, 4.0 * b)
     loose = np.exp(-off / b) / (2 * b) * (0.5 * turned + 0.5 * everywhere) / area
-    return np.log(known), np.log(0.5 * known + 0.25 * loose + 0.25 * stray)
+    return np.log(known), np.log(0.5 * loose + 0.5 * stray)
+
+
+def log_unlike(known: Floats, off: Floats, shares: Floats) -> Floats:
+    """(k,) logarithms of p(Z | an unknown like it), of the two (k, n) of `log_likelihoods`."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    f = 0.5 * (nodes + 1.0)
+    both = np.logaddexp(known[:, None] + np.log1p(-f)[:, None], off[:, None] + np.log(f)[:, None])
+    return np.asarray(logsumexp(both @ shares + np.log(0.5 * weights), axis=1))

@@ -1,0 +1,49 @@
+"""Which contacts, and which pairs of them, a search begins with."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from primitives.arrays import Bools, Floats, Ints
+from primitives.evidence import Contacts
+
+
+def spread(contacts: Contacts, count: int) -> Ints:
+    """(m,) rows spread over all: each the farthest from those before, normals counted as distance."""
+    n = len(contacts)
+    if n <= count:
+        return np.arange(n)
+    size = float(np.linalg.norm(np.ptp(contacts.points, axis=0))) or 1.0
+    where = contacts.points
+    if contacts.has_normal.all():
+        where = np.hstack([where, 0.25 * size * contacts.normals])
+    chosen = [int(np.argmax(np.linalg.norm(where - where.mean(axis=0), axis=1)))]
+    away = np.linalg.norm(where - where[chosen[0]], axis=1)
+    while len(chosen) < count:
+        chosen.append(int(away.argmax()))
+        away = np.minimum(away, np.linalg.norm(where - where[chosen[-1]], axis=1))
+    return np.array(chosen)
+
+
+def telling_pairs(points: Floats, normals: Floats, felt: Bools, many: int) -> Ints:
+    """(m, 2) pairs of contacts that allow few poses: far apart, their normals across the line and each other."""
+    n = len(points)
+    a, b = np.triu_indices(n, 1)
+    if len(a) == 0:
+        return np.empty((0, 2), dtype=np.int64)
+    line = points[b] - points[a]
+    length = np.linalg.norm(line, axis=1)
+    line = line / np.maximum(length, 1e-9)[:, None]
+    both = felt[a] & felt[b]
+    across = np.linalg.norm(np.cross(normals[a], normals[b]), axis=1)
+    slant = np.abs(np.einsum("ij,ij->i", normals[a], line)) + np.abs(np.einsum("ij,ij->i", normals[b], line))
+    worth = np.where(both, length * (0.15 + across + 0.5 * slant), 0.01 * length)
+    used = np.zeros(n)
+    taken: list[int] = []
+    while len(taken) < min(many, len(a)):
+        best = int(np.argmax(worth / (1.0 + used[a] + used[b])))
+        taken.append(best)
+        used[a[best]] += 1
+        used[b[best]] += 1
+        worth[best] = -1.0
+    return np.stack([a[taken], b[taken]], axis=1).astype(np.int64)

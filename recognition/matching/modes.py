@@ -1,0 +1,156 @@
+"""One object's poses, refined on its exact surface and weighed: the modes of its posterior.
+
+Each mode is taken as a normal density (Laplace)::
+
+    p(z, M) = p(M) k  sum over modes  L (2 pi)^3 |H + P|^(-1/2) / (V_prior 8 pi^2)
+
+with H the curvature of -log L, P what bounds a direction that nothing was felt in, and k how many poses of the
+object's symmetry are this one, so that symmetric poses are one mode and none is lost (our derivation).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.library import Entry
+from models.symmetry import nearest_pose
+from primitives.arrays import Bools, Floats, frozen
+from primitives.pose import hat, inverse, pose
+from recognition.matching.align import Aligned, refine
+from recognition.matching.belief import Hypothesis
+from recognition.matching.evidence import Evidence, Prior
+from recognition.matching.facets import facets_of
+from recognition.matching.likelihood import NoiseConfig, log_likelihoods, log_unlike
+from recognition.matching.target import Target, gap, target_of
+
+_ROTATIONS = np.log(8 * np.pi**2)
+_FREE_TURN = 1.71  # [rad] sigma of a direction of turning that nothing bounds: its cube gives all of SO(3)
+_SWEPT = -4.6  # log likelihood of a sample of the object in space that was swept
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One pose of one object, and how probable the evidence is near it."""
+
+    hypothesis: Hypothesis
+    log_known: float
+    log_unknown: float  # of an object that is like this one, and is not
+
+
+@dataclass(frozen=True)
+class Felt:
+    """The contacts as the kernels read them."""
+
+    points: Floats  # (n, 3) [mm]
+    normals: Floats  # (n, 3), 0 where none was felt
+    felt: Bools  # (n,)
+    sigma: Floats  # (n,) [mm]
+    tau: Floats  # (n,) [rad]
+    shares: Floats  # (n,) what each counts for
+
+    @staticmethod
+    def of(evidence: Evidence) -> Felt:
+        """Of all evidence."""
+        c = evidence.contacts
+        felt = c.has_normal
+        normals = np.ascontiguousarray(np.where(felt[:, None], c.normals, 0.0))
+        return Felt(np.ascontiguousarray(c.points), normals, felt, np.array(c.sigma),
+                    np.maximum(c.normal_sigma, 1e-4), evidence.shares)  # fmt: skip
+
+
+def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
+             polished: int) -> list[Mode]:  # fmt: skip
+    """The modes that (k, 3, 4) poses lead to, each symmetric pose once, likeliest first."""
+    target, absolute = target_of(entry), not evidence.scale_known
+    done = _refined(entry, target, poses, seen, absolute, polished)
+    volume = 4.0 / 3.0 * np.pi * (0.5 * target.size) ** 3
+    scale, turn = _scales(done, seen, evidence, target, volume, noise)
+    like, off = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * scale, seen.tau * turn,
+                                target.area, target.size, volume, noise, absolute)  # fmt: skip
+    total, unlike = like @ seen.shares, log_unlike(like, off, seen.shares)
+    modes: list[Mode] = []
+    for k in np.argsort(-total, kind="stable"):
+        world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
+        if float(np.linalg.norm(world[:3, :3] @ target.center + world[:3, 3] - prior.center)) > prior.radius:
+            continue
+        covariance, log_volume = _spread_of(
+            done.information[k] / max(scale**2, 1e-12), done.poses[k], seen.points, target
+        )
+        if any(_same(entry, m.hypothesis, world, target) for m in modes):
+            continue
+        at = log_volume + _copies(entry) - np.log(prior.volume) - _ROTATIONS
+        made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
+        bound = _free(evidence, target, world, float(np.median(seen.sigma)))
+        modes.append(Mode(made, float(total[k] + at + bound), float(unlike[k] + at)))
+    return modes
+
+
+def residual(entry: Entry, world: Floats, points: Floats) -> float:
+    """[mm] mean distance of (n, 3) contacts from the surface of an object at a pose."""
+    return float(np.abs(entry.solid.signed_distance((points - world[:3, 3]) @ world[:3, :3])).mean())
+
+
+def _refined(
+    entry: Entry, target: Target, poses: Floats, seen: Felt, absolute: bool, polished: int
+) -> Aligned:
+    mesh = facets_of(entry.solid.body)
+    wider = max(1.0, 0.35 * gap(target) / float(np.median(seen.sigma)))
+    contacts = seen.points, seen.normals, seen.felt, seen.sigma, seen.tau, seen.shares
+    done = refine(np.ascontiguousarray(poses), *contacts, mesh, wider, absolute=absolute)
+    if not absolute:
+        return done
+    best = np.argsort(np.minimum(done.distances, 5 * seen.sigma).mean(axis=1), kind="stable")[:polished]
+    return refine(np.ascontiguousarray(done.poses[best]), *contacts, mesh, 1.0, 30, absolute=True)
+
+
+def _copies(entry: Entry) -> float:
+    """Logarithm of how many poses are one, but for turns about an axis, which the volume counts."""
+    if entry.symmetry.name == "D_inf":
+        return float(np.log(2.0))
+    return float(np.log(max(entry.symmetry.order, 1.0))) if np.isfinite(entry.symmetry.order) else 0.0
+
+
+def _scales(done: Aligned, seen: Felt, evidence: Evidence, target: Target, volume: float,
+            noise: NoiseConfig) -> tuple[float, float]:  # fmt: skip
+    """Factors on sigma and tau that suit the likeliest pose, where nobody told the noise."""
+    grid = np.geomspace(1 / noise.loosest, noise.loosest, 13)
+    best = (-np.inf, 1.0, 1.0)
+    for s in grid if not evidence.scale_known else (1.0,):
+        for t in grid if not evidence.normal_scale_known and seen.felt.any() else (1.0,):
+            like, _ = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * s, seen.tau * t,
+                                      target.area, target.size, volume, noise,
+                                      not evidence.scale_known)  # fmt: skip
+            best = max(best, (float((like @ seen.shares).max()), float(s), float(t)))
+    return best[1], best[2]
+
+
+def _spread_of(information: Floats, found: Floats, points: Floats, target: Target) -> tuple[Floats, float]:
+    """Covariance about the object's center, and the logarithm of the volume of pose space that it stands for."""
+    middle = found[:, :3] @ points.mean(axis=0) + found[:, 3]
+    shift = np.eye(6)
+    shift[:3, 3:] = hat(middle - target.center).T
+    about = shift.T @ information @ shift
+    bound = np.diag([(3.0 / target.size) ** 2] * 3 + [1 / _FREE_TURN**2] * 3)
+    whole = about + bound
+    return np.asarray(np.linalg.inv(whole)), float(3 * np.log(2 * np.pi) - 0.5 * np.linalg.slogdet(whole)[1])
+
+
+def _same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
+    """Whether a pose is one that is there already, up to symmetry and to what the covariance spans."""
+    near = nearest_pose(entry.symmetry, world, h.pose)
+    turn = h.pose[:3, :3].T @ near[:3, :3]
+    angle = np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))
+    shift = (near - h.pose)[:3, :3] @ target.center + (near - h.pose)[:3, 3]
+    far = np.sqrt(max(np.trace(h.covariance[:3, :3]), 1e-6))
+    wide = np.sqrt(max(np.trace(h.covariance[3:, 3:]), 1e-8))
+    return bool(angle <= max(2 * wide, 0.01) and np.linalg.norm(shift) <= max(2 * far, 0.005 * target.size))
+
+
+def _free(evidence: Evidence, target: Target, world: Floats, sigma: float) -> float:
+    """Logarithm of how well the object keeps out of the space that was swept: one outlier a sample in it."""
+    if evidence.free is None or len(evidence.free.poses) == 0:
+        return 0.0
+    inside = evidence.free.contains(target.points @ world[:3, :3].T + world[:3, 3], margin=3 * sigma + 1.0)
+    return float(_SWEPT * min(int(inside.sum()), 10))
