@@ -10,15 +10,18 @@ smoothed from both sides (Rauch, Tung and Striebel, for a random walk); every fr
 and over less of the edge where it changes: a change of c [1/mm] within a reach r moves the fit by up to c r^2 / 6.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
+import numba
 import numpy as np
 
 from exploration.control.smoothing_spline import Readings, Spline
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
+from exploration.sensing.lines.follow_line import Followed, follow_lines
 from exploration.sensing.response import Response
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import EdgeTrace
 
 LEAST = 8  # ticks of a trace
@@ -43,45 +46,86 @@ class EdgeTick:
     world_from_sensor: Floats  # (4, 4)
     force: float  # [N]
 
-    @property
+    @cached_property
     def point(self) -> Floats:
         """(3,) [mm] of the edge beside the pad's center."""
-        local = np.array([*self.edge.foot, -self.edge.plateau])
-        point: Floats = self.world_from_sensor[:3, :3] @ local + self.world_from_sensor[:3, 3]
-        return point
+        return self._placed[0]
 
     @property
     def tangent(self) -> Floats:
         """(3,) unit direction of travel."""
-        tangent: Floats = self.world_from_sensor[:3, :2] @ self.edge.direction
-        return tangent
+        return self._placed[1]
 
-    @property
-    def inward(self) -> Floats:
-        """(3,) unit direction in the face, into the material."""
-        inward: Floats = self.world_from_sensor[:3, :2] @ self.edge.inward
-        return inward
+    @cached_property
+    def _placed(self) -> tuple[Floats, Floats]:
+        found: tuple[Floats, Floats] = _placed(self.edge.parameters, self.world_from_sensor)
+        return found
 
-    @property
-    def normal(self) -> Floats:
-        """(3,) outward normal of the face."""
-        tilt = self.world_from_sensor[:3, :3] @ np.array([-self.edge.slope[0], -self.edge.slope[1], -1.0])
-        normal: Floats = tilt / np.linalg.norm(tilt)
-        return normal
+
+@dataclass(frozen=True)
+class _Ticks:
+    """Many ticks, as arrays."""
+
+    parameters: Floats  # (n, 6) of `Followed`
+    covariances: Floats  # (n, 6, 6)
+    sides: Floats  # (n,)
+    poses: Floats  # (n, 4, 4) world_from_sensor
+
+    @staticmethod
+    def of(ticks: Sequence[EdgeTick]) -> "_Ticks":
+        return _Ticks(
+            np.array([tick.edge.parameters for tick in ticks]).reshape(-1, 6),
+            np.array([tick.edge.covariance for tick in ticks]).reshape(-1, 6, 6),
+            np.array([tick.edge.side for tick in ticks], dtype=float),
+            np.array([tick.world_from_sensor for tick in ticks]).reshape(-1, 4, 4),
+        )
+
+    def __len__(self) -> int:
+        return len(self.sides)
+
+    def some(self, which: Bools) -> "_Ticks":
+        """Those that a mask says."""
+        return _Ticks(self.parameters[which], self.covariances[which], self.sides[which], self.poses[which])
+
+    @cached_property
+    def points(self) -> Floats:
+        """(n, 3) [mm] of the edge beside the pad's center."""
+        angle, offset, plateau = self.parameters[:, :3].T
+        local = np.stack([-offset * np.sin(angle), offset * np.cos(angle), -plateau], axis=1)
+        return np.asarray(np.einsum("nij,nj->ni", self.poses[:, :3, :3], local) + self.poses[:, :3, 3])
+
+    @cached_property
+    def travel(self) -> Floats:
+        """(n,) [mm] along the edge: steps along the tangent, which the noise across it does not lengthen."""
+        angle = self.parameters[:, 0]
+        along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        tangents = np.einsum("nij,nj->ni", self.poses[:, :3, :2], along)
+        middle = tangents[1:] + tangents[:-1]
+        middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+        return np.concatenate([[0.0], np.cumsum(np.sum(np.diff(self.points, axis=0) * middle, axis=1))])
+
+    @cached_property
+    def normals(self) -> Floats:
+        """(n, 3) outward normal of the face."""
+        angle, inward, along = self.parameters[:, [0, 3, 4]].T
+        ca, sa = np.cos(angle), np.sin(angle)
+        gx, gy = along * ca - self.sides * inward * sa, along * sa + self.sides * inward * ca
+        tilt = np.stack([-gx, -gy, -np.ones_like(gx)], axis=1)
+        out = np.einsum("nij,nj->ni", self.poses[:, :3, :3], tilt)
+        return np.asarray(out / np.linalg.norm(out, axis=1, keepdims=True))
 
 
 @dataclass(frozen=True)
 class _Run:
     """The spline through a run of ticks."""
 
-    travel: Floats  # (n,) [mm] of each tick
     spline: Spline  # (3) columns, [mm] over [mm]
     spread: float  # [mm] of the readings about it
     straight: bool  # whether nothing speaks for a bend
 
 
 def smoothed(
-    ticks: list[EdgeTick],
+    ticks: Sequence[EdgeTick],
     closed: bool,
     touch: int,
     stroke: int,
@@ -93,37 +137,35 @@ def smoothed(
 
     `reach` [mm] of the edge, either way, are fitted in a frame; its bend changes by `drift` [1/mm] within a mm.
     """
-    ticks = _fitted_again(ticks, response, reach, drift)
-    run = _drawn(ticks)
+    rows = _fitted_again(ticks, response, reach, drift)
+    run = _drawn(rows)
     if run is None:
         return None
-    first, last = float(run.travel.min()), float(run.travel.max())
+    travel = rows.travel
+    first, last = float(travel.min()), float(travel.max())
     at = np.linspace(first, last, max(2, int(np.ceil((last - first) / SPACING)) + 1))
     along = run.spline.at(at, 1)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
-    normals = np.array([tick.normal for tick in ticks])
-    order = np.argsort(run.travel)
-    turned = np.stack([np.interp(at, run.travel[order], column[order]) for column in normals.T], axis=1)
+    order = np.argsort(travel)
+    turned = np.stack([np.interp(at, travel[order], column[order]) for column in rows.normals.T], axis=1)
     turned -= np.sum(turned * along, axis=1, keepdims=True) * along
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-    per_point = max(1.0, len(ticks) * SPACING / max(last - first, SPACING))
+    per_point = max(1.0, len(rows) * SPACING / max(last - first, SPACING))
     sigma = np.full(len(at), run.spread / np.sqrt(per_point))
     return EdgeTrace(
         frozen(run.spline.at(at)), frozen(along), frozen(turned), frozen(sigma), closed, touch, stroke
     )
 
 
-def _drawn(ticks: list[EdgeTick]) -> _Run | None:
+def _drawn(rows: _Ticks) -> _Run | None:
     """The spline through the ticks' points."""
-    if len(ticks) < LEAST:
+    if len(rows) < LEAST:
         return None
-    points = np.array([tick.point for tick in ticks])
-    sigma = np.sqrt([tick.edge.covariance[1, 1] for tick in ticks])
-    travel = _travel(points, np.array([tick.tangent for tick in ticks]))
-    order = np.argsort(travel, kind="stable")
-    size = max(1, int(np.ceil(len(ticks) / KNOTS)))
+    order = np.argsort(rows.travel, kind="stable")
+    size = max(1, int(np.ceil(len(rows) / KNOTS)))
     s, through, weight = (
-        _grouped(v[order], size) for v in (travel, points, 1.0 / np.maximum(sigma, 0.01) ** 2)
+        _grouped(v[order], size)
+        for v in (rows.travel, rows.points, 1.0 / np.maximum(rows.covariances[:, 1, 1], 1e-4))
     )
     apart = np.concatenate([[True], np.diff(s) > STEP])
     s, through, weight = s[apart], through[apart], weight[apart] / weight[apart].mean()
@@ -132,48 +174,63 @@ def _drawn(ticks: list[EdgeTick]) -> _Run | None:
     readings = Readings(s, through, weight)
     stiffness = _stiffness(readings)
     spline = readings.smoothed(stiffness)
-    off = points - spline.at(travel)
-    return _Run(travel, spline, float(off.std(axis=0).max()), stiffness >= STIFFNESSES[-1])
+    off = rows.points - spline.at(rows.travel)
+    return _Run(spline, float(off.std(axis=0).max()), stiffness >= STIFFNESSES[-1])
 
 
-def _fitted_again(ticks: list[EdgeTick], response: Response, reach: float, drift: float) -> list[EdgeTick]:
+def _fitted_again(ticks: Sequence[EdgeTick], response: Response, reach: float, drift: float) -> _Ticks:
     """Every frame's edge once more, its bend smoothed; ticks that no longer fit drop out."""
-    if len(ticks) < LEAST:
-        return ticks
-    run = _drawn(ticks)
-    travel, bends, sigmas = _bends(ticks, drift)
+    rows = _Ticks.of(ticks)
+    if len(rows) < LEAST:
+        return rows
+    run = _drawn(rows)
+    bends, sigmas = _bends(rows.travel, rows.parameters[:, 5], rows.covariances[:, 5, 5], drift)
+    floor = BEND_SIGMA
     if run is not None and run.straight:
-        bends, sigmas = np.zeros_like(bends), np.zeros_like(sigmas)
-    floor = STRAIGHT if run is not None and run.straight else BEND_SIGMA
-    again = []
-    for tick, s, bend, sigma in zip(ticks, travel, bends, sigmas, strict=True):
-        edge = tick.edge
-        within = bends[np.abs(travel - s) < reach]
-        change = max(0.0, float(np.ptp(within)) - 2.0 * BEND_SIGMA)
-        near = min(reach, max(NEAREST, np.sqrt(6.0 * MOVED / max(change, 1e-9))))
-        near = min(near, 0.8 / max(abs(bend), 1e-6))
-        expected = Expected(
-            edge.angle, edge.offset, edge.side, bend, max(sigma, floor, change / 4.0), float(near)
-        )
-        fit = follow_line(tick.image, response, expected)
-        if fit:
-            again.append(replace(tick, edge=fit))
-    return again
+        bends, sigmas, floor = np.zeros_like(bends), np.zeros_like(sigmas), STRAIGHT
+    change = np.maximum(0.0, _range_within(bends, rows.travel, reach) - 2.0 * BEND_SIGMA)
+    near = np.clip(np.sqrt(6.0 * MOVED / np.maximum(change, 1e-9)), NEAREST, reach)
+    near = np.minimum(near, 0.8 / np.maximum(np.abs(bends), 1e-6))
+    lines = np.column_stack([rows.parameters[:, :2], rows.sides, bends])
+    sure = np.maximum(np.maximum(sigmas, floor), change / 4.0)
+    parameters, covariances, found = follow_lines([t.image for t in ticks], response, lines, sure, near)
+    return _Ticks(parameters, covariances, rows.sides, rows.poses).some(found)
 
 
-def _bends(ticks: list[EdgeTick], drift: float) -> tuple[Floats, Floats, Floats]:
-    """Travel [mm], bend and its standard deviation [1/mm] at every tick, from the ticks before and behind."""
-    points = np.array([tick.point for tick in ticks])
-    travel = _travel(points, np.array([tick.tangent for tick in ticks]))
-    steps = np.maximum(np.diff(travel), 0.0)
-    bends = [tick.edge.bend for tick in ticks]
-    variances = [float(tick.edge.covariance[5, 5]) for tick in ticks]
-    for k in range(len(ticks) - 2, -1, -1):
-        predicted = variances[k] + drift**2 * float(steps[k])
+@numba.njit(cache=True, error_model="numpy")
+def _placed(p: Floats, pose: Floats) -> tuple[Floats, Floats]:
+    """(3,) point of the edge of (6,) parameters beside the pad's center, and its direction, in the world."""
+    point, tangent = np.empty(3), np.empty(3)
+    ca, sa = np.cos(p[0]), np.sin(p[0])
+    for i in range(3):
+        point[i] = pose[i, 3] + p[1] * (pose[i, 1] * ca - pose[i, 0] * sa) - p[2] * pose[i, 2]
+        tangent[i] = pose[i, 0] * ca + pose[i, 1] * sa
+    return point, tangent
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _bends(travel: Floats, felt: Floats, variance: Floats, drift: float) -> tuple[Floats, Floats]:
+    """Bend and its standard deviation [1/mm] at every tick, from the ticks before and behind."""
+    bends, variances = felt.copy(), variance.copy()
+    for k in range(len(bends) - 2, -1, -1):
+        predicted = variances[k] + drift**2 * max(travel[k + 1] - travel[k], 0.0)
         gain = variances[k] / max(predicted, 1e-12)
         bends[k] += gain * (bends[k + 1] - bends[k])
         variances[k] += gain**2 * (variances[k + 1] - predicted)
-    return travel, np.array(bends), np.sqrt(np.maximum(variances, 0.0))
+    return bends, np.sqrt(np.maximum(variances, 0.0))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _range_within(values: Floats, travel: Floats, reach: float) -> Floats:
+    """(n,) greatest less least of the values within `reach` of each."""
+    out = np.empty(len(values))
+    for k in range(len(values)):
+        low = high = values[k]
+        for j in range(len(values)):
+            if abs(travel[j] - travel[k]) < reach:
+                low, high = min(low, values[j]), max(high, values[j])
+        out[k] = high - low
+    return out
 
 
 def _stiffness(readings: Readings) -> float:
@@ -186,13 +243,6 @@ def _stiffness(readings: Readings) -> float:
         return float(STIFFNESSES[-1])
     best = np.flatnonzero(np.array(missed) <= (1.0 + SLACK) * min(missed))
     return float(STIFFNESSES[int(best.max())])
-
-
-def _travel(points: Floats, tangents: Floats) -> Floats:
-    """(n,) [mm] along the edge: steps along the tangent, which the noise across it does not lengthen."""
-    middle = tangents[1:] + tangents[:-1]
-    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
-    return np.concatenate([[0.0], np.cumsum(np.sum(np.diff(points, axis=0) * middle, axis=1))])
 
 
 def _grouped(values: Floats, size: int) -> Floats:

@@ -19,6 +19,7 @@ whatever the delay (our derivation); `margins` computes both margins of the samp
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from primitives.arrays import Bools, Floats, frozen
@@ -27,6 +28,7 @@ PRESS_AND_LEVEL = frozen(
     np.array([False, False, True, True, True, False]), np.bool_
 )  # force z, moments x and y
 INTEGRAL = 0.1  # ki / kp^2
+PRESS = 0.5  # [mm] nominal indentation
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,11 @@ class HybridGains:
     level: float = 8.0  # [1/s] kp about x and y
     press_speed: float = 12.0  # [mm/s]
     level_speed: float = 1.5  # [rad/s]
+
+    @property
+    def all(self) -> tuple[float, float, float, float]:
+        """As the kernels take them."""
+        return self.press, self.level, self.press_speed, self.level_speed
 
     @staticmethod
     def for_delay(
@@ -69,20 +76,35 @@ def hybrid(
     `missing` [mm] is the press error; `slope` (2,) [mm/mm] of depth is felt at the pad's center; `pivot` (2,)
     [mm] is the point that levelling leaves at rest; `wish` (6,) [mm/s, rad/s] is the tracker's.
     """
-    errors = missing, -float(slope[1]), float(slope[0])
-    kps = gains.press, gains.level, gains.level
-    bounds = gains.press_speed, gains.level_speed, gains.level_speed
-    commands, integrals = [], []
-    for error, kp, bound, integral in zip(errors, kps, bounds, state.integral, strict=True):
-        command, integral = _regulated(error, integral, kp, bound, period)
-        commands.append(command)
-        integrals.append(integral)
-    law = np.array([0.0, 0.0, *commands, 0.0])
-    law[2] += law[4] * pivot[0] - law[3] * pivot[1]
-    twist = np.where(selection, law, 0.0) + np.asarray(wish, dtype=float)
-    return twist, HybridState((integrals[0], integrals[1], integrals[2]))
+    twist, integral = commanded(state.integral, missing, slope, pivot, wish, period, gains.all, selection)
+    return twist, HybridState(integral)
 
 
+@numba.njit(cache=True, error_model="numpy")
+def commanded(
+    integral: tuple[float, float, float],
+    missing: float,
+    slope: Floats,
+    pivot: Floats,
+    wish: Floats,
+    period: float,
+    gains: tuple[float, float, float, float],
+    selection: Bools,
+) -> tuple[Floats, tuple[float, float, float]]:
+    """`hybrid`, for kernels."""
+    press, level, press_speed, level_speed = gains
+    vz, z = _regulated(missing, integral[0], press, press_speed, period)
+    wx, x = _regulated(-slope[1], integral[1], level, level_speed, period)
+    wy, y = _regulated(slope[0], integral[2], level, level_speed, period)
+    twist = wish.copy()
+    law = (0.0, 0.0, vz + wy * pivot[0] - wx * pivot[1], wx, wy, 0.0)
+    for i in range(6):
+        if selection[i]:
+            twist[i] += law[i]
+    return twist, (z, x, y)
+
+
+@numba.njit(cache=True, error_model="numpy")
 def _regulated(error: float, integral: float, kp: float, bound: float, period: float) -> tuple[float, float]:
     """The bounded command, and the integral after it: unchanged where that would drive further past the bound."""
     grown = integral + error * period

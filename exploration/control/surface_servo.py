@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.control.feel import Felt
-from exploration.control.hybrid import HybridGains, HybridState, hybrid
-from exploration.control.servo import ServoGains
+from exploration.control.hybrid import PRESS, HybridGains, HybridState, hybrid
 from exploration.control.surface_reading import SurfaceReading
 from exploration.devices.guard import Guard, Observation
 from primitives.arrays import Floats
@@ -43,10 +42,10 @@ class SurfaceServo:
     def __init__(
         self,
         guard: Guard,
-        gains: ServoGains = ServoGains(),
+        press: float = PRESS,
         config: SurfaceServoConfig = SurfaceServoConfig(),
     ) -> None:
-        self.guard, self.gains, self.config = guard, gains, config
+        self.guard, self.press, self.config = guard, press, config
         self.wanted: list[float] = []  # [N] of each tick
         self.forces: list[float] = []  # [N]
         self.bend = np.zeros((2, 2))  # [1/mm] felt, followed
@@ -89,14 +88,14 @@ class SurfaceServo:
         period, config = self.guard.period, self.config
         share = max(1.0 / self._ticks, period / config.area_time)
         self._area += share * (felt.area - self._area)
-        pressure = seen.force / max(self._area, config.least_area) * self.gains.press / max(depth, 0.05)
+        pressure = seen.force / max(self._area, config.least_area) * self.press / max(depth, 0.05)
         if self._pressure == 0.0:
             self._pressure = pressure
         self._pressure += max(1.0 / self._ticks, period / config.pressure_time) * (pressure - self._pressure)
         wanted = self._pressure * max(self._area, config.least_area)
         self.wanted.append(wanted)
         self.forces.append(seen.force)
-        short = self.gains.press - depth
+        short = self.press - depth
         if abs(short) > config.wrong:
             return short
         return (wanted - seen.force) / (seen.image.stiffness * max(felt.area, config.least_area))

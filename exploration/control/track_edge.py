@@ -1,27 +1,21 @@
-"""Edge tracking: servo on one line of the tactile image, at constant force and flat on the face.
+"""Edge tracking: servo on one line of the tactile image (`edge_servo`), at constant force and flat on the face.
 
-With e the pad center's distance inside the material, a the angle between the pad's long axis and the edge, and
-kappa the edge's bend, all as they will be once the commands still on their way are done,
-
-    v = speed t + gain_e (e0 - e) inward,      w_z = gain_a a + speed kappa,
-
-keep the edge under the pad's middle and along its long side; press and level are the hybrid law's.  Tracking ends
-at a corner (the face ends ahead, or material begins outside), where the edge closes on itself, after a length, or
-where it is lost and not found again a little way back.
+Tracking ends at a corner (the face ends ahead, or material begins outside), where the edge closes on itself, after
+a length, or where it is lost and not found again a little way back.
 """
 
 from dataclasses import dataclass, field, replace
+from math import dist
 from typing import Literal
 
 import numpy as np
 
 from exploration.control.corners import CornerConfig, Meeting, agreed, meeting
 from exploration.control.dwell import dwell
+from exploration.control.edge_servo import EdgeServo, EdgeServoConfig
 from exploration.control.edge_trace import EdgeTick, smoothed
-from exploration.control.hybrid import HybridGains, HybridState, hybrid
-from exploration.control.servo import ServoGains
+from exploration.control.hybrid import PRESS
 from exploration.devices.guard import Guard, Observation
-from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
 from exploration.sensing.lines.hough import find_lines
@@ -36,17 +30,9 @@ Ended = Literal["corner", "closed", "lost", "length"]
 
 
 @dataclass(frozen=True)
-class EdgeConfig:
+class EdgeConfig(EdgeServoConfig):
     """How an edge is tracked."""
 
-    speed: float = 20.0  # [mm/s]
-    inside: float = 1.0  # [mm] of the pad's center within the material
-    gain_offset: float = 6.0  # [1/s]
-    gain_angle: float = 6.0  # [1/s]
-    turn: float = 1.6  # [rad/s] at most
-    reach: float = 10.0  # [mm] of the edge, either way, that one frame is fitted to
-    bend_drift: float = 0.02  # [1/mm] by which the bend may change within a mm
-    sharpest: float = 0.8  # [rad] of a bent edge that one frame is fitted to, either way
     corner: float = 2.5  # [mm] ahead of the center, at which an end of the face is the corner
     clear: float = 4.0  # [mm] from a corner, at which an edge is not read
     confirm: int = 3  # ticks in a row that must show the corner
@@ -61,7 +47,6 @@ class EdgeConfig:
     overlap: float = 3.0  # [mm] past its start that a closed edge is followed
     least_loop: float = 25.0  # [mm]
     misfit: float = 3.0  # times what is usual, from which a fit is not the edge
-    level_sigma: float = 0.03  # slope known worse than this levels nothing
 
 
 @dataclass(frozen=True)
@@ -93,9 +78,7 @@ class _Run:
     """What outlives a tick."""
 
     ticks: list[EdgeTick] = field(default_factory=list)
-    law: HybridState = field(default_factory=HybridState)
     travel: float = 0.0
-    wanted: list[float] = field(default_factory=list)  # [N]
     cornering: int = 0
     met: list[Meeting] = field(default_factory=list)  # corners seen, one after another
     looked: float = 0.0  # [mm] of travel when corners were last looked for
@@ -108,7 +91,7 @@ def follow_edge(
     length: float,
     touch: int,
     stroke: int,
-    gains: ServoGains = ServoGains(),
+    press: float = PRESS,
     config: EdgeConfig = EdgeConfig(),
     home: Home | None = None,
 ) -> Tracked:
@@ -117,11 +100,11 @@ def follow_edge(
     The edge is closed where it comes by `home`, or else by its own start.
     """
     response = rubber(guard.calibrations[guard.active].spread, guard.sensor.array.pitch)
-    law = HybridGains.for_delay(guard.period, guard.pending.latency)
     run, missed, retries = _Run(), 0, 0
     seen = dwell(guard, 3)
     expected = _first(seen, along, config)
-    rest = None if expected is None else 0.0 if np.cos(expected.angle) >= 0 else np.pi
+    rest = np.pi if expected is not None and np.cos(expected.angle) < 0 else 0.0
+    servo = EdgeServo(guard, press, config, rest)
     last: Followed | None = None
     corner: Meeting | None = None
     ended: Ended = "length"
@@ -136,21 +119,24 @@ def follow_edge(
                     break
                 retries, missed = retries + 1, 0
                 expected = _gone_back(guard, run, config)
+                servo.rest()
             seen = guard.hold()
             continue
         missed, last = 0, edge
-        _note(run, seen, image, edge, gains)
+        run.ticks.append(EdgeTick(edge, image, seen.world_from_sensor, seen.force))
+        run.misfit += (edge.misfit - run.misfit) / min(len(run.ticks), 100)
+        servo.want(seen, edge)
         if (why := _over(run, edge, config, home)) is not None:
             ended = why
             break
         if (corner := _breaks(run, seen, edge, config)) is not None:
             ended = "corner"
             break
-        twist = _command(run, edge, seen, guard, law, gains, config, rest or 0.0)
         before = seen.world_from_sensor
-        seen = guard.move(twist)
-        run.travel += max(0.0, float((seen.world_from_sensor[:3, 3] - before[:3, 3]) @ run.ticks[-1].tangent))
-        expected = _moved(edge, before, seen.world_from_sensor, config, guard.period)
+        seen = guard.move(servo.twist(seen, edge))
+        step = seen.world_from_sensor[:3, 3] - before[:3, 3]
+        run.travel += max(0.0, float(step @ run.ticks[-1].tangent))
+        expected = servo.expected(edge, before, seen.world_from_sensor)
     trace = smoothed(
         _clear(run.ticks, corner, config),
         ended == "closed",
@@ -160,9 +146,8 @@ def follow_edge(
         config.reach,
         config.bend_drift,
     )
-    return Tracked(
-        trace, ended, run.travel, tuple(t.force for t in run.ticks), tuple(run.wanted), last, corner
-    )
+    forces, wanted = tuple(t.force for t in run.ticks), tuple(servo.wanted)
+    return Tracked(trace, ended, run.travel, forces, wanted, last, corner)
 
 
 def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) -> list[EdgeTick]:
@@ -170,7 +155,7 @@ def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) ->
     clear = [tick for tick in ticks if min(tick.edge.ahead, tick.edge.behind) > config.clear]
     if corner is None:
         return clear
-    return [t for t in clear if float(np.linalg.norm(t.point - corner.point)) > config.bent]
+    return [t for t in clear if dist(t.point, corner.point) > config.bent]
 
 
 def _first(seen: Observation, along: Floats, config: EdgeConfig) -> Expected | None:
@@ -216,13 +201,6 @@ def expected_of(line: Line, heading: Floats, config: EdgeConfig) -> Expected:
     )
 
 
-def _note(run: _Run, seen: Observation, image: TactileImage, edge: Followed, gains: ServoGains) -> None:
-    """Take down what this tick saw, and the force that the nominal pressure makes on what is in contact."""
-    run.ticks.append(EdgeTick(edge, image, seen.world_from_sensor, seen.force))
-    run.misfit += (edge.misfit - run.misfit) / min(len(run.ticks), 100)
-    run.wanted.append(gains.press * seen.image.stiffness * edge.area)
-
-
 def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> Ended | None:
     """Whether the edge is at a corner, or has come round."""
     run.cornering = run.cornering + 1 if min(edge.ahead, edge.opens) < config.corner else 0
@@ -231,6 +209,8 @@ def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> E
     if home is None and run.travel < config.least_loop:
         return None
     start = home or Home(run.ticks[0].point, run.ticks[0].tangent)
+    if dist(run.ticks[-1].point, start.point) > config.closing + 3.0 * config.overlap:
+        return None
     gap = run.ticks[-1].point - start.point
     past = float(gap @ start.tangent)
     aside = float(np.linalg.norm(gap - past * start.tangent))
@@ -251,54 +231,10 @@ def _breaks(run: _Run, seen: Observation, edge: Followed, config: EdgeConfig) ->
     return met if agreed(run.met, config.corners) and abs(met.ahead) < config.corner else None
 
 
-def _command(
-    run: _Run,
-    edge: Followed,
-    seen: Observation,
-    guard: Guard,
-    law: HybridGains,
-    gains: ServoGains,
-    config: EdgeConfig,
-    rest: float,
-) -> Floats:
-    """The (6,) twist of this tick, aimed from where the pad will be when it is obeyed."""
-    soon = guard.pending.motion(seen.time)
-    turn = soon[:2, :2].T
-    direction, inward = turn @ edge.direction, turn @ edge.inward
-    foot = turn @ (edge.foot - soon[:2, 3])
-    slope = turn @ edge.slope + np.array([-soon[0, 2], -soon[1, 2]])
-    if edge.covariance[3, 3] > config.level_sigma**2 or edge.covariance[4, 4] > config.level_sigma**2:
-        slope = np.zeros(2)
-    press = (run.wanted[-1] - seen.force) / (seen.image.stiffness * max(edge.area, 20.0)) - soon[2, 3]
-    angle = (np.arctan2(direction[1], direction[0]) - rest + np.pi) % (2.0 * np.pi) - np.pi
-    speed = min(config.speed, 0.75 * config.turn / max(abs(edge.bend), 1e-3))
-    aside = np.clip(config.gain_offset * (config.inside + float(foot @ inward)), -speed, speed)
-    spin = config.gain_angle * angle + speed * edge.bend * edge.side
-    wish = np.zeros(6)
-    wish[:2] = speed * direction + aside * inward
-    wish[5] = np.clip(spin, -config.turn, config.turn)
-    twist, run.law = hybrid(run.law, press, slope, edge.centroid, wish, guard.period, law)
-    return twist
-
-
-def _moved(edge: Followed, before: Floats, after: Floats, config: EdgeConfig, period: float) -> Expected:
-    """The edge as the pad should see it after its move."""
-    turn = after[:3, :3].T @ before[:3, :3]
-    direction = turn[:2, :2] @ edge.direction
-    foot = (turn @ np.array([*edge.foot, 0.0]) + after[:3, :3].T @ (before[:3, 3] - after[:3, 3]))[:2]
-    angle = float(np.arctan2(direction[1], direction[0]))
-    drift = config.bend_drift * np.sqrt(config.speed * period)
-    sigma = float(np.hypot(np.sqrt(max(edge.covariance[5, 5], 0.0)), drift))
-    offset = float(foot @ np.array([-direction[1], direction[0]]))
-    reach = min(config.reach, config.sharpest / max(abs(edge.bend), 1e-6))
-    return Expected(angle, offset, edge.side, edge.bend, sigma, reach)
-
-
 def _gone_back(guard: Guard, run: _Run, config: EdgeConfig) -> Expected | None:
     """Back to where the edge was last seen well, and look for it there."""
     steps = max(1, round(config.back / (config.speed * guard.period)))
     tick = run.ticks[max(0, len(run.ticks) - 1 - steps)]
     guard.go_to(tick.world_from_sensor)
-    run.law = HybridState()
     found = _first(dwell(guard, 4), tick.tangent, config)
     return None if found is None else replace(found, bend=tick.edge.bend)

@@ -12,7 +12,7 @@ import numpy as np
 
 from exploration.control.corners import meeting
 from exploration.control.dwell import dwell
-from exploration.control.servo import ServoGains
+from exploration.control.hybrid import PRESS
 from exploration.control.track_edge import EdgeConfig, Home, Tracked, follow_edge
 from exploration.devices.guard import Guard
 from exploration.sensing.lines.hough import find_lines
@@ -45,7 +45,7 @@ def follow_outline(
     length: float,
     touch: int,
     stroke: int,
-    gains: ServoGains = ServoGains(),
+    press: float = PRESS,
     config: EdgeConfig = DEFAULT,
 ) -> TrackedOutline:
     """Track the outline under the pad, the way of the (3,) world direction `along`, up to `length` [mm]."""
@@ -54,7 +54,7 @@ def follow_outline(
     heading: Floats | None = along
     while heading is not None:
         left = length - sum(edge.travel for edge in edges)
-        edge = follow_edge(guard, heading, left, touch, stroke + len(edges), gains, config, home)
+        edge = follow_edge(guard, heading, left, touch, stroke + len(edges), press, config, home)
         edges.append(edge)
         if edge.ended != "corner" or edge.last is None:
             break

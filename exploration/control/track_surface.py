@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 
 from exploration.control.feel import FeelConfig, Felt, feel
-from exploration.control.procedures.look import look_closely
 from exploration.control.hybrid import PRESS
+from exploration.control.procedures.look import look_closely
 from exploration.control.sighting import Sighting, contact_front, reach_along, sight
 from exploration.control.stroke_ends import edge_near, leaves, rises
 from exploration.control.surface_reading import SurfaceReading, read_surface

@@ -6,12 +6,12 @@ Stroke, lie over, follow, roll over: each step is the tracker's own; the object 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from exploration.control.servo import ServoGains
+from exploration.control.hybrid import PRESS
 from exploration.control.sighting import Sighting
 from exploration.control.track_edge import EdgeConfig
 from exploration.control.track_outline import TrackedOutline, follow_outline
@@ -40,7 +40,7 @@ class TrackEdgeConfig:
 
     longest: float = 2000.0  # [mm] of an outline
     dihedrals: int = 12  # edges behind which the face is felt
-    gains: ServoGains = field(default_factory=ServoGains)
+    press: float = PRESS  # [mm]
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | N
             config.longest,
             cost.touches,
             cost.strokes,
-            config.gains,
+            config.press,
             EdgeConfig(speed=speed),
         )
     except (OverPress, Collision) as error:
@@ -139,7 +139,7 @@ def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | N
     run.announce("outline", {"ended": outline.ended, "edges": len(outline.traces)})
     if not outline:
         return EdgeTrack(why="the edge that was seen could not be followed", ended="lost")
-    press = pressed(run.pad) or config.gains.press
+    press = pressed(run.pad) or config.press
     run.pad.lie(np.empty((0, 3)))
     return _felt_behind(run, outline, edge, press, say, config)
 

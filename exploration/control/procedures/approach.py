@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from exploration.control.servo import ServoGains
+from exploration.control.hybrid import PRESS
 from exploration.devices.guard import Guard, Observation
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.load import stands_out
@@ -143,7 +143,7 @@ def soft_speed(guard: Guard, searching: bool = False, config: ApproachConfig = A
     calibration, array = guard.calibrations[guard.active], guard.sensor.array
     noise = calibration.noise / float(np.median(calibration.counts_per_depth))
     felt = np.sqrt(3.0 * config.sigmas * noise * array.pitch[0] * array.pitch[1] / np.pi / config.sharpest)
-    deepest = np.sqrt(1.0 + config.overshoot) * ServoGains().press
+    deepest = np.sqrt(1.0 + config.overshoot) * PRESS
     room = (config.search_share * guard.limits.depth if searching else deepest) - min(felt, 0.5 * deepest)
     late = guard.pending.latency + 1.5 * guard.period
     braking = guard.stage.limits.acceleration

@@ -15,8 +15,7 @@ from typing import Literal
 import numpy as np
 
 from exploration.control.feel import Felt, feel
-from exploration.control.hybrid import HybridGains
-from exploration.control.servo import ServoGains, hybrid_twist
+from exploration.control.hybrid import PRESS, HybridGains, HybridState, hybrid
 from exploration.devices.guard import Guard
 
 
@@ -46,30 +45,25 @@ class Unsettled:
         return False
 
 
-def settle(
-    guard: Guard, gains: ServoGains = ServoGains(), config: SettleConfig = SettleConfig()
-) -> Felt | Unsettled:
+def settle(guard: Guard, press: float = PRESS, config: SettleConfig = SettleConfig()) -> Felt | Unsettled:
     """Roll from any first contact to a flush one, at the nominal press."""
-    law = HybridGains.for_delay(guard.period, guard.pending.latency)
-    gains = replace(
-        gains, depth_gain=min(gains.depth_gain, law.press), tilt_gain=min(gains.tilt_gain, law.level)
-    )
-    light = replace(gains, press=config.light_press)
+    usual, law = HybridGains(), HybridGains.for_delay(guard.period, guard.pending.latency)
+    gains = replace(usual, press=min(usual.press, law.press), level=min(usual.level, law.level))
     followed, quiet, shifts = 0.0, 0, 0
     aside, slope = np.zeros(2), None
     seen = guard.hold()
     for _ in range(config.patience):
         felt = feel(seen.image)
         if not felt:
-            followed += light.press_speed * guard.period
+            followed += gains.press_speed * guard.period
             if followed > config.reach:
                 return Unsettled("contact was lost and not found again ahead")
-            seen = guard.move(np.array([0.0, 0.0, light.press_speed, 0.0, 0.0, 0.0]))
+            seen = guard.move(np.array([0.0, 0.0, gains.press_speed, 0.0, 0.0, 0.0]))
             continue
         slope = felt.slope if slope is None else slope + config.smoothing * (felt.slope - slope)
         level = float(np.hypot(*slope)) < config.slope
-        now = gains if level else light
-        quiet = quiet + 1 if level and abs(felt.depth - now.press) < config.depth else 0
+        now = press if level else config.light_press
+        quiet = quiet + 1 if level and abs(felt.depth - now) < config.depth else 0
         if quiet >= config.ticks:
             if felt.curvature[0] < config.sharp or shifts == config.shifts:
                 return felt
@@ -79,7 +73,11 @@ def settle(
         soon = guard.pending.motion(seen.time)
         tilt = np.array([-soon[0, 2], -soon[1, 2]])
         depth = felt.depth + float(soon[2, 3] + tilt @ felt.centroid)
-        seen = guard.move(hybrid_twist(depth, slope + tilt, felt.centroid, step / guard.period, gains=now))
+        wish = np.array([*(step / guard.period), 0.0, 0.0, 0.0, 0.0])
+        twist, _ = hybrid(
+            HybridState(), now - depth, slope + tilt, felt.centroid, wish, guard.period, gains
+        )  # without memory: what is rolled upon changes
+        seen = guard.move(twist)
     return Unsettled(f"no level contact within {config.patience} ticks")
 
 

@@ -9,7 +9,10 @@ Gaussian blur is, to second order), which is taken off the offset.
 What is not that edge is looked for first (`face_ends`) and left out.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from math import cos, sin
 
 import numba
 import numpy as np
@@ -19,7 +22,7 @@ from exploration.sensing.lines.bent_edge import chosen, weighed
 from exploration.sensing.lines.face_ends import face_ends
 from exploration.sensing.response import Response
 from exploration.sensing.surfaces.normal_equations import invert
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats, frozen
 
 STEPS = 8
 CLEAR = 1.5  # [response widths] kept from such ends
@@ -42,45 +45,93 @@ class Expected:
 class Followed:
     """The edge in one frame, in the direction of travel; false where it was lost."""
 
-    angle: float  # [rad]
-    offset: float  # [mm]
+    parameters: Floats  # (6,) angle [rad], offset [mm], plateau [mm], slope inward, slope along, bend [1/mm]
+    covariance: Floats  # (6, 6) of them
     side: int
-    plateau: float  # [mm] depth of the face at the edge, beside the pad's center
-    slope: Floats  # (2,) of the face's depth, in the pad's axes
-    bend: float  # [1/mm]
-    covariance: Floats  # (6, 6) of angle, offset, plateau, slope inward, slope along, bend
     misfit: float  # chi2 per degree of freedom
-    ahead: float  # [mm] from the pad's center, along the edge, to where the face ends; inf: not seen
-    behind: float  # [mm] the same, backward
-    opens: float  # [mm] ahead, to where material begins outside; inf: none
-    width: float  # [mm] from the edge to where the face ends opposite; inf: not seen
-    area: float  # [mm^2] in contact
-    centroid: Floats  # (2,) [mm] of it
+    ends: Floats  # (4,) `ahead`, `behind`, `opens`, `width`
+    contact: Floats  # (3,) `area`, `centroid`
     found: bool
 
     def __bool__(self) -> bool:
         return self.found
 
     @property
-    def direction(self) -> Floats:
-        """(2,) unit vector of travel."""
-        return np.array([np.cos(self.angle), np.sin(self.angle)])
+    def angle(self) -> float:
+        """[rad]."""
+        return float(self.parameters[0])
 
     @property
+    def offset(self) -> float:
+        """[mm] along (-sin, cos) of the angle."""
+        return float(self.parameters[1])
+
+    @property
+    def plateau(self) -> float:
+        """[mm] depth of the face at the edge, beside the pad's center."""
+        return float(self.parameters[2])
+
+    @property
+    def bend(self) -> float:
+        """[1/mm]."""
+        return float(self.parameters[5])
+
+    @property
+    def ahead(self) -> float:
+        """[mm] from the pad's center, along the edge, to where the face ends; inf: not seen."""
+        return float(self.ends[0])
+
+    @property
+    def behind(self) -> float:
+        """[mm] the same, backward."""
+        return float(self.ends[1])
+
+    @property
+    def opens(self) -> float:
+        """[mm] ahead, to where material begins outside; inf: none."""
+        return float(self.ends[2])
+
+    @property
+    def width(self) -> float:
+        """[mm] from the edge to where the face ends opposite; inf: not seen."""
+        return float(self.ends[3])
+
+    @property
+    def area(self) -> float:
+        """[mm^2] in contact."""
+        return float(self.contact[0])
+
+    @property
+    def centroid(self) -> Floats:
+        """(2,) [mm] of the contact."""
+        return self.contact[1:]
+
+    @cached_property
+    def direction(self) -> Floats:
+        """(2,) unit vector of travel."""
+        return np.array([cos(self.angle), sin(self.angle)])
+
+    @cached_property
     def inward(self) -> Floats:
         """(2,) unit vector into the material."""
-        return self.side * np.array([-np.sin(self.angle), np.cos(self.angle)])
+        return self.side * np.array([-sin(self.angle), cos(self.angle)])
+
+    @property
+    def slope(self) -> Floats:
+        """(2,) of the face's depth, in the pad's axes."""
+        out: Floats = self.parameters[3] * self.inward + self.parameters[4] * self.direction
+        return out
 
     @property
     def foot(self) -> Floats:
         """(2,) [mm] the point of the edge beside the pad's center."""
-        return self.offset * np.array([-np.sin(self.angle), np.cos(self.angle)])
+        return self.side * self.offset * self.inward
 
 
 def follow_line(image: TactileImage, response: Response, expected: Expected) -> Followed:
     """Fit the expected edge to a frame; `image` as `softened` where the skin ends near the pad."""
     px, py = image.array.pitch
-    p, covariance, chi2, count, ends, contact, found = _follow(
+    p, covariance, misfit, ends, contact, found = _follow(
         image.depth,
         image.sigma,
         px,
@@ -91,25 +142,57 @@ def follow_line(image: TactileImage, response: Response, expected: Expected) -> 
         expected.bend_sigma,
         expected.reach,
     )
-    e = np.array([np.cos(p[0]), np.sin(p[0])])
-    inward = expected.side * np.array([-e[1], e[0]])
-    return Followed(
-        angle=float(p[0]),
-        offset=float(p[1]),
-        side=expected.side,
-        plateau=float(p[2]),
-        slope=p[3] * inward + p[4] * e,
-        bend=float(p[5]),
-        covariance=covariance,
-        misfit=chi2 / max(1, count - 5),
-        ahead=float(ends[0]),
-        behind=float(ends[1]),
-        opens=float(ends[2]),
-        width=float(ends[3]),
-        area=float(contact[0]),
-        centroid=contact[1:],
-        found=found,
+    return Followed(p, covariance, expected.side, misfit, ends, contact, found)
+
+
+def follow_lines(
+    images: Sequence[TactileImage], response: Response, lines: Floats, bend_sigmas: Floats, reaches: Floats
+) -> tuple[Floats, Floats, Bools]:
+    """The same of many frames of one array: (n, 6) parameters, (n, 6, 6) covariances, and which were found.
+
+    `lines` (n, 4) are angle, offset, side and bend.
+    """
+    found: tuple[Floats, Floats, Bools] = _follow_all(
+        frozen([image.depth for image in images]),
+        frozen([image.sigma for image in images]),
+        images[0].array.pitch,
+        response.table,
+        response.variance,
+        lines,
+        bend_sigmas,
+        reaches,
     )
+    return found
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _follow_all(
+    depth: Floats,
+    sigma: Floats,
+    pitch: tuple[float, float],
+    table: Floats,
+    variance: Floats,
+    lines: Floats,
+    bend_sigmas: Floats,
+    reaches: Floats,
+) -> tuple[Floats, Floats, Bools]:
+    n = len(lines)
+    parameters, covariances = np.empty((n, 6)), np.empty((n, 6, 6))
+    found = np.zeros(n, dtype=np.bool_)
+    for k in range(n):
+        angle, offset, side, bend = lines[k]
+        parameters[k], covariances[k], _, _, _, found[k] = _follow(
+            depth[k],
+            sigma[k],
+            pitch[0],
+            pitch[1],
+            table,
+            variance,
+            (angle, offset, side, bend),
+            bend_sigmas[k],
+            reaches[k],
+        )
+    return parameters, covariances, found
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -123,7 +206,7 @@ def _follow(
     line: tuple[float, float, float, float],
     bend_sigma: float,
     reach: float,
-) -> tuple[Floats, Floats, float, int, Floats, Floats, bool]:
+) -> tuple[Floats, Floats, float, Floats, Floats, bool]:
     angle, offset, side, bend = line
     normal, rhs = np.zeros((6, 6)), np.zeros(6)
     sa, ca = np.sin(angle), np.cos(angle)
@@ -132,13 +215,13 @@ def _follow(
     covariance = np.zeros((6, 6))
     ends, contact, level = face_ends(depth, sigma, px, py, angle, offset, side, bend, width)
     if level <= 0.0:
-        return p, covariance, 0.0, 0, ends, contact, False
+        return p, covariance, 0.0, ends, contact, False
     clear = CLEAR * width
     low, high = max(-reach, -ends[1] + clear), min(reach, min(ends[0], ends[2]) - clear)
     taxels = chosen(depth, sigma, px, py, line, (low, high, max(ends[3] - clear, 0.5 * width)))
     count = len(taxels)
     if count < LEAST:
-        return p, covariance, 0.0, count, ends, contact, False
+        return p, covariance, 0.0, ends, contact, False
     p[2] = level
     prior = (bend, bend_sigma)
     chi2 = weighed(taxels, table, width, p, side, prior, normal, rhs)
@@ -149,7 +232,7 @@ def _follow(
             damped[a, a] *= 1.0 + damping
         ok, inverse = invert(damped)
         if not ok:
-            return p, covariance, chi2, count, ends, contact, False
+            return p, covariance, 0.0, ends, contact, False
         step = inverse @ rhs
         trial = p + step
         new = weighed(taxels, table, width, trial, side, prior, normal, rhs)
@@ -168,4 +251,4 @@ def _follow(
     p[1] -= side * 0.5 * p[5] * width * width
     strong = ok and p[2] > 5.0 * np.sqrt(covariance[2, 2])
     near = abs(p[0] - angle) < 0.5 and abs(p[1] - offset) < 4.0 * width
-    return p, covariance, chi2, count, ends, contact, strong and near
+    return p, covariance, chi2 / max(1, count - 5), ends, contact, strong and near

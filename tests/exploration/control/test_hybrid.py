@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from exploration.control.hybrid import HybridGains, HybridState, hybrid, margins
 
@@ -75,3 +77,24 @@ def test_the_integral_takes_away_a_steady_drift() -> None:
         twist, state = hybrid(state, 1.0 - depth, np.zeros(2), np.zeros(2), np.zeros(6), PERIOD, gains)
         depth += (float(twist[2]) - 2.0) * PERIOD
     assert abs(1.0 - depth) < 1e-3
+
+
+small = st.floats(-0.5, 0.5)
+
+
+@given(small, small, st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
+def test_tilting_lowers_the_slope_and_leaves_the_pivot_at_rest(gx, gy, cx, cy) -> None:
+    slope, pivot = np.array([gx, gy]), np.array([cx, cy])
+    (vx, vy, vz, wx, wy, _), _ = hybrid(HybridState(), 0.0, slope, pivot, np.zeros(6), PERIOD)
+    change = np.array([-wy, wx])  # of the slope, by turning the pad
+    assert change @ slope <= 0.0
+    assert abs(vz + wx * cy - wy * cx) < 1e-9
+    assert (vx, vy) == (0.0, 0.0)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
+def test_commands_stay_within_their_bounds(missing, gx, gy) -> None:
+    gains = HybridGains()
+    twist, _ = hybrid(HybridState(), missing, np.array([gx, gy]), np.zeros(2), np.zeros(6), PERIOD, gains)
+    assert abs(twist[2]) <= gains.press_speed + 1e-9
+    assert np.abs(twist[3:5]).max() <= gains.level_speed + 1e-9
