@@ -92,6 +92,9 @@ def jog(
         str, typer.Option(metavar="DX,DY,DZ", help="Move the flange so far, guarded [mm].")
     ] = "0,0,0",
     home: Annotated[bool, typer.Option("--home", help="Home the stage first ($H).")] = False,
+    unlock: Annotated[
+        bool, typer.Option("--unlock", help="Reset it and leave an alarm first ($X); then home it.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Move by hand, guarded: contact ends the motion."""
@@ -99,7 +102,7 @@ def jog(
         from recognition.config import parse_numbers
         from recognition.hardware.jog import jog as jogged
 
-        told = jogged(config, parse_numbers(by, 3, "--by", "DX,DY,DZ in mm"), home)
+        told = jogged(config, parse_numbers(by, 3, "--by", "DX,DY,DZ in mm"), home, unlock)
     if as_json:
         print_json(told)
     else:

@@ -74,6 +74,7 @@ def _by_stage(config: DeviceConfig, spec: SensorSpec, artifact: Artifact, ask: A
 def made_by(
     presses: Presses, ask: Ask, spec: SensorSpec, artifact: Artifact, mount_guess: Floats | None
 ) -> Made:
+    """Press everything, and solve; without a `mount_guess` (4, 4) the mount is left out."""
     nominal, done = Calibration.nominal(spec), {}
     ask("the pad goes high over the flat, and touches nothing")
     air = presses.air()

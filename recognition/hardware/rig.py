@@ -27,6 +27,7 @@ from recognition.hardware.saved_calibration import load
 
 _CONTACT = 0.05  # of the force limit, above which letting go begins with backing off
 _BACK = 5.0  # [mm]
+_SURE = 0.8  # of the force at which all taxels read full scale, beyond which none can be told
 _SWITCH = 0.0005  # [s] that the loop may keep the interpreter from the threads that watch over it
 
 
@@ -98,7 +99,8 @@ def open_rig(config: DeviceConfig) -> DeviceRig:
     spec = sensor_of(config)
     calibration, mount = calibration_of(config, spec)
     area = spec.array.pitch[0] * spec.array.pitch[1]
-    limits = SafetyLimits(config.limits.force_n, config.limits.reach_mm)
+    felt = _SURE * float((area * (calibration.full_scale - calibration.zero) / calibration.gain).sum())
+    limits = SafetyLimits(min(config.limits.force_n, felt), config.limits.reach_mm)
     safety = Safety(calibration, area, spec.period, limits, mount, config.clock)
     told = config.stage
     stage_limits = StageLimits(
