@@ -1,18 +1,23 @@
-"""What a suite came to: every metric of every group, over each value of each axis, with its interval."""
+"""What a suite came to: for each group its metrics under each condition, compared, and what recognition adds.
+
+A group's axes are conditions, which are never averaged over, but for the part and the seed, which repeat a trial.
+Where there are several parts they are the units of the intervals: what holds for these parts, for parts like them.
+"""
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
 
-from recognition.experiments.statistics import Estimate, median, wilson
+from recognition.experiments.pairs import compared
+from recognition.experiments.rates import AREA, against_touches, calibration, confusion, held
+from recognition.experiments.statistics import Estimate, Unit, median, share
 from recognition.experiments.suite import Group, Suite
 from recognition.experiments.trial import DONE, OUTCOMES, Row
-
-_NUMBERS = (int, float)
 
 
 def account(suite: Suite, rows: Sequence[Row], wall_seconds: float) -> dict[str, Any]:
@@ -40,28 +45,73 @@ def account(suite: Suite, rows: Sequence[Row], wall_seconds: float) -> dict[str,
 
 
 def _group(group: Group, rows: Sequence[Row]) -> dict[str, Any]:
-    """All of it, and along each axis but the seed; the trials that did not end well are counted, not averaged."""
-    axes = {
-        axis: [{"value": value, **_cell(group, [r for r in rows if r[axis] == value])} for value in values]
-        for axis, values in group.axes.items()
-        if axis != "seed"
-    }
-    return {"name": group.name, "kind": group.kind.name, **_cell(group, rows), "axes": axes}
-
-
-def _cell(group: Group, rows: Sequence[Row]) -> dict[str, Any]:
+    parts = group.axes.get("part", ())
     done = [row for row in rows if row["outcome"] == DONE]
-    metrics: dict[str, Any] = {}
+    shown = [*group.kind.shown, *([AREA] if "first_touches_right" in group.kind.metrics else [])]
+    return {
+        "name": group.name,
+        "kind": group.kind.name,
+        "about": group.kind.about,
+        "shown": list(shown),
+        "conditions": {axis: list(group.axes[axis]) for axis in group.conditions},
+        "cells": [_cell(group, condition, mine) for condition, mine in _conditions(group, rows)],
+        "parts": [
+            _cell(group, {"part": part, **condition}, [row for row in mine if row["part"] == part])
+            for condition, mine in _conditions(group, rows)
+            for part in parts
+        ],
+        "compared": compared(group, [_with_area(row) for row in done], shown),
+    }
+
+
+def _conditions(group: Group, rows: Sequence[Row]) -> list[tuple[dict[str, Any], list[Row]]]:
+    """Every point of the axes that are conditions, and its rows."""
+    points = itertools.product(*(group.axes[axis] for axis in group.conditions))
+    named = [dict(zip(group.conditions, point, strict=True)) for point in points]
+    return [
+        (point, [row for row in rows if all(row[axis] == value for axis, value in point.items())])
+        for point in named
+    ]
+
+
+def _cell(group: Group, settings: Mapping[str, Any], rows: Sequence[Row]) -> dict[str, Any]:
+    """Metrics over the trials that ended well; the others are counted, not averaged."""
+    done = [_with_area(row) for row in rows if row["outcome"] == DONE]
+    units = [group.unit(row) for row in done]
+    metrics = {}
     for name, metric in group.kind.metrics.items():
-        told = [row[name] for row in done if row.get(name) is not None]
-        found: Estimate | None = None
-        if metric.type is bool:
-            found = wilson(sum(map(bool, told)), len(told))
-        elif metric.type in _NUMBERS:
-            found = median([float(value) for value in told if isinstance(value, int | float)])
+        found = _estimate(metric.type, done, units, name)
         if found is not None:
             metrics[name] = {"of": "share" if metric.type is bool else "median", **asdict(found)}
-    finished: Mapping[str, Any] | None = None
-    if share := wilson(len(done), len(rows)):
-        finished = {"of": "share", **asdict(share)}
-    return {"trials": len(rows), "done": finished, "metrics": metrics}
+    finished = share([row["outcome"] == DONE for row in rows], [group.unit(row) for row in rows])
+    cell: dict[str, Any] = {
+        "settings": dict(settings),
+        "trials": len(rows),
+        "done": None if finished is None else {"of": "share", **asdict(finished)},
+        "metrics": metrics,
+    }
+    if "correct" in group.kind.metrics and "part" not in settings:
+        touches = against_touches(done, units)
+        if touches is not None:
+            metrics[AREA] = touches["area"]
+            cell["touch_curve"] = touches["curve"]
+        cell |= {"calibration": calibration(done, units), "confusion": confusion(done)}
+    return cell
+
+
+def _estimate(kind: type, rows: Sequence[Row], units: Sequence[Unit], name: str) -> Estimate | None:
+    told = [(row[name], unit) for row, unit in zip(rows, units, strict=True) if row.get(name) is not None]
+    mine = [unit for _, unit in told]
+    if kind is bool:
+        return share([bool(value) for value, _ in told], mine)
+    if kind in (int, float):
+        return median([float(value) for value, _ in told if isinstance(value, int | float)], mine)
+    return None
+
+
+def _with_area(row: Row) -> Row:
+    """A row with its own area under the curve of touches, where it has touches."""
+    told, most = row.get("first_touches_right"), row.get("max_touches")
+    if told is None or not isinstance(most, int) or most < 1:
+        return row
+    return {**row, AREA: sum(held(str(told), most)) / most}

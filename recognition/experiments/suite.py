@@ -28,7 +28,7 @@ from typing import Any
 from primitives.errors import PalpateError
 from recognition.experiments.kinds import KINDS, Kind
 from recognition.experiments.settings import Setting, Value, closest
-from recognition.experiments.trial import Trial
+from recognition.experiments.trial import Row, Trial
 
 _TOP = {"name": "", "about": "", "limits": "", "trials": "", "keep_runs": ""}
 _LIMITS = {
@@ -53,6 +53,15 @@ class Group:
     name: str
     kind: Kind
     axes: Mapping[str, tuple[Value, ...]]  # settings with more than one value
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """The axes that tell trials apart; the part and the seed repeat them."""
+        return tuple(axis for axis in self.axes if axis not in ("part", "seed"))
+
+    def unit(self, row: Row) -> Value:
+        """What a trial is an instance of: its part where there are several, or itself."""
+        return row["part"] if "part" in self.axes else row["trial"]
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A suite as a terminal shows it: how trials ended, and each group along its axes."""
+"""A suite as a terminal shows it: how trials ended, and each group's main metrics under each condition."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from recognition.report.suite_charts import word
+from recognition.report.tables import worded
 from recognition.report.terminal import table_text
 
-_FEW = 6  # metrics of a table, so that it fits a terminal; the page has them all
+_FEW = 5  # metrics of a table, so that it fits a terminal; the page has them all
 
 
 def suite_text(summary: Mapping[str, Any], folder: Path) -> str:
@@ -17,28 +19,31 @@ def suite_text(summary: Mapping[str, Any], folder: Path) -> str:
     lines = [f"{summary['suite']}: {summary['rows']} of {summary['trials']} trials ({outcomes})"]
     lines += [f"  {count} x {why}" for why, count in summary["reasons"].items()]
     for group in summary["groups"]:
-        axes = group["axes"] or {"": [{"value": "all", **group}]}
-        for axis, cells in axes.items():
-            lines += [
-                "",
-                f"{group['name']}{f' by {axis}' if axis else ''}",
-                table_text(_rows(cells)),
-            ]
+        lines += ["", group["name"], table_text(_rows(group["cells"], group["shown"]))]
+        for cell in group["cells"]:
+            if found := cell.get("calibration"):
+                where = ", ".join(word(value) for value in cell["settings"].values())
+                error = found["expected_calibration_error"]
+                lines.append(f"calibration{f', {where}' if where else ''}: off by {error:.3f} on average")
+    lines += ["", "95 % intervals in parentheses"]
     return "\n".join(
         [*lines, "", f"report: {folder / 'report.html'}", f"table: {folder / 'results.parquet'}"]
     )
 
 
-def _rows(cells: Sequence[Mapping[str, Any]]) -> list[dict[str, object]]:
-    names = list(dict.fromkeys(name for cell in cells for name in cell["metrics"]))[:_FEW]
-    return [
-        {"": str(cell["value"]), "trials": str(cell["trials"])}
-        | {name: _told(cell["metrics"].get(name)) for name in names}
-        for cell in cells
-    ]
+def _rows(cells: Sequence[Mapping[str, Any]], shown: Sequence[str]) -> list[dict[str, object]]:
+    names = [name for name in shown if any(name in cell["metrics"] for cell in cells)][:_FEW]
+    out = list[dict[str, object]]()
+    for cell in cells:
+        row: dict[str, object] = {worded(a).lower(): word(value) for a, value in cell["settings"].items()}
+        row["trials"] = str(cell["trials"])
+        out.append(row | {worded(name).lower(): _told(cell["metrics"].get(name)) for name in names})
+    return out
 
 
 def _told(estimate: Mapping[str, Any] | None) -> str:
     if estimate is None:
         return ""
+    if estimate["low"] is None:
+        return f"{estimate['value']:.3g}"
     return f"{estimate['value']:.3g} ({estimate['low']:.3g} to {estimate['high']:.3g})"

@@ -12,7 +12,7 @@ Row = Mapping[str, Any]
 Column = tuple[str, bool, Callable[[Row], str]]  # title, whether a number, the cell's HTML
 Json = Mapping[str, Any]
 _UNITS = {"mm": "mm", "mm2": "mm²", "mm3": "mm³", "deg": "°", "seconds": "s", "s": "s", "n": "N"}
-_NAMES = {"iou": "Overlap (IoU)"}
+_NAMES = {"iou": "Overlap (IoU)", "wall": "Time here", "device": "Device time", "frame": "Time of a frame"}
 
 
 def figure_cells(cells: Iterable[tuple[str, Any, str]]) -> str:
@@ -83,7 +83,7 @@ def _align(number: bool) -> str:
 def pairs(values: Json) -> str:
     """Names and values, one a line."""
     rows = [
-        f"<tr><td>{escape(_worded(name))}</td><td>{escape(_any(value))}</td></tr>"
+        f"<tr><td>{escape(worded(name))}</td><td>{escape(_any(value))}</td></tr>"
         for name, value in _flat(values)
     ]
     return f"<table><tbody>{''.join(rows)}</tbody></table>" if rows else ""
@@ -97,7 +97,7 @@ def _flat(values: Json, prefix: str = "") -> Iterable[tuple[str, Any]]:
             yield prefix + name, value
 
 
-def _worded(name: str) -> str:
+def worded(name: str) -> str:
     """`surface_rms_mm` as "Surface rms, mm"."""
     words = name.replace("_", " ").split()
     unit = next((word for word in words if word in _UNITS), None)
@@ -114,7 +114,7 @@ def _any(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.5g}"
     if isinstance(value, Mapping):
-        return "; ".join(f"{_worded(str(key))} {_any(item)}" for key, item in value.items())
+        return "; ".join(f"{worded(str(key))} {_any(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):
         joint = "; " if any(isinstance(item, list | tuple | np.ndarray | Mapping) for item in value) else ", "
         return joint.join(_any(item) for item in value) or "none"

@@ -239,12 +239,16 @@ class Browser:
         assert "exceptionDetails" not in result, result["exceptionDetails"]
         return result["result"].get("value")
 
-    def open(self, path, scheme="light"):
+    def open(self, path, scheme="light", ready=True):
+        """Open a page; `ready`: wait until its script says that it is."""
         self.events.clear()
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
         self.call("Page.navigate", url=Path(path).resolve().as_uri())
+        self._wait("document.documentElement?.dataset.ready" if ready else "document.readyState")
+
+    def _wait(self, told):
         end = time.monotonic() + 60
-        while self.evaluate("document.documentElement?.dataset.ready") != "yes":
+        while self.evaluate(told) not in ("yes", "complete"):
             assert time.monotonic() < end, self.complaints() or "the page does not get ready"
             time.sleep(0.05)
 
@@ -266,12 +270,17 @@ class Browser:
     def violations(self, axe):
         """What axe-core finds serious or worse; `axe` is its script."""
         self.call("Page.setBypassCSP", enabled=True)
+        self.call("Page.reload")
+        time.sleep(0.5)
+        self._wait("document.readyState")
         self.evaluate(axe + ";0")
-        return self.evaluate(
+        found = self.evaluate(
             """axe.run().then((found) => found.violations
               .filter((rule) => ["serious", "critical"].includes(rule.impact))
               .map((rule) => `${rule.id}: ${rule.nodes[0].html.slice(0, 200)}`))"""
         )
+        self.call("Page.setBypassCSP", enabled=False)
+        return found
 
     def screenshot(self, path):
         data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True)["data"]

@@ -25,6 +25,7 @@ class Kind:
     settings: Mapping[str, Setting]
     metrics: Mapping[str, Metric]
     needed: tuple[str, ...] = ()  # settings without a default
+    shown: tuple[str, ...] = ()  # the metrics that a page draws
 
     @property
     def carry(self) -> Carry:
@@ -103,6 +104,7 @@ KINDS = {
                 "extent_max_mm": Metric(float, "error of the faces' extents, greatest", "low"),
             },
             ("part",),
+            ("closed", "surface_rms_mm", "extent_max_mm", "iou", "touches"),
         ),
         Kind(
             "track",
@@ -127,6 +129,7 @@ KINDS = {
                 "shape_right": Metric(bool, "whether the surface's shape was named right", "high"),
             },
             ("part",),
+            ("lost", "track_rms_mm", "track_max_mm", "force_max_n"),
         ),
         Kind(
             "frames",
@@ -152,6 +155,7 @@ KINDS = {
                 "offset_rms_mm": Metric(float, "error of found lines, root mean square", "low"),
                 "frame_seconds": Metric(float, "time of one frame, median", "low"),
             },
+            shown=("found_share", "false_lines", "angle_rms_deg", "offset_rms_mm"),
         ),
         Kind(
             "recognize",
@@ -170,6 +174,7 @@ KINDS = {
                 "wall_seconds": _COST["wall_seconds"],
             },
             ("part",),
+            ("correct", "answer_probability", "translation_error_mm", "rotation_error_deg"),
         ),
         Kind(
             "identify",
@@ -193,6 +198,7 @@ KINDS = {
                 "first_touches_right": Metric(str, "after each touch, whether the right name led: 0 or 1"),
             },
             ("part",),
+            ("correct", "touches", "touches_to_correct", "device_seconds", "rotation_error_deg"),
         ),
     )
 }
