@@ -5,33 +5,27 @@ with the hybrid law for the rest (`surface_servo`).  The heading is fixed in the
 surface the pad follows a geodesic.  A stroke ends short of an edge, where the stage's reach ends, where the
 surface rises ahead of the pad (a concavity), where it has come round, or after its length.  Where it is asked to,
 it also ends at a wall: what meets housing or skin from the side while the pad lies on its surface as it did all
-along.  A pad that hangs on a rim meets the object's own flank instead, and is lost.  The guard has backed off by then.
+along; a pad that hangs on a rim meets the object's own flank instead, and is lost.  The guard has backed off by then.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from exploration.control.feel import FeelConfig, Felt, feel
+from exploration.control.feel import feel
 from exploration.control.hybrid import PRESS
+from exploration.control.kept_contacts import keep, touched_cells
 from exploration.control.procedures.look import look_closely
 from exploration.control.sighting import Sighting, contact_front, reach_along, sight
 from exploration.control.stroke_ends import edge_near, leaves, rises
 from exploration.control.surface_reading import SurfaceReading, read_surface
 from exploration.control.surface_servo import SurfaceServo
 from exploration.control.surface_trace import NO_TRACE, SurfaceTrace, smoothed_surface
-from exploration.devices.guard import Collision, Guard, Observation, OverPress
-from exploration.sensing.contacts import contacts_of
-from exploration.sensing.frame import TactileImage
+from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.sensing.lines.hough import find_lines
-from exploration.sensing.surfaces.domed_patch import domed_patch
-from exploration.sensing.surfaces.flat_patch import flat_patch
-from exploration.sensing.surfaces.local_surface import LocalSurface
-from exploration.sensing.touch import perceive
-from primitives import pose as se3
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Floats
 from primitives.evidence import Contacts
 
 Ended = Literal["edge", "length", "closed", "lost", "workspace", "concavity", "wall"]
@@ -59,36 +53,6 @@ class StrokeConfig:
     room: float = 2.0  # [mm] kept from the end of the stage's reach, beside what it takes to stop
     lies: float = 0.5  # share of a stroke's usual area of contact, from which the pad lies on its surface
     walls: bool = False  # whether what is met from the side ends a stroke; else it is a fault
-
-
-@dataclass(frozen=True)
-class TrustConfig:
-    """Which frames are good enough to become contacts; the rest only steer."""
-
-    misfit: float = 1.8  # chi2 per degree of freedom of a flat patch
-    curved_misfit: float = 4.0  # of a curved one
-    area: float = 15.0  # [response widths^2] in contact
-    flat_area: float = 38.0  # [response widths^2] in contact, where the surface is taken for flat
-    curvature: float = 0.4  # [1/mm] beyond which the rubber blurs too much
-    sure: float = 0.08  # of a curvature beyond `narrow`, its greatest relative deviation
-    doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
-    floor: tuple[float, float, float] = (
-        0.01,
-        0.02,
-        0.05,
-    )  # [mm] error of a frame that its noise does not show:
-    # nothing but surface is seen; an edge cuts it; an unseen edge does
-    normal_floor: tuple[float, float, float] = (0.002, 0.04, 0.04)  # [rad] the same for normals
-    curved_normal_floor: float = 0.005  # [rad] of a curved patch that no edge cuts
-    cut: float = 0.3  # of the slope at its rim, by which a small contact may be turned if unseen edges cut it
-    narrow: float = 0.1  # [1/mm] a contact this curved may be a flat strip of two or three taxels
-    narrow_floor: float = 0.06  # [mm]
-    narrow_normal_floor: float = 0.1  # [rad]
-    rims: tuple[float, ...] = (
-        3.0,
-        2.0,
-    )  # [spreads] along a contact's end, that a patch of any outline leaves out
-    border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
 
 @dataclass(frozen=True)
@@ -216,78 +180,6 @@ def follow_surface(
         heading,
         met,
     )
-
-
-def keep(
-    seen: Observation,
-    touch: int,
-    stroke: int,
-    kept: list[Contacts],
-    trust: TrustConfig = TrustConfig(),
-) -> None:
-    """Turn a frame into contacts, where it shows a smooth surface."""
-    what = perceive(seen.image)
-    surface = what.surface
-    where = (seen.world_from_sensor, touch, stroke, seen.sensor)
-    floor, normal_floor = trust.floor[0], trust.normal_floor[0]
-    if isinstance(surface, LocalSurface) and _trusted(surface, seen.image, trust):
-        found = contacts_of(what, *where)
-        if surface.curved:
-            cut = 2 if _misfit(surface) > trust.doubtful else 1 if what.lines else 0
-            floor, normal_floor = trust.floor[cut], max(trust.normal_floor[cut], trust.curved_normal_floor)
-            rim = float(np.sqrt(0.5 * max(-surface.point[2] * surface.principal[0][1], 0.0)))
-            normal_floor = max(normal_floor, trust.cut * rim)
-            if float(surface.principal[0][0]) > trust.narrow:
-                floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
-    else:
-        found = _patch(seen, where, trust)
-    if len(found):
-        sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
-        kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
-
-
-def _patch(seen: Observation, where: tuple[Floats, int, int, int], trust: TrustConfig) -> Contacts:
-    """Contacts of a face of any outline, as far inside its rim as it is wide enough for."""
-    found = Contacts.of([])
-    for rim in trust.rims:
-        felt = feel(seen.image, FeelConfig(rim=rim))
-        found = flat_patch(seen.image, felt.inner, *where) if felt else found
-        if felt and not len(found):
-            found = domed_patch(seen.image, felt.inner, *where)
-        if len(found):
-            break
-    return found
-
-
-def touched_cells(seen: Observation, felt: Felt) -> Floats:
-    """(n, 3) world points under the touched taxels."""
-    rows, columns = np.nonzero(felt.mask)
-    depth = np.maximum(seen.image.depth[rows, columns], 0.0)
-    local = np.column_stack([seen.image.array.x[columns], seen.image.array.y[rows], -depth])
-    return se3.transform_points(seen.world_from_sensor, local)
-
-
-def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> bool:
-    area = float(surface.mask.sum()) / _taxels_of_a_width(image)
-    if surface.curved:
-        most = float(np.abs(surface.principal[0]).max())
-        doubt = float(np.sqrt(surface.curvature_covariance[[0, 2], [0, 2]].max()))
-        sharp = most > trust.curvature or (most > trust.narrow and doubt > trust.sure * most)
-        px, py = image.array.pitch
-        room = np.array([image.array.x[-1] - trust.border * px, image.array.y[-1] - trust.border * py])
-        inside = bool((np.abs(surface.point[:2]) < room).all())
-        return inside and not sharp and _misfit(surface) < trust.curved_misfit and area >= trust.area
-    return _misfit(surface) < trust.misfit and area >= trust.flat_area
-
-
-def _taxels_of_a_width(image: TactileImage) -> float:
-    """How many taxels lie in the square of the width over which the skin blurs a step."""
-    px, py = image.array.pitch
-    return (image.spread**2 + (px**2 + py**2) / 24.0) / (px * py)
-
-
-def _misfit(surface: LocalSurface) -> float:
-    return surface.chi2 / max(surface.dof, 1)
 
 
 def _returned(at: Floats, start: Floats, config: StrokeConfig) -> bool:

@@ -15,12 +15,12 @@ from scipy.ndimage import uniform_filter
 from exploration.control.dwell import dwell
 from exploration.control.feel import Felt, feel
 from exploration.control.free_cells import free_cells
+from exploration.control.kept_contacts import keep
 from exploration.control.procedures.approach import ApproachConfig, advance, touched
 from exploration.control.procedures.land import LandConfig, land, strongest
 from exploration.control.procedures.settle import SettleConfig, settle
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, ends_by_curving, sight
-from exploration.control.track_surface import keep
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.planning.swept import Swept, behind_skin, over_free_taxels
 from exploration.sensing.lines.hough import find_lines

@@ -13,6 +13,7 @@ import numpy as np
 from exploration.control.dwell import dwell
 from exploration.control.feel import feel
 from exploration.control.free_cells import free_cells
+from exploration.control.kept_contacts import keep, touched_cells
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
 from exploration.control.procedures.curvature import four_direction_curvature
 from exploration.control.procedures.land import land
@@ -20,7 +21,7 @@ from exploration.control.procedures.look import look_closely
 from exploration.control.procedures.settle import SettleConfig
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
-from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface, keep, touched_cells
+from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface
 from exploration.devices.guard import Guard, Observation
 from exploration.planning.felt_free import FeltFree
 from exploration.planning.touched import Touched

@@ -5,7 +5,7 @@ The frame is read as a smooth surface and as one that its lines cut, and the lik
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import exp, sqrt
 from types import MappingProxyType
 
 import numpy as np
@@ -37,13 +37,15 @@ from exploration.sensing.surfaces.local_surface import (
 )
 from exploration.sensing.surfaces.lone_noise import unexplained
 from exploration.sensing.surfaces.order import Ordered, order_contact
-from exploration.sensing.surfaces.ridge_ends import DOUBTED, cut_at_ends
+from exploration.sensing.surfaces.ridge_ends import DOUBTED, as_flank, cut_at_ends
 from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, held, smooth_contact
 from primitives.arrays import frozen
 
 UNREADABLE = "the frame holds values that are not finite, or no living taxel"
 BLOCK, ALIKE, PLAIN = 2.6, 0.0, 0.5  # [sigma] of blocks, of neighbors and of chi2, that a plain dome leaves
 LIKELY = 0.95  # probability of a reading from which its lines are told
+STRIP = 9.0  # [chi2] that a flat strip must gain on a ridge cut at its ends, which claims less,
+ROUND = 2.0  # and chi2 per degree of freedom of that ridge, up to which a cone's flank may be felt
 UNEXPLAINED = 3.0  # [standard deviations of chi2] of misfit from which the whole outline is looked for
 
 
@@ -113,6 +115,12 @@ def _with_outline(
         )
         if stands is None:
             return _touch(image, contact, kinds, (), smooth)
+        flank = as_flank(image, smooth, outline.lines)
+        if flank is not None and flank.chi2 < max(outline.chi2 + STRIP, ROUND * flank.dof):
+            share = 1.0 / (1.0 + exp(min(0.5 * (flank.chi2 - outline.chi2), 50.0)))
+            kinds = {k: (1.0 - share) * v for k, v in kinds.items()}
+            kinds["curved"] += share
+            return _touch(image, contact, kinds, outline.lines if share < 0.5 else (), flank)
         face = _flat_face(image, contact, outline.fit)
         return _touch(image, contact, kinds, outline.lines, face, outline.arcs)
     if _explained(smooth):

@@ -1,0 +1,52 @@
+"""What frames of a pressed pad say of a surface, against the surface itself."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exploration.control.dwell import dwell
+from exploration.control.kept_contacts import keep
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.csg import Csg, Cube, Cylinder
+from models.solid import Solid
+from primitives import pose as se3
+
+DOWN = np.diag([1.0, -1.0, -1.0])
+
+
+def errors(tree: Csg, top: float, frames: int, presses: int = 12):
+    """(n,) distance of contacts from the solid [mm] and their sigma, and how many each press yielded."""
+    spec = load_sensor("lts210")
+    spec = replace(spec, electronics=replace(spec.electronics, noise=0.05))
+    solid, rng = Solid.from_csg(tree), np.random.default_rng(3)
+    off, sigma, counts = [], [], []
+    for _ in range(presses):
+        turn = se3.rotation_exp([0.0, 0.0, rng.uniform(0.0, np.pi)]) @ DOWN
+        start = se3.pose(turn, [rng.uniform(4.0, 8.0), rng.uniform(-1.0, 1.0), top - 0.5])
+        stage, arrays = simulate(solid, [spec], rng, start_pose=start)
+        kept = []
+        keep(dwell(Guard(stage, arrays, [Calibration.nominal(spec)]), frames), 1, 1, kept)
+        counts.append(sum(map(len, kept)))
+        for contacts in kept:
+            off.extend(solid.signed_distance(contacts.points))
+            sigma.extend(contacts.sigma)
+    return np.array(off), np.array(sigma), counts
+
+
+@pytest.mark.parametrize("radius", [12.0, 20.0, 30.0])
+@pytest.mark.parametrize("frames", [1, 8])
+def test_a_flank_that_ends_under_the_pad_is_not_taken_for_a_strip_below_it(radius, frames):
+    off, sigma, counts = errors(Cylinder(radius, 20.0).turned("y", np.pi / 2), radius, frames)
+    assert np.mean(np.array(counts) > 0) > 0.5
+    assert abs(off.mean()) < 0.01
+    assert np.sqrt(np.mean((off / sigma) ** 2)) < 1.5
+
+
+def test_a_strip_that_ends_under_the_pad_is_still_flat():
+    off, sigma, counts = errors(Cube((20.0, 9.0, 30.0)).at(0.0, 0.0, -15.0), 0.0, 8)
+    assert np.mean(np.array(counts) == 4) > 0.7
+    assert np.sqrt(np.mean((off / sigma) ** 2)) < 1.5
