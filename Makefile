@@ -5,7 +5,7 @@ SOURCES := $(shell find primitives models exploration recognition -name '*.py' -
 export PIP_NO_CACHE_DIR := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test bench soak lint docs clean
+.PHONY: demo test bench soak faults lint docs clean
 
 demo: $(VENV)/.kernels
 	$(BIN)/palpate explore block --out runs/demo --overwrite
@@ -19,6 +19,9 @@ bench: $(VENV)/.bench $(VENV)/.kernels
 
 soak: $(VENV)/.dev
 	$(BIN)/python tests/bench/wire_soak.py 1000000
+
+faults: $(VENV)/.dev
+	$(BIN)/python tests/bench/fault_soak.py 200
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -79,6 +79,10 @@ class WrittenClock(Clock):
         _TIME.pack_into(self._shared, 0, self._now)
         return self._now
 
+    def stand(self) -> None:
+        """Let the machine's time pass, and none here."""
+        self._seen = time.monotonic()
+
     def now(self) -> float:
         """[s] at the last tick."""
         return self._now

@@ -14,6 +14,7 @@ from exploration.devices.ports import Port
 from primitives.errors import PalpateError
 
 _BUFFER = 127  # bytes of the smallest receive buffer
+_OBEYED = 0.05  # [s] after which a line has begun to be obeyed, so that Idle means it was answered
 _LOST = 1.0  # [s] after which an answer that has not come will not
 
 
@@ -93,8 +94,12 @@ class GrblLink:
         if offset := grbl_text.work_offset(line):
             self._offset = offset
         if (report := grbl_text.status(line, self._offset)) is not None:
-            heard.reports.append(((self._asked + now) / 2 if self._asked else now, report))
+            asked = self._asked or now
+            heard.reports.append(((asked + now) / 2, report))
             self._asked = 0.0
+            if report.state == "Idle" and self._sent and asked - self._sent[-1][1] > _OBEYED:
+                self.lost += len(self._sent)
+                self._sent.clear()
         elif line == "ok" or (error := re.fullmatch(r"error:(\d+)", line)):
             if self._sent:
                 self._sent.popleft()

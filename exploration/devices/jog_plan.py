@@ -29,7 +29,7 @@ class StreamConfig:
     margin: float = 0.02  # [s] of motion that is sent ahead, beyond what the speed needs
     shortest: float = 0.008  # [s] of one jog
     stale: float = 0.15  # [s] after which a twist counts as none
-    step: float = 2.0  # [mm] or of a pad turned so far, of one jog of a straight move
+    longest: float = 0.015  # [s] of one jog of a straight move
     ask: float = 0.004  # [s] between two questions for a report
     deaf: float = 0.1  # [s] without a report, after which nothing is sent
     dumb: float = 3.0  # [s] of listening in vain, after which the stage is lost
@@ -147,7 +147,7 @@ class JogPlan:
         turn = se3.rotation_log(goal[:3, :3] @ start[:3, :3].T)
         length, angle = float(np.linalg.norm(line)), float(np.linalg.norm(turn))
         seconds = max(length / self._limits.speed, angle / self._limits.turn_speed)
-        count = max(1, int(np.ceil(max(length / self._config.step, angle / _TURN))))
+        count = max(1, int(np.ceil(max(seconds / self._config.longest, angle / _TURN))))
         way: deque[tuple[Floats, float]] = deque()
         q = self._planned
         for k in range(1, count + 1):

@@ -12,7 +12,8 @@ and less than all, and that of a run of repeats the product over them (our deriv
 the array is taken as frozen, which is silence since the last news.
 
 A limit that stops motion once it is passed is passed.  So the force is judged as it will be when the stage has
-come to rest, F + dF/dt (t + v / (2 a)) with t the time until braking begins; and toward the object the pad goes no
+come to rest by itself, F + dF/dt (t + v / (2 a)) with t the time for which motion has been sent, whoever may die
+meanwhile; and toward the object the pad goes no
 faster than it may run blind into a flat, k A (v (s + t) + v^2 / (2 a)) <= F with s the silence after which it is
 stopped (our derivation; both with the skin as a Winkler foundation of stiffness k and area A).
 """
@@ -35,8 +36,8 @@ class SafetyLimits:
 
     force: float = 60.0  # [N] over the whole pad
     reach: tuple[float, ...] = (-1e9, -1e9, -1e9, 1e9, 1e9, 1e9)  # [mm] box of the flange
-    patience: float = 0.03  # [s] past one and a half periods without a frame, until the stage is held
-    lead: float = 0.02  # [s] from a frame that shows too much until the stage brakes
+    patience: float = 0.02  # [s] past one and a half periods without a frame, until the stage is held
+    lead: float = 0.035  # [s] of motion that may still come after a frame: a tick, and what was sent ahead
     margin: float = 1.05  # of the force at a stop, that the way back may show before it is stopped, too
     chance: float = 1e-9  # of repeated frames by noise alone, below which the array is frozen
     frozen: float = 2.0  # [s] of it, after which reading on is in vain
@@ -100,6 +101,10 @@ class Safety:
         self._braking = max(0.0, min(toward, blind)) / (2.0 * acceleration)
         return np.asarray(kept)
 
+    def lost(self) -> None:
+        """The array's port has gone: no patience is owed."""
+        self._heard = -np.inf
+
     def silent(self, now: float) -> bool:
         """Whether frames have stopped, or show nothing new."""
         return now - self._heard > self._silence
@@ -109,7 +114,7 @@ class Safety:
         """Why reading on is in vain; empty while frames show news."""
         if self._repeats > np.log(self.limits.chance):
             return ""
-        seconds = self._clock.now() - self._heard
+        seconds = self._clock.now() - self._heard if np.isfinite(self._heard) else 0.0
         return "the array repeats one frame; check its power, then begin again" * (
             seconds > self.limits.frozen
         )

@@ -75,6 +75,7 @@ class SerialArray:
         self._last = self._clock.now()
         self.counts = FrameCounts()
         self.watch: Callable[[TaxelFrame], None] = lambda frame: None
+        self.gone: Callable[[], None] = lambda: None  # called when the port has gone, in the reader's thread
         self.before: Callable[[TaxelFrame], None] = lambda frame: None  # called before `read` returns a frame
         self.fault: Callable[[], str] = lambda: ""  # why reading is in vain, as others know
         self._greet()
@@ -150,6 +151,7 @@ class SerialArray:
                 try:
                     self._listen()
                 except PalpateError as error:
+                    self.gone()
                     if self._open and not self._reconnected():
                         self._fault = str(error)
                         return

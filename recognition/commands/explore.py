@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -24,6 +25,9 @@ def explore(
         str,
         typer.Option(help="closure, or to measure against: grid, random, raster.", show_default=True),
     ] = "closure",
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="With --device: list every motion before the first contact.")
+    ] = False,
     *,
     told: RunFlags,
     as_json: Json = False,
@@ -44,6 +48,9 @@ def explore(
             policy=policy,
             device=device,
         )
+    if dry_run:
+        _rehearse(device, as_json)
+        return
     with listing_parts_if_unknown(device or part):
         look_at_file(part)
         with interrupts.held():
@@ -52,8 +59,12 @@ def explore(
             from recognition.report.terminal import summary_text, watching
             from recognition.running.summary import fault_of
 
-        with watching(quiet=as_json) as watch, compiling.told(watch.say):
-            summary = run(options, watch)
+        with (
+            watching(quiet=as_json) as watch,
+            compiling.told(watch.say),
+            live.shown(told.live, watch, watch.say) as shown,
+        ):
+            summary = run(options, shown)
     if as_json:
         print_json(summary)
     else:
@@ -63,3 +74,17 @@ def explore(
             raise PalpateError(
                 f"a fault ended exploration ({fault}); {watch.folder} has what was felt before"
             )
+
+
+def _rehearse(device: str | None, as_json: bool) -> None:
+    with one_line_errors(exit_code=2):
+        if device is None:
+            raise PalpateError("--dry-run lists the motions of a stage; give its --device CONFIG")
+    with one_line_errors():
+        from recognition.hardware.rehearse import print_rehearsal, rehearsal_json, rehearsed
+
+        motions = rehearsed(Path(device))
+        if as_json:
+            print_json(rehearsal_json(Path(device), motions))
+        else:
+            print_rehearsal(motions)

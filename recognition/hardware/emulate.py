@@ -100,6 +100,7 @@ def serve(
     finally:
         say(
             f"most force {rig.most_force:.1f} N, housing hits {rig.housing_hits}, "
-            f"refused lines {len(rig.machine.violations)} {sorted(set(rig.machine.violations))}"
+            f"refused lines {len(rig.machine.violations)} {sorted(set(rig.machine.violations))}, "
+            f"waited {rig.waited:.1f} s for its driver"
         )
         rig.close()

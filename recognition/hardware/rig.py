@@ -26,7 +26,8 @@ from recognition.hardware.config import DeviceConfig, baud
 from recognition.hardware.saved_calibration import load
 
 _CONTACT = 0.05  # of the force limit, above which letting go begins with backing off
-_BACK = 5.0  # [mm]
+_BACK, _BACKING = 5.0, 4.0  # [mm], and [s] at most
+_NO_STAGE = "{}: without a table [stage] only palpate frames works; add one"
 _SURE = 0.8  # of the force at which all taxels read full scale, beyond which none can be told
 _SWITCH = 0.0005  # [s] that the loop may keep the interpreter from the threads that watch over it
 
@@ -59,7 +60,7 @@ class DeviceRig:
         mount = self.array.flange_from_sensor
         sensor = self.stage.pose() @ mount @ se3.pose(None, [0.0, 0.0, -_BACK])
         self.stage.go_to(sensor @ se3.inverse(mount))
-        until = self.clock.now() + 2.0
+        until = self.clock.now() + _BACKING
         while self.stage.moving and self.clock.now() < until:
             self.array.read()
 
@@ -92,29 +93,34 @@ def open_array(config: DeviceConfig) -> SerialArray:
     return array
 
 
+def stage_limits(config: DeviceConfig) -> StageLimits:
+    """What the stage may do."""
+    told = config.stage
+    if told is None:
+        raise PalpateError(_NO_STAGE.format(config.path))
+    turning = told.acceleration_mm_s2 / 50.0
+    return StageLimits(
+        told.speed_mm_s, told.acceleration_mm_s2, float(np.radians(told.turn_speed_deg_s)), turning
+    )
+
+
 def open_rig(config: DeviceConfig) -> DeviceRig:
     """Array and stage, listening and guarded; nothing moves."""
     if config.stage is None:
-        raise PalpateError(f"{config.path}: without a table [stage] only palpate frames works; add one")
+        raise PalpateError(_NO_STAGE.format(config.path))
     spec = sensor_of(config)
     calibration, mount = calibration_of(config, spec)
     area = spec.array.pitch[0] * spec.array.pitch[1]
     felt = _SURE * float((area * (calibration.full_scale - calibration.zero) / calibration.gain).sum())
     limits = SafetyLimits(min(config.limits.force_n, felt), config.limits.reach_mm)
     safety = Safety(calibration, area, spec.period, limits, mount, config.clock)
-    told = config.stage
-    stage_limits = StageLimits(
-        told.speed_mm_s,
-        told.acceleration_mm_s2,
-        float(np.radians(told.turn_speed_deg_s)),
-        told.acceleration_mm_s2 / 50.0,
-    )
     array = open_array(config)
-    array.watch = safety.seen
+    array.watch, array.gone = safety.seen, safety.lost
     try:
         array.read()
+        told = config.stage
         link = GrblLink(Port(told.port, told.baud), config.clock)
-        stage = GrblStage(link, told.chain, stage_limits, safety, crash_pin=told.crash_pin)
+        stage = GrblStage(link, told.chain, stage_limits(config), safety, crash_pin=told.crash_pin)
     except PalpateError:
         array.close()
         raise

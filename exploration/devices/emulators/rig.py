@@ -2,7 +2,9 @@
 
 The simulator's own array rides on a stage that the controller's planner moves.  `Faults` disturb what
 goes over the wire; what happened in the physics is kept for whoever judges.  The ports' names are links that stay
-when a cable is pulled and plugged in again.  Whoever drives the rig reads its clock (`devices.clock`).
+when a cable is pulled and plugged in again.  Whoever drives the rig reads its clock (`devices.clock`), and the rig
+waits a moment for a driver that asks no more, so that a busy machine is no fault of either; `waited` says how
+long.
 """
 
 import contextlib
@@ -10,6 +12,7 @@ import os
 import select
 import shutil
 import tempfile
+import time
 import tty
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,6 +33,8 @@ from primitives.arrays import Floats
 from primitives.surface import Surface
 
 _ROUND = 0.001  # [s] at most that a round waits for bytes
+_ASKS = 0.01  # [s] of the rig's time within which a driver that gets to run asks for a report
+_WAITS = 0.5  # [s] of the machine's time that the rig waits for it
 
 
 @dataclass
@@ -93,6 +98,9 @@ class EmulatedRig:
         self.clock = WrittenClock(self.clock_path, pace)
         self._array_end, self._array_held = _plugged(self.array_path)
         self._stage_end, self._stage_held = _plugged(self.stage_path)
+        self.waited = 0.0  # [s] of the machine's time, for the driver
+        self._asked = (0.0, -np.inf)  # when the driver was heard last, in the rig's time and the machine's
+        self._turned = time.monotonic()
         self._late: list[tuple[float, bytes]] = []
         self._frozen: TaxelFrame | None = None
 
@@ -103,20 +111,33 @@ class EmulatedRig:
 
     def turn(self) -> None:
         """One round: frames that are due, and what has come."""
-        now = self.clock.tick()
+        now = self._tick()
         due = (np.floor(self.stage._time / self._spec.period + 1e-6) + 1) * self._spec.period
         if now >= due:
             self._frame()
-        self.stage._advance(self.clock.tick())
+        self.stage._advance(self._tick())
         ends = [end for end in (self._stage_end, self._array_end) if end >= 0]
         for end in select.select(ends, [], [], _ROUND if now < due else 0.0)[0]:
             data = _read(end)
             if end == self._stage_end and data and not self.faults.deaf:
-                self.stage._advance(self.clock.tick())
+                self._asked = (self.clock.now(), time.monotonic())
+                self.stage._advance(self._tick())
                 self.machine.receive(data)
             elif end == self._array_end and data:
                 self._answer(data)
         self._send_replies(self.clock.now())
+
+    def _tick(self) -> float:
+        """The time, which stands while a driver that was there does not get to run."""
+        asked, heard = self._asked
+        real = time.monotonic()
+        if self.clock.now() - asked > _ASKS and real - heard < _WAITS and not self.faults.deaf:
+            self.waited += real - self._turned
+            self.clock.stand()
+        else:
+            self.clock.tick()
+        self._turned = real
+        return self.clock.now()
 
     def close(self) -> None:
         """Unplug both, and leave nothing behind."""
@@ -131,6 +152,7 @@ class EmulatedRig:
     def unplug_stage(self) -> None:
         """Pull the stage's cable; the controller moves on."""
         self._stage_end, self._stage_held = _pulled(self._stage_end, self._stage_held)
+        self._asked = (0.0, -np.inf)
 
     def plug_in(self) -> None:
         """Plug in again what was pulled."""

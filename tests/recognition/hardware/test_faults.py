@@ -1,0 +1,31 @@
+"""A sample of `make faults`: faults in random motions over pseudo-terminals, judged by the emulator's physics."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+BENCH = Path(__file__).parents[2] / "bench"
+SAMPLE = (
+    "unplugged array",
+    "stalled array",
+    "wrong baud",
+    "deaf stage",
+    "alarm",
+    "reset in motion",
+    "Ctrl-C",
+    "byte errors",
+    "garbled answers",
+    "dropped ok",
+)
+
+
+@pytest.mark.slow
+def test_faults_cost_neither_the_force_limit_nor_the_recording_and_can_be_mended(monkeypatch):
+    monkeypatch.syspath_prepend(str(BENCH))
+    from devices.fault_trial import trial
+
+    with ThreadPoolExecutor(5) as several:  # each mostly waits for its rig's clock
+        told = list(several.map(trial, SAMPLE, range(len(SAMPLE))))
+    wrong = {t.kind: [name for name in t.wrong if not name.endswith("late")] for t in told}
+    assert not any(wrong.values()), wrong
