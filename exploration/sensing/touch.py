@@ -84,7 +84,7 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
     if verdict != NO_EDGE:
         if not _explained(smooth):
             return _with_outline(image, max_lines, contact, dome, ordered, smooth, ())
-        if not _plain(dome):
+        if not _plain(image, dome):
             readings = rivals(image, ordered)
         seen = any(reading.kind == "ridge" for reading in readings)
         wall = None if seen else as_wall(image, ordered)
@@ -186,9 +186,9 @@ def _explained(surface: LocalSurface, deviations: float = UNEXPLAINED) -> bool:
     return surface.chi2 < surface.dof + deviations * sqrt(2 * surface.dof)
 
 
-def _plain(dome: Footprint) -> bool:
+def _plain(image: TactileImage, dome: Footprint) -> bool:
     """Whether a dome leaves nothing but noise, as not one edge or corner in ten would: no rival need be fitted."""
-    greatest, alike = unexplained(dome.residual)
+    greatest, alike = unexplained(dome.residual, image.sigma)
     return greatest < BLOCK and alike < ALIKE and dome.chi2 < dome.dof + PLAIN * sqrt(2 * dome.dof)
 
 

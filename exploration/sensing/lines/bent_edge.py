@@ -11,8 +11,8 @@ the line, and d = s (u - rho), the distance from a circle of curvature kappa is
 import numba
 import numpy as np
 
-from exploration.sensing.lines.line_fit import HUBER
 from exploration.sensing.response import look_up
+from exploration.sensing.surfaces.normal_equations import HUBER
 from primitives.arrays import Floats
 
 

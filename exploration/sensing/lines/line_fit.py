@@ -22,11 +22,10 @@ from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.response import Response, look_up
-from exploration.sensing.surfaces.normal_equations import invert
+from exploration.sensing.surfaces.normal_equations import HUBER, invert
 from primitives.arrays import Floats, frozen
 
 ENOUGH_SKIN = 2.8  # [blurs] past the outer taxels, for the skin to count as endless
-HUBER = 3.0  # [sigma]
 STEPS = 12
 DONE = 0.1  # [sigma] steps of angle and offset smaller than this end the iteration
 

@@ -1,8 +1,8 @@
 """Gauss-Newton on the closed form of an outline: lines, discs and the face's plane at once.
 
-Levenberg's damping; residuals beyond `HUBER` sigma weigh less, for taxels that died without telling.  The
-covariance is the inverse of the weighted normal matrix.  The slope of the face has a weak prior: a pad tilted by
-more would stand on its housing, and a face smaller than the blur does not show its slope.
+Levenberg's damping; the covariance is the inverse of the weighted normal matrix.  The slope of the face has a
+weak prior: a pad tilted by more would stand on its housing, and a face smaller than the blur does not show its
+slope.
 """
 
 from dataclasses import dataclass
@@ -17,10 +17,10 @@ from exploration.sensing.lines.arc import LONGEST
 from exploration.sensing.lines.region import Region
 from exploration.sensing.lines.region_model import evaluate
 from exploration.sensing.response import Response
-from exploration.sensing.surfaces.normal_equations import invert
+from exploration.sensing.surfaces.lone_noise import greatest_block
+from exploration.sensing.surfaces.normal_equations import expect, gather, invert
 from primitives.arrays import Floats
 
-HUBER = 3.0  # [sigma]
 SLOPE = 0.1  # [rad] standard deviation of the prior
 STEPS = 25
 HOPE = 5.0  # times what a step promises, that all further steps together may gain, once
@@ -88,44 +88,14 @@ def unexplained(image: TactileImage, response: Response, fit: RegionFit) -> Floa
     return np.where(np.isfinite(image.sigma), image.depth - model[0], 0.0)
 
 
-@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
-def _normal_equations(
-    depth: Floats, sigma: Floats, p: Floats, model: Floats, normal: Floats, rhs: Floats
+@numba.njit(cache=True, error_model="numpy")
+def _weighed(
+    depth: Floats, sigma: Floats, p: Floats, model: Floats, normal: Floats, rhs: Floats, residual: Floats
 ) -> tuple[float, int]:
-    m = len(p)
-    normal[:] = 0.0
-    rhs[:] = 0.0
-    chi2 = 0.0
-    count = 0
-    jacobian = np.empty(m)
-    for i in range(depth.shape[0]):
-        for j in range(depth.shape[1]):
-            if sigma[i, j] == np.inf:
-                continue
-            scale = 1.0 / sigma[i, j]
-            r = (depth[i, j] - model[0, i, j]) * scale
-            count += 1
-            size = abs(r)
-            weight = 1.0
-            if size > HUBER:
-                chi2 += HUBER * (2.0 * size - HUBER)
-                weight = HUBER / size
-            else:
-                chi2 += r * r
-            for a in range(m):
-                jacobian[a] = model[1 + a, i, j] * scale
-            for a in range(m):
-                weighted = jacobian[a] * weight
-                rhs[a] += weighted * r
-                for b in range(a + 1):
-                    normal[a, b] += weighted * jacobian[b]
+    """Normal equations of the taxels and of what is expected of the slope."""
+    chi2, count = gather(depth, sigma, model, normal, rhs, residual)
     for a in range(1, 3):
-        chi2 += (p[a] / SLOPE) ** 2
-        rhs[a] -= p[a] / SLOPE**2
-        normal[a, a] += 1.0 / SLOPE**2
-    for a in range(m):
-        for b in range(a):
-            normal[b, a] = normal[a, b]
+        chi2 += expect(p[a], SLOPE, a, normal, rhs)
     return chi2, count
 
 
@@ -149,11 +119,11 @@ def _fit(
     p = np.zeros(m)
     p[3:] = shape
     model = np.zeros((1 + m, len(y), len(x)))
-    normal, rhs = np.zeros((m, m)), np.zeros(m)
+    normal, rhs, residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
     new_normal, new_rhs = np.zeros((m, m)), np.zeros(m)
     covariance = np.zeros((m, m))
     evaluate(x, y, variance, p, sides, terms, signs, model)
-    chi2, count = _normal_equations(depth, sigma, p, model, normal, rhs)
+    chi2, count = _weighed(depth, sigma, p, model, normal, rhs, residual)
     ok, inverse = invert(normal[:3, :3].copy())
     if not ok:
         return p, covariance, chi2, count, False, np.inf
@@ -161,7 +131,7 @@ def _fit(
     if steps == 0:
         return p, covariance, chi2 - rhs[:3] @ inverse @ rhs[:3], count, False, np.inf
     evaluate(x, y, variance, p, sides, terms, signs, model)
-    chi2, count = _normal_equations(depth, sigma, p, model, normal, rhs)
+    chi2, count = _weighed(depth, sigma, p, model, normal, rhs, residual)
     damping = 1e-3
     converged = False
     current = True
@@ -191,7 +161,7 @@ def _fit(
                 break
             continue
         evaluate(x, y, variance, trial, sides, terms, signs, model)
-        new, count = _normal_equations(depth, sigma, trial, model, new_normal, new_rhs)
+        new, count = _weighed(depth, sigma, trial, model, new_normal, new_rhs, residual)
         current = new < chi2
         if current:
             gained = chi2 - new
@@ -215,22 +185,5 @@ def _fit(
         ok = ok and covariance[k, k] < TURN * TURN  # else it has left the pad
     if not current:
         evaluate(x, y, variance, p, sides, terms, signs, model)
-    return p, covariance, chi2, count, converged and ok, _structure(depth, sigma, model[0])
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _structure(depth: Floats, sigma: Floats, model: Floats) -> float:
-    """The largest sum of residuals over 3 x 3 taxels, in its standard deviations."""
-    rows, columns = depth.shape
-    greatest = 0.0
-    for i in range(rows):
-        for j in range(columns):
-            total = 0.0
-            count = 0
-            for a in range(max(0, i - 1), min(rows, i + 2)):
-                for b in range(max(0, j - 1), min(columns, j + 2)):
-                    if sigma[a, b] != np.inf:
-                        total += (depth[a, b] - model[a, b]) / sigma[a, b]
-                        count += 1
-            greatest = max(greatest, abs(total) / np.sqrt(max(1, count)))
-    return float(greatest)
+        _weighed(depth, sigma, p, model, new_normal, new_rhs, residual)
+    return p, covariance, chi2, count, converged and ok, greatest_block(residual, sigma)

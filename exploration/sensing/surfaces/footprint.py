@@ -16,11 +16,10 @@ import numba
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.surfaces.normal_equations import invert
+from exploration.sensing.surfaces.normal_equations import expect, gather, invert
 from exploration.sensing.surfaces.pressed_field import fields_of, geometry, to_taxels
 from primitives.arrays import Floats, Ints, frozen
 
-HUBER = 3.0  # [sigma]
 CURVATURE = 0.3  # [1/mm] standard deviation of the prior: sharper than most that a pad can read
 STEPS = 30
 FINE = 0.03  # [deepest taxel] noise below which the model's own error at edges would show: half as wide cells
@@ -82,8 +81,8 @@ def _unknowns(shape: str, count: int, free_lines: bool) -> Ints:
     return frozen(np.concatenate([np.array(first), lines]), np.int64)
 
 
-@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
-def _normal_equations(
+@numba.njit(cache=True, error_model="numpy")
+def _weighed(
     depth: Floats,
     sigma: Floats,
     p: Floats,
@@ -93,45 +92,16 @@ def _normal_equations(
     rhs: Floats,
     residual: Floats,
 ) -> tuple[float, int]:
-    rows, columns = depth.shape
-    m = len(rhs)
-    normal[:] = 0.0
-    rhs[:] = 0.0
-    chi2 = 0.0
-    count = 0
-    jacobian = np.empty(m)
-    for i in range(rows):
-        for j in range(columns):
-            residual[i, j] = 0.0
-            if sigma[i, j] == np.inf:
-                continue
-            r = (depth[i, j] - model[0, i, j]) / sigma[i, j]
-            residual[i, j] = r
-            count += 1
-            size = abs(r)
-            weight = 1.0
-            if size > HUBER:
-                chi2 += HUBER * (2.0 * size - HUBER)
-                weight = HUBER / size
-            else:
-                chi2 += r * r
-            jacobian[:] = 0.0
-            for k in range(len(unknown)):
-                if unknown[k] >= 0:
-                    jacobian[unknown[k]] += model[1 + k, i, j] / sigma[i, j]
-            for a in range(m):
-                rhs[a] += jacobian[a] * r * weight
-                for b in range(a + 1):
-                    normal[a, b] += jacobian[a] * jacobian[b] * weight
+    """Normal equations of the taxels and of what is expected of curvature, in the unknowns."""
+    own = np.zeros((1 + len(rhs), depth.shape[0], depth.shape[1]))
+    own[0] = model[0]
+    for k in range(len(unknown)):
+        if unknown[k] >= 0:
+            own[1 + unknown[k]] += model[1 + k]
+    chi2, count = gather(depth, sigma, own, normal, rhs, residual)
     for k in range(3, 6):
-        a = unknown[k]
-        if a >= 0:
-            chi2 += (p[k] / CURVATURE) ** 2
-            rhs[a] -= p[k] / CURVATURE**2
-            normal[a, a] += 1.0 / CURVATURE**2
-    for a in range(m):
-        for b in range(a):
-            normal[b, a] = normal[a, b]
+        if unknown[k] >= 0:
+            chi2 += expect(p[k], CURVATURE, unknown[k], normal, rhs)
     return chi2, count
 
 
@@ -159,7 +129,7 @@ def _fit(
     p = start.copy()
     fields_of(x, y, p, sides, union, fields)
     to_taxels(fields, p, to_columns, to_rows, unknown, model)
-    chi2, count = _normal_equations(depth, sigma, p, model, unknown, normal, rhs, residual)
+    chi2, count = _weighed(depth, sigma, p, model, unknown, normal, rhs, residual)
     damping = 1e-3
     converged = False
     for _ in range(steps):
@@ -181,9 +151,7 @@ def _fit(
                 trial[k] += step[unknown[k]]
         fields_of(x, y, trial, sides, union, fields)
         to_taxels(fields, trial, to_columns, to_rows, unknown, model)
-        new, count = _normal_equations(
-            depth, sigma, trial, model, unknown, trial_normal, trial_rhs, trial_residual
-        )
+        new, count = _weighed(depth, sigma, trial, model, unknown, trial_normal, trial_rhs, trial_residual)
         if new < chi2:
             gained = chi2 - new
             p = trial

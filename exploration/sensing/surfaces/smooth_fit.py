@@ -15,7 +15,8 @@ import numpy as np
 from exploration.sensing.contact_mask import repaired, touched, usable
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.response import rubber
-from exploration.sensing.surfaces.footprint import CURVATURE, HUBER, Footprint
+from exploration.sensing.surfaces.footprint import CURVATURE, Footprint
+from exploration.sensing.surfaces.normal_equations import HUBER
 from exploration.sensing.surfaces.pressed_field import geometry
 from exploration.sensing.surfaces.smooth_shapes import DOME, PLANE, UNKNOWNS, nearest
 from exploration.sensing.surfaces.smooth_starts import mean_depth, round_start, start_dome

@@ -8,8 +8,8 @@ the bend to a circle changes in it is second order, and leaves the estimate with
 import numba
 import numpy as np
 
-from exploration.sensing.surfaces.footprint import CURVATURE, GAINED, HUBER
-from exploration.sensing.surfaces.normal_equations import invert
+from exploration.sensing.surfaces.footprint import CURVATURE, GAINED
+from exploration.sensing.surfaces.normal_equations import HUBER, invert
 from exploration.sensing.surfaces.pressed_field import fields_of, to_taxels
 from exploration.sensing.surfaces.smooth_shapes import moved, tangents
 from primitives.arrays import Floats
