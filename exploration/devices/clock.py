@@ -13,7 +13,7 @@ from pathlib import Path
 from primitives.errors import PalpateError
 
 _TIME = struct.Struct("<d")
-_DEAD = 3.0  # [s] of the machine's time without a tick, after which the emulator has ended
+_DEAD = 15.0  # [s] of the machine's time without a tick, after which the emulator has ended
 
 
 class Clock:

@@ -43,7 +43,8 @@ class ArrayConfig:
 class StageConfig:
     """`[stage]`."""
 
-    port: str
+    port: str = ""
+    driver: str = ""  # FILE.py:CLASS of a stage of one's own; empty: a Grbl controller
     baud: int = 115200
     axes: str | tuple[Mapping[str, Any], ...] = "XYZABC"  # a gantry's letters, or one table an axis
     speed_mm_s: float = 60.0
@@ -105,6 +106,10 @@ def load_device(path: Path) -> DeviceConfig:
     if array.protocol not in PROTOCOLS:
         raise PalpateError(f"{path}: no protocol {array.protocol!r}; there are {', '.join(PROTOCOLS)}")
     stage = _build(StageConfig, table["stage"], path, "stage") if "stage" in table else None
+    if stage is not None and not (stage.port or stage.driver):
+        raise PalpateError(
+            f"{path} [stage]: give the port of a Grbl controller, or the driver of another stage"
+        )
     limits = _build(LimitConfig, table.get("limits", {}), path, "limits")
     for name in ("reach_mm", "workspace_mm"):
         box = getattr(limits, name)

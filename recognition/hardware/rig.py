@@ -17,12 +17,14 @@ from exploration.devices.ports import Port
 from exploration.devices.protocols import StageLimits
 from exploration.devices.safety import Safety, SafetyLimits
 from exploration.devices.serial_array import SerialArray
+from exploration.devices.watched_stage import WatchedStage
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import SensorSpec, load_sensor
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
-from recognition.hardware.config import DeviceConfig, baud
+from recognition.hardware.config import DeviceConfig, StageConfig, baud
+from recognition.hardware.driver import driven
 from recognition.hardware.saved_calibration import load
 
 _CONTACT = 0.05  # of the force limit, above which letting go begins with backing off
@@ -37,7 +39,7 @@ class DeviceRig:
     """What a run drives; `close` whatever happened."""
 
     array: SerialArray
-    stage: GrblStage
+    stage: GrblStage | WatchedStage
     safety: Safety
     calibration: Calibration
     clock: Clock
@@ -104,6 +106,14 @@ def stage_limits(config: DeviceConfig) -> StageLimits:
     )
 
 
+def _stage(config: DeviceConfig, told: StageConfig, safety: Safety) -> GrblStage | WatchedStage:
+    """On a Grbl controller, or with a driver of one's own."""
+    if told.driver:
+        return WatchedStage(driven(config.path, told), safety, config.clock)
+    link = GrblLink(Port(told.port, told.baud), config.clock)
+    return GrblStage(link, told.chain, stage_limits(config), safety, crash_pin=told.crash_pin)
+
+
 def open_rig(config: DeviceConfig) -> DeviceRig:
     """Array and stage, listening and guarded; nothing moves."""
     if config.stage is None:
@@ -118,9 +128,7 @@ def open_rig(config: DeviceConfig) -> DeviceRig:
     array.watch, array.gone = safety.seen, safety.lost
     try:
         array.read()
-        told = config.stage
-        link = GrblLink(Port(told.port, told.baud), config.clock)
-        stage = GrblStage(link, told.chain, stage_limits(config), safety, crash_pin=told.crash_pin)
+        stage = _stage(config, config.stage, safety)
     except PalpateError:
         array.close()
         raise

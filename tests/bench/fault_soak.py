@@ -6,6 +6,7 @@ python tests/bench/fault_soak.py [COUNT] [PACE] [FIRST]
 import sys
 import time
 from collections import defaultdict
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from devices.fault_trial import KINDS, trial
@@ -13,16 +14,15 @@ from devices.fault_trial import KINDS, trial
 
 def main(count: int, pace: float, first: int) -> int:
     began, failed, by_kind = time.perf_counter(), 0, defaultdict(list)
-    for seed in range(first, first + count):
-        kind = list(KINDS)[seed % len(KINDS)]
-        told = trial(kind, seed, pace)
-        by_kind[kind].append(told)
-        failed += bool(told.wrong)
-        if told.wrong:
-            print(
-                f"{seed} {kind} in {told.motion} at {told.speed:.0f} mm/s: {'; '.join(told.wrong)}",
-                flush=True,
-            )
+    seeds = range(first, first + count)
+    kinds = [list(KINDS)[seed % len(KINDS)] for seed in seeds]
+    with ThreadPoolExecutor(4) as several:
+        for seed, told in zip(seeds, several.map(trial, kinds, seeds, [pace] * count), strict=True):
+            by_kind[told.kind].append(told)
+            failed += bool(told.wrong)
+            if told.wrong:
+                where = f"{seed} {told.kind} in {told.motion} at {told.speed:.0f} mm/s"
+                print(f"{where}: {'; '.join(told.wrong)}", flush=True)
     for kind, told in by_kind.items():
         late = np.array([1e3 * t.stopped for t in told])
         force = max(t.most_force for t in told)
