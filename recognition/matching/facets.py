@@ -25,7 +25,7 @@ from primitives.arrays import Floats, Ints
 
 CREASE = np.deg2rad(30.0)  # [rad] a fold sharper than this is an edge of the object, not of its facets
 _STACK = 64
-TILTED = 0.03  # share of contacts on the surface whose normal is not the surface's: pads that lay on an edge
+TILTED = 0.01  # share of contacts on the surface whose normal is not the surface's: pads that lay on an edge
 
 
 class Facets(NamedTuple):

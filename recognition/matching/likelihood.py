@@ -37,7 +37,7 @@ _NODES = 12  # of the integral over the share that is off
 class NoiseConfig:
     """The parts of the mixtures."""
 
-    outliers: float = 0.01  # share of contacts that say nothing of the object
+    outliers: float = 0.002  # share of contacts that say nothing of the object
     broad: float = 0.06  # times the object's size [mm]: how far an unknown object's surface is off
     loosest: float = 8.0  # up to which factor noise that nobody told may be more or less
 

@@ -29,6 +29,8 @@ from recognition.matching.modes import Felt, Mode, modes_of, residual
 from recognition.matching.shortlist import shortlist
 from recognition.matching.target import Target, target_of
 
+_ALIKE = 0.9  # share of unknown objects that are somewhat like one of the library
+
 
 @dataclass(frozen=True)
 class MatchConfig:
@@ -132,8 +134,9 @@ def _weighed(modes: list[Mode], library: Mapping[str, Entry], evidence: Evidence
         name = m.hypothesis.name
         log_names[name] = float(np.logaddexp(log_names[name], each + m.log_known))
     if unknown > 0:
-        like = [np.log(unknown / 2 / len(library)) + m.log_unknown for m in modes]
-        log_names[UNKNOWN] = float(logsumexp([*like, np.log(unknown / 2) + _scattered(evidence, prior)]))
+        alike = np.log(unknown * _ALIKE / len(library))
+        scattered = np.log(unknown * (1.0 - _ALIKE)) + _scattered(evidence, prior)
+        log_names[UNKNOWN] = float(logsumexp([*(alike + m.log_unknown for m in modes), scattered]))
     total = float(logsumexp(list(log_names.values())))
     if not np.isfinite(total):
         raise PalpateError(_nowhere(evidence, prior))
