@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 
@@ -27,6 +28,7 @@ from recognition.assembly import NotClosed
 from recognition.assembly.described import written_tree
 from recognition.config import ExploreOptions, settings, to_toml
 from recognition.console import bugs, interrupts
+from recognition.live import so_far
 from recognition.reconstruct import Reconstruction, reconstruct
 from recognition.report.against import drawn_truth, off_truth
 from recognition.report.felt import felt_faces
@@ -118,7 +120,8 @@ def _explored(
     found, patience = explorer.found, Patience()
     try:
         for findings in explorer.run():
-            progress(_stand("exploring", guard, findings))
+            stand = _stand("exploring", guard, findings)
+            progress(replace(stand, page=lambda: so_far.explored(found, world, logbook.frames())))
             known = len(findings.graph.faces) + len(findings.traces)
             thinking = not findings.hollow and options.policy == "closure"
             if thinking and patience.lost(guard.cost.touches, known, findings.open):

@@ -28,6 +28,8 @@ def explore(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="With --device: list every motion before the first contact.")
     ] = False,
+    live: flags.Live = False,
+    live_at: flags.LiveAt = None,
     *,
     told: RunFlags,
     as_json: Json = False,
@@ -56,13 +58,14 @@ def explore(
         with interrupts.held():
             from recognition.console import compiling
             from recognition.explore import run
+            from recognition.live.view import shown as live_view
             from recognition.report.terminal import summary_text, watching
             from recognition.running.summary import fault_of
 
         with (
             watching(quiet=as_json) as watch,
             compiling.told(watch.say),
-            live.shown(told.live, watch, watch.say) as shown,
+            live_view(live_at or ("" if live else None), watch, watch.say) as shown,
         ):
             summary = run(options, shown)
     if as_json:

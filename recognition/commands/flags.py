@@ -34,4 +34,11 @@ Device = Annotated[
     str | None,
     typer.Option(metavar="CONFIG.toml", help="On hardware, in PART's place.", show_default=False),
 ]
+Live = Annotated[bool, typer.Option("--live", help="Watch it in the browser while it goes on.")]
+LiveAt = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HOST:PORT", help="Where --live is served.", show_default="127.0.0.1, any free port"
+    ),
+]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the run in --out.")]

@@ -27,6 +27,8 @@ def identify(
     ] = "information",
     confidence: Annotated[float, typer.Option(help="Probability at which to stop.")] = 0.95,
     max_touches: Annotated[int, typer.Option(help="Touches after which it stops, sure or not.")] = 40,
+    live: flags.Live = False,
+    live_at: flags.LiveAt = None,
     *,
     told: RunFlags,
     as_json: Json = False,
@@ -54,10 +56,14 @@ def identify(
             from recognition.console import compiling
             from recognition.identifying.run import run
             from recognition.identifying.text import TouchView, summary_text
+            from recognition.live.view import shown as live_view
 
         view = TouchView(quiet=as_json)
-        with compiling.told(view.say):
-            summary = run(options, told=view.told, watch=view.touched)
+        with (
+            compiling.told(view.say),
+            live_view(live_at or ("" if live else None), view.told, view.say) as watch,
+        ):
+            summary = run(options, told=watch, watch=view.touched)
     if as_json:
         print_json(summary)
     else:

@@ -19,6 +19,7 @@ from recognition.config import settings
 from recognition.identifying.answer import candidates_json, truth_json, why_json
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step, require_objects, top
 from recognition.identifying.options import IdentifyOptions
+from recognition.live import so_far
 from recognition.matching.next_touch.choose import Choice, choose
 from recognition.report.against import drawn_truth, off_truth
 from recognition.report.page import write_report
@@ -47,10 +48,18 @@ def run(
         rng = np.random.default_rng([options.seed, 1])
         identifier = Identifier(felt.guard, known, felt.world.box.ravel(), config, rng, felt.announce)
         identifier.warnings = felt.warnings
-        history = []
+        history: list[dict[str, Any]] = []
+
+        def page() -> RunReport:
+            felt_by_now = (identifier.evidence.contacts, identifier.evidence.traces)
+            return so_far.identified(
+                history, felt_by_now, world, felt.logbook.frames(), _model(identifier, known)
+            )
+
         for step in identifier.run():
             history.append(_entry(step))
             watch(step, identifier)
+            told(Progress("identifying", step.touch.touch, note=step.touch.note, page=page))
         for trace in identifier.evidence.traces:
             felt.logbook.announce_trace(trace)
         felt.announce("ended", {"why": identifier.ended})

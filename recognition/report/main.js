@@ -8,7 +8,7 @@ function plain(value, digits) {
 
 function start() {
   const element = (id) => document.getElementById(id);
-  const data = unpack(JSON.parse(element("data").textContent)), { frames } = data;
+  let data = unpack(JSON.parse(element("data").textContent)), { frames } = data;
   const slider = element("moment"), play = element("play"), speed = element("speed");
   let theme = makeTheme(data), moment = 0, playing = 0;
   const scene = new Scene(element("view"), data, theme, drawCompass);
@@ -31,6 +31,24 @@ function start() {
       showBelief(element("names"), data, moment, theme);
     }
     slider.setAttribute("aria-valuetext", `${(frames.times[moment] - frames.times[0]).toFixed(2)} seconds`);
+  }
+
+  function measure() {
+    for (const place of document.querySelectorAll("[data-belief]")) place.hidden = !data.belief;
+    slider.max = Math.max(0, frames.count - 1);
+    for (const id of ["moment", "play", "speed"]) element(id).disabled = !frames.count;
+  }
+
+  // A run that goes on has felt more; whoever looks at its last moment goes on with it.
+  function adopt(next) {
+    const follows = !playing && moment >= frames.count - 1;
+    [data, frames] = [next, next.frames];
+    scene.data = data;
+    if (!scene.moved) scene.home();
+    measure();
+    theme = makeTheme(data);
+    scene.build(theme);
+    show(follows ? frames.count - 1 : moment);
   }
 
   // The key of the colors goes with what is colored.
@@ -58,7 +76,6 @@ function start() {
     playing = requestAnimationFrame(tick);
   }
 
-  slider.max = Math.max(0, frames.count - 1);
   slider.addEventListener("input", () => { setPlaying(false); show(+slider.value); });
   play.addEventListener("click", () => setPlaying(!playing));
   const force = element("force"), scrub = (e) => {
@@ -93,10 +110,10 @@ function start() {
 
   const seconds = frames.count ? frames.times[frames.count - 1] - frames.times[0] : 0;
   speed.value = [1, 2, 5, 10, 20].find((x) => seconds / x <= 40) || 20;
-  if (!frames.count) for (const id of ["moment", "play", "speed"]) element(id).disabled = true;
+  measure();
   show(Math.max(0, frames.touch.findLastIndex((touch) => touch >= 0)));
   scene.render();
-  window.palpate = { scene, show, data };
+  window.palpate = { scene, show, data, adopt };
   document.documentElement.dataset.ready = "yes";
 }
 

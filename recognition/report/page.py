@@ -6,13 +6,16 @@ The template's `{{name}}` places are filled once, from left to right; what fills
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
+
 from recognition.report import tables
 from recognition.report.payload import left_out, payload
-from recognition.report.run_report import RunReport
+from recognition.report.run_report import EMPTY_FRAMES, RunReport
 from recognition.report.run_words import figures, words
 from recognition.running.folder import json_text
 
@@ -27,9 +30,15 @@ _LAYERS = (
 )
 _HIDDEN = ("off", "truth")  # layers that are not shown until asked for
 _BELIEFS = (
-    '<h2>Belief</h2><canvas id="beliefs" role="img" aria-label="Probability of objects over time"></canvas>'
+    "<div data-belief hidden><h2>Belief</h2>"
+    '<canvas id="beliefs" role="img" aria-label="Probability of objects over time"></canvas></div>'
 )
-_NAMES = '<h2>Belief</h2><ol id="names" class="names"></ol><p id="felt" class="felt" aria-live="off"></p>'
+_NAMES = (
+    '<div data-belief hidden><h2>Belief</h2><ol id="names" class="names"></ol>'
+    '<p id="felt" class="felt" aria-live="off"></p></div>'
+)
+_NO_POINTS = np.empty((0, 3))
+_NOTHING = RunReport({}, {}, None, _NO_POINTS, np.empty(0, dtype=np.int64), EMPTY_FRAMES, (1, 1), (1, 1, 1))
 
 
 def write_report(path: Path, report: RunReport) -> None:
@@ -49,29 +58,56 @@ def report_html(report: RunReport) -> str:
         "traces": len(report.traces) > 0,
         "pad": len(report.frames.times) > 0,
     }
+    layers = [
+        _layer(name, told.model(summary) if name == "model" else label, _shown(name, opened))
+        for name, label in _LAYERS
+        if present[name]
+    ]
+    footer = (
+        f"palpate {summary.get('version', '')}, seed {summary.get('seed', '')}. Lengths in mm, world frame."
+    )
+    return _filled(
+        report,
+        {
+            "title": escape(str(summary.get("part") or "a touched object")),
+            "lede": told.lede(summary),
+            "figures": figures(summary),
+            "layers": "".join(layers),
+            "legend": tables.legend(summary, present["traces"]),
+            "sections": tables.sections(summary, report.settings, left_out(report), told.sections(summary)),
+            "footer": escape(footer),
+            "connect": "",
+        },
+        _SCRIPTS,
+    )
+
+
+def live_html() -> str:
+    """The page of a run that goes on: it begins empty, and asks the server that it came from for more."""
+    layers = [_layer(name, label, True) for name, label in _LAYERS if name not in _HIDDEN]
+    told = {
+        "title": "Live",
+        "lede": "starting",
+        "layers": "".join(layers),
+        "connect": " connect-src 'self';",
+        "footer": "Lengths in mm, world frame.",
+    }
+    return _filled(_NOTHING, told, (*_SCRIPTS, "live.js"))
+
+
+def _filled(report: RunReport, told: Mapping[str, str], scripts: Sequence[str]) -> str:
+    """The template with what is told; a place that nothing is told of stays empty."""
     data = payload(report)
     places = {
-        "title": escape(str(summary.get("part") or "a touched object")),
         "style": resource("style.css"),
-        "lede": told.lede(summary),
-        "figures": figures(summary),
-        "layers": "".join(
-            _layer(name, told.model(summary) if name == "model" else label, _shown(name, opened))
-            for name, label in _LAYERS
-            if present[name]
-        ),
-        "legend": tables.legend(summary, present["traces"]),
-        "beliefs": _BELIEFS if data["belief"] else "",
-        "names": _NAMES if data["belief"] else "",
+        "beliefs": _BELIEFS,
+        "names": _NAMES,
         "off": "" if report.off is None else _off_key(report.off.scale),
-        "sections": tables.sections(summary, report.settings, left_out(report), told.sections(summary)),
-        "footer": escape(
-            f"palpate {summary.get('version', '')}, seed {summary.get('seed', '')}. Lengths in mm, world frame."
-        ),
         "data": json_text(data).replace("<", "\\u003c"),
-        "script": "\n".join(resource(name) for name in _SCRIPTS).replace('"use strict";\n', ""),
+        "script": "\n".join(resource(name) for name in scripts).replace('"use strict";\n', ""),
+        **told,
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda place: places[place[1]], resource("page.html"))
+    return re.sub(r"\{\{(\w+)\}\}", lambda place: places.get(place[1], ""), resource("page.html"))
 
 
 def _shown(name: str, opened: bool) -> bool:

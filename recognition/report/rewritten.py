@@ -63,6 +63,24 @@ def _summary(run: Path) -> dict[str, Any]:
     return told
 
 
+def so_far(run: Path) -> RunReport:
+    """What is recorded of a run that goes on, or that was ended before it had a page."""
+    settings, resolved = _config(run / "config.toml")
+    told = recorded(run / RECORDING, resolved_spec(resolved))
+    name = Path(str(settings.get("part") or run.name)).stem
+    return RunReport(
+        summary={"part": name, "sensor": None, "ended": "not yet"},
+        settings=settings,
+        model=None,
+        contacts=np.empty((0, 3)),
+        contact_face=np.empty(0, dtype=np.int64),
+        frames=told.frames,
+        pad_size=told.pad,
+        housing_size=told.housing,
+        traces=told.traces,
+    )
+
+
 def _report(run: Path, summary: dict[str, Any]) -> RunReport:
     points, faces = _contacts(run / "contacts.csv")
     settings, resolved = _config(run / "config.toml")

@@ -97,24 +97,28 @@ class Scene {
   }
 
   home() {
+    this.moved = false;
     const { center, radius } = this.data.bounds, { clientWidth, clientHeight } = this.canvas;
     const narrow = Math.min(1, clientWidth / clientHeight || 1);
     this.camera = { yaw: -0.9, pitch: 0.45, distance: (radius * 1.22) / Math.sin(FIELD_OF_VIEW / 2) / narrow, target: [...center] };
   }
 
   orbit(dx, dy) {
+    this.moved = true;
     this.camera.yaw -= dx;
     this.camera.pitch = Math.max(-1.55, Math.min(1.55, this.camera.pitch + dy));
     this.draw();
   }
 
   zoom(factor) {
+    this.moved = true;
     const { radius } = this.data.bounds;
     this.camera.distance = Math.max(radius * 0.5, Math.min(radius * 60, this.camera.distance * factor));
     this.draw();
   }
 
   pan(dx, dy) {
+    this.moved = true;
     const { right, up } = this.axes(), scale = (2 * this.camera.distance * Math.tan(FIELD_OF_VIEW / 2)) / this.canvas.clientHeight;
     for (let i = 0; i < 3; i++) this.camera.target[i] += (up[i] * dy - right[i] * dx) * scale;
     this.draw();

@@ -28,7 +28,7 @@ class Watch:
     def __call__(self, progress: Progress) -> None:
         """Show where the run stands."""
         self.folder = progress.folder or self.folder
-        self._show(_progress_text(progress))
+        self._show(progress_text(progress))
 
 
 @contextmanager
@@ -141,7 +141,8 @@ def _many(count: int, noun: str, nouns: str = "") -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {nouns or noun + 's'}"
 
 
-def _progress_text(p: Progress) -> str:
+def progress_text(p: Progress) -> str:
+    """Where a run stands, in one line."""
     parts = [f"{p.phase}: {p.touches} touches, {p.frames} frames, {p.travel:.0f} mm"]
     if p.open:
         parts.append(f"{p.open} open")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -37,6 +38,12 @@ class LogConfig:
 class _Kept:
     seen: Observation
     touch: int  # -1 where nothing is touched
+
+    @cached_property
+    def lines(self) -> Floats:
+        """(k, 2) angle [rad] and offset [mm] of each line in it, found once however often it is shown."""
+        found = () if self.touch < 0 else find_lines(self.seen.image)
+        return np.array([(line.angle, line.offset) for line in found]).reshape(-1, 2)
 
 
 class Logbook:
@@ -78,7 +85,7 @@ class Logbook:
             counts=np.stack([item.seen.frame.counts for item in kept]),
             forces=np.array([item.seen.force for item in kept]),
             touch=np.array([item.touch for item in kept]),
-            lines=[_lines(item) for item in kept],
+            lines=[item.lines for item in kept],
         )
 
 
@@ -109,9 +116,3 @@ def wrench(image: TactileImage) -> Floats:
 def force_sigma(image: TactileImage) -> float:
     """[N] standard deviation of the sum over the taxels."""
     return load_of(image).sigma
-
-
-def _lines(item: _Kept) -> Floats:
-    if item.touch < 0:
-        return np.empty((0, 2))
-    return np.array([(line.angle, line.offset) for line in find_lines(item.seen.image)]).reshape(-1, 2)

@@ -239,6 +239,12 @@ class Browser:
         assert "exceptionDetails" not in result, result["exceptionDetails"]
         return result["result"].get("value")
 
+    def visit(self, address):
+        """Open a page that is served."""
+        self.events.clear()
+        self.call("Page.navigate", url=address)
+        self._wait("document.documentElement?.dataset.ready")
+
     def open(self, path, scheme="light", ready=True):
         """Open a page; `ready`: wait until its script says that it is."""
         self.events.clear()
