@@ -14,6 +14,8 @@ from exploration.devices.ports import Port
 from primitives.errors import PalpateError
 
 _BUFFER = 127  # bytes of the smallest receive buffer
+_UNHEARD = 0.2  # [s] after which a question was not heard
+_AWAY = 0.1  # [s] between two looks, beyond which nobody listened
 _OBEYED = 0.05  # [s] after which a line has begun to be obeyed, so that Idle means it was answered
 _LOST = 1.0  # [s] after which an answer that has not come will not
 
@@ -36,7 +38,9 @@ class GrblLink:
         self.port, self.clock = port, clock
         self._text = b""
         self._sent: deque[tuple[int, float]] = deque()
-        self._asked = 0.0
+        self._asked = self._last_asked = 0.0
+        self._listened = clock.now()
+        self.deaf = 0.0  # [s] of listening without a report; what nobody listened to does not count
         self._offset: tuple[float, ...] = ()
         self.lost = 0  # answers that never came
         self.garbled = 0  # lines that were not understood
@@ -64,11 +68,13 @@ class GrblLink:
         if byte == b"\x18":
             self._sent.clear()
 
-    def ask(self) -> None:
-        """Ask for a report, unless one is on its way."""
+    def ask(self, pause: float = 0.0) -> None:
+        """Ask for a report, unless one is on its way, or was asked for within a pause [s]."""
         now = self.clock.now()
-        if not self._asked or now - self._asked > 0.2:
-            self._asked = now
+        if now - self._last_asked < pause:
+            return
+        if not self._asked or now - self._asked > _UNHEARD:
+            self._asked = self._last_asked = now
             self.port.write(b"?")
 
     def forget(self) -> None:
@@ -81,6 +87,8 @@ class GrblLink:
         heard = Heard()
         data = self.port.read()
         now = self.clock.now()
+        self.deaf += min(now - self._listened, _AWAY)
+        self._listened = now
         *lines, self._text = (self._text + data).split(b"\n")
         self._text = self._text[-512:]
         for raw in lines:
@@ -95,6 +103,7 @@ class GrblLink:
             self._offset = offset
         if (report := grbl_text.status(line, self._offset)) is not None:
             asked = self._asked or now
+            self.deaf = 0.0
             heard.reports.append(((asked + now) / 2, report))
             self._asked = 0.0
             if report.state == "Idle" and self._sent and asked - self._sent[-1][1] > _OBEYED:

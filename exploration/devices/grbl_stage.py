@@ -5,11 +5,12 @@ further than a horizon ahead of where the controller is, so that whatever dies, 
 a jog cancel (0x85), repeated until the stage stands Idle, and a reset where that is in vain; nothing is sent
 meanwhile.  Jogs are sent in Idle and Jog alone, so a feed hold at the machine holds the run, too.
 
-Positions are known at the times of status reports; the pose at a frame's time lies between two of them.
+Positions are known at the times of status reports; the pose at a frame's time follows from those round it.
 """
 
 import contextlib
 import threading
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -19,14 +20,13 @@ from exploration.devices.grbl_link import GrblLink, Heard
 from exploration.devices.jog_cancel import JogCancel
 from exploration.devices.jog_plan import JogPlan, StreamConfig
 from exploration.devices.kinematic_chain import KinematicChain
-from exploration.devices.protocols import StageEvent, StageLimits
+from exploration.devices.protocols import StageEvent, StageLimits, checked_twist
 from exploration.devices.safety import Safety
 from exploration.devices.whereabouts import Whereabouts
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
 _HOMED = 5.0  # [mm, deg] that a stage may have moved while its port was away
-_HOLD, _RESUME = b"!", b"~"
 
 
 class GrblStage:
@@ -51,16 +51,11 @@ class GrblStage:
         self._where = Whereabouts(len(chain.axes))
         self._events: list[StageEvent] = []
         self._plan = JogPlan(chain, limits, self._config)
-        self._asked = 0.0
-        self._deaf = 0.0  # [s] of listening without a report
-        self._looked = self._clock.now()
         self._cancel = JogCancel(link, self._config)
         self._held = False
         self._as_of: float | None = None
         self._order = greet(link, chain)
-        while not self._where.known:
-            link.ask()
-            self._note(link.listen())
+        self._hear()
         self._plan.resync(self._where.joints)
         self._thread = threading.Thread(target=self._run, name="stage", daemon=True)
 
@@ -75,9 +70,6 @@ class GrblStage:
 
     def as_of(self, moment: float) -> None:
         """From now on `pose` tells where the stage was at a time of its clock, of a frame for example."""
-        until = self._clock.now() + 0.03
-        while self._where.moment < moment and self._clock.now() < until and not self.fault:
-            self._clock.sleep(0.0005)
         self._as_of = moment
 
     def joints(self) -> Floats:
@@ -90,20 +82,15 @@ class GrblStage:
 
     def move(self, twist: Floats) -> None:
         """Follow a (6,) twist in the flange frame until told otherwise, or until the wish is stale."""
-        wanted = np.array(twist, dtype=float)
-        if wanted.shape != (6,) or not np.isfinite(wanted).all():
-            raise PalpateError(f"a twist is six finite numbers (mm/s, rad/s), not {twist!r}")
-        self._require_sound()
-        wanted = self._limits.shortened(wanted)
+        wanted = self._limits.shortened(checked_twist(twist))
         if self._safety is not None:
             wanted = self._safety.shortened(wanted, self._limits.acceleration)
-        with self._lock:
+        with self._unless_faulty():
             self._plan.follow(wanted, self._clock.now())
 
     def go_to(self, world_from_flange: Floats) -> None:
         """Start a straight move to a pose; one that the axes cannot take is refused before anything moves."""
-        self._require_sound()
-        with self._lock:
+        with self._unless_faulty():
             self._plan.head_for(np.array(world_from_flange, dtype=float))
 
     @property
@@ -123,14 +110,6 @@ class GrblStage:
             if recent or self.state in ("Jog", "Hold") or self._link.unanswered:
                 self._stop_jogs()
 
-    def hold(self) -> None:
-        """Feed hold: motion stops where it is, and is ended by `resume`."""
-        self._link.realtime(_HOLD)
-
-    def resume(self) -> None:
-        """End a feed hold."""
-        self._link.realtime(_RESUME)
-
     def events(self) -> tuple[StageEvent, ...]:
         """What was noticed since last asked."""
         with self._lock:
@@ -142,18 +121,12 @@ class GrblStage:
         if self._thread.is_alive():
             self.stop()
             until = self._clock.now() + 1.0
-            while (
-                self._clock.now() < until and not self.fault and (self._cancel.pending or self.state == "Jog")
-            ):
+            while self._clock.now() < until and not self.fault and self._busy:
                 self._clock.sleep(0.005)
         self._open = False
         if self._thread.is_alive():
             self._thread.join(0.5)
         self._link.port.close()
-
-    def _require_sound(self) -> None:
-        if self.fault:
-            raise PalpateError(self.fault)
 
     def _run(self) -> None:
         while self._open and not self.fault:
@@ -172,15 +145,30 @@ class GrblStage:
 
     def _look(self) -> None:
         """One round: listen, judge, send."""
-        now = self._clock.now()
-        if now - self._asked >= self._config.ask:
-            self._asked = now
-            self._link.ask()
+        self._link.ask(self._config.ask)
         heard = self._link.listen()
         self._note(heard)
         with self._lock:
             self._supervise(bool(heard.reports))
             self._feed()
+
+    @property
+    def _busy(self) -> bool:
+        return self._cancel.pending or self.state == "Jog"
+
+    @contextlib.contextmanager
+    def _unless_faulty(self) -> Iterator[None]:
+        if self.fault:
+            raise PalpateError(self.fault)
+        with self._lock:
+            yield
+
+    def _hear(self) -> None:
+        """Wait for where it is now."""
+        now = self._clock.now()
+        while self._where.moment < now and self._link.deaf < self._config.dumb:
+            self._link.ask()
+            self._note(self._link.listen())
 
     def _note(self, heard: Heard) -> None:
         for moment, report in heard.reports:
@@ -203,9 +191,7 @@ class GrblStage:
     def _supervise(self, news: bool) -> None:
         """Whatever must stop motion, looked at every few ms."""
         now = self._clock.now()
-        self._deaf = 0.0 if news else self._deaf + min(now - self._looked, self._config.deaf)
-        self._looked = now
-        if self._deaf > self._config.dumb:
+        if self._link.deaf > self._config.dumb:
             self.fault = self.fault or "the stage has stopped answering; check its cable and power"
         if news and not self._cancel.pending and self._plan.strayed(self._where.joints):
             self._stop_jogs()
@@ -243,7 +229,7 @@ class GrblStage:
             return
         if self.state == "Idle" and now > self._plan.until + 0.05 and not self._link.unanswered:
             self._plan.resync(here)
-            self._plan.arrived()
+            self._plan.stands(here)
         while (jog := self._plan.due(now, here)) is not None:
             if jog.line:
                 if not self._link.fits(jog.line):
@@ -257,10 +243,7 @@ class GrblStage:
         if not greet_again(self._link, self._chain, lambda: self._open and self._clock.now() < until):
             return False
         self._stop_jogs()
-        again = self._clock.now()
-        while self._where.moment < again:
-            self._link.ask()
-            self._note(self._link.listen())
+        self._hear()
         if (np.abs((self._where.joints - before) * self._chain.to_wire) > _HOMED).any():
             self.fault = "the stage has lost its position; home it, then begin again"
         self.reconnects += 1

@@ -19,6 +19,7 @@ from primitives import pose as se3
 from primitives.arrays import Floats
 
 _TURN = 0.04  # [rad] of one jog of a straight move
+_THERE, _THERE_TURN = 0.05, 2e-3  # [mm], [rad] to which a goal is reached
 _SAME = 0.002  # [mm] or [deg] to which a report tells where the stage is
 
 
@@ -90,10 +91,15 @@ class JogPlan:
         self._twist, self.goal = np.zeros(6), None
         self._way.clear()
 
-    def arrived(self) -> None:
-        """The stage stands: a goal whose whole way was sent is reached."""
-        if self.goal is not None and not self._way:
+    def stands(self, here: Floats) -> None:
+        """The stage stands, its whole way sent: the goal is reached, or what a lost line left is planned."""
+        if self.goal is None or self._way:
+            return
+        off = se3.log(se3.inverse(self._chain.pose(here)) @ self.goal)
+        if float(np.linalg.norm(off[:3])) < _THERE and float(np.linalg.norm(off[3:])) < _THERE_TURN:
             self.goal = None
+        else:
+            self._way = self._straight(self.goal)
 
     def resync(self, here: Floats) -> None:
         """What was sent counts for nothing any more: plan from where the stage is."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from exploration.sensing.frame import TaxelArray, TaxelFrame
 from primitives.arrays import Floats
+from primitives.errors import PalpateError
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,14 @@ class StageLimits:
         linear = self.speed / max(float(np.linalg.norm(twist[:3])), self.speed)
         turning = self.turn_speed / max(float(np.linalg.norm(twist[3:])), self.turn_speed)
         return np.concatenate([linear * twist[:3], turning * twist[3:]])
+
+
+def checked_twist(twist: Floats) -> Floats:
+    """(6,) finite numbers, as every stage demands them."""
+    wanted = np.array(twist, dtype=float)
+    if wanted.shape != (6,) or not np.isfinite(wanted).all():
+        raise PalpateError(f"a twist is six finite numbers (mm/s, rad/s), not {twist!r}")
+    return wanted
 
 
 @dataclass(frozen=True)

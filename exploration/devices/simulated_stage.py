@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.devices.protocols import StageEvent, StageLimits
+from exploration.devices.protocols import StageEvent, StageLimits, checked_twist
 from exploration.devices.stage_motion import follow, run
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
@@ -90,10 +90,7 @@ class SimulatedStage:
 
     def move(self, twist: Floats) -> None:
         """Follow a (6,) twist in the flange frame until told otherwise."""
-        wanted = np.array(twist, dtype=float)
-        if wanted.shape != (6,) or not np.isfinite(wanted).all():
-            raise PalpateError(f"a twist is six finite numbers (mm/s, rad/s), not {twist!r}")
-        self._commands.append((self._time + self._latency, "move", wanted))
+        self._commands.append((self._time + self._latency, "move", checked_twist(twist)))
         self._obey()
 
     def go_to(self, world_from_flange: Floats) -> None:

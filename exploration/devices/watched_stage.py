@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from exploration.devices.clock import MACHINE, Clock
-from exploration.devices.protocols import MotionStage, StageEvent, StageLimits
+from exploration.devices.protocols import MotionStage, StageEvent, StageLimits, checked_twist
 from exploration.devices.safety import Safety
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
@@ -52,9 +52,7 @@ class WatchedStage:
 
     def move(self, twist: Floats) -> None:
         """Follow a (6,) twist in the flange frame, unless something stands against it."""
-        wanted = self._safety.shortened(
-            self.limits.shortened(np.array(twist, dtype=float)), self.limits.acceleration
-        )
+        wanted = self._safety.shortened(self.limits.shortened(checked_twist(twist)), self.limits.acceleration)
 
         def follow() -> None:
             self._twisted, self._goal = self._clock.now(), None

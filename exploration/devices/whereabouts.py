@@ -1,4 +1,4 @@
-"""Where a stage's axes were at the times of its reports, and between them."""
+"""Where a stage's axes were at the times of its reports, between them, and a moment later."""
 
 from collections import deque
 
@@ -7,6 +7,8 @@ import numpy as np
 from primitives.arrays import Floats
 
 _REMEMBERED = 256  # reports
+_BASE = 0.007  # [s] between reports that tell a speed, at least
+_AHEAD = 0.02  # [s] at most that it is taken to last
 
 
 class Whereabouts:
@@ -35,12 +37,22 @@ class Whereabouts:
         self._reports.append((moment, joints))
 
     def at(self, moment: float) -> Floats:
-        """(n,) [mm, rad] at a time, straight between the reports before and after it."""
+        """(n,) [mm, rad] at a time: straight between the reports round it, or straight on from the last.
+
+        Going on for t [s] with the speed of the last reports is off by a t^2 / 2 at the acceleration a: 0.01 mm
+        in 5 ms at 1000 mm/s^2, less than waiting for the next report costs the loop that servoes on it.
+        """
         reports = list(self._reports)
         after = reports[-1]
+        if moment >= after[0]:
+            before = next((r for r in reversed(reports) if after[0] - r[0] >= _BASE), after)
+            if not np.isfinite(before[0]) or before is after:
+                return after[1]
+            speed = (after[1] - before[1]) / (after[0] - before[0])
+            return np.asarray(after[1] + speed * min(moment - after[0], _AHEAD))
         for before in reversed(reports):
             if before[0] <= moment:
-                if after[0] <= moment or not np.isfinite(before[0]):
+                if not np.isfinite(before[0]):
                     return after[1]
                 share = (moment - before[0]) / (after[0] - before[0])
                 return np.asarray(before[1] + share * (after[1] - before[1]))

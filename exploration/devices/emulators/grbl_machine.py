@@ -71,6 +71,11 @@ class GrblMachine:
                 self._typed += bytes([byte])
         self._parse()
 
+    @property
+    def standing(self) -> bool:
+        """Whether nothing moves."""
+        return self._speed == 0.0
+
     def alarm(self, number: int) -> None:
         """Something happened: stop, and stand in alarm."""
         self._queue.clear()
@@ -129,7 +134,7 @@ class GrblMachine:
         place = ",".join(f"{x:.3f}" for x in self.position)
         free = _BUFFER - 1 - sum(map(len, self._lines)) - len(self._typed)
         pins = f"|Pn:{self.pins}" if self.pins else ""
-        state = f"{self.state}:0" if self.state == "Hold" else self.state
+        state = f"Hold:{int(not self.standing)}" if self.state == "Hold" else self.state
         return f"<{state}|MPos:{place}|Bf:{_PLANNER - len(self._queue)},{free}|FS:0,0{pins}>\r\n".encode()
 
     def _reset(self) -> None:

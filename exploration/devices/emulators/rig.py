@@ -14,6 +14,7 @@ import shutil
 import tempfile
 import time
 import tty
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,6 +102,7 @@ class EmulatedRig:
         self.waited = 0.0  # [s] of the machine's time, for the driver
         self._asked = (0.0, -np.inf)  # when the driver was heard last, in the rig's time and the machine's
         self._turned = time.monotonic()
+        self._pressed: deque[bytes] = deque()
         self._late: list[tuple[float, bytes]] = []
         self._frozen: TaxelFrame | None = None
 
@@ -125,6 +127,8 @@ class EmulatedRig:
                 self.machine.receive(data)
             elif end == self._array_end and data:
                 self._answer(data)
+        while self._pressed:
+            self.machine.receive(self._pressed.popleft())
         self._send_replies(self.clock.now())
 
     def _tick(self) -> float:
@@ -144,6 +148,10 @@ class EmulatedRig:
         self.unplug_array()
         self.unplug_stage()
         shutil.rmtree(self._folder, ignore_errors=True)
+
+    def press(self, button: bytes) -> None:
+        """A person at the machine: `!` hold, `~` go on, 0x18 reset; obeyed in the next round."""
+        self._pressed.append(button)
 
     def unplug_array(self) -> None:
         """Pull the array's cable."""

@@ -122,6 +122,39 @@ def test_too_much_force_locks_motion_until_it_is_stopped():
         assert comes(risen, do=lambda: stage.move(UP))
 
 
+def test_a_feed_hold_at_the_machine_holds_a_goal_until_it_is_resumed_there():
+    with devices(80.0) as (rig, _, stage, _):
+        goal = stage.pose() @ se3.pose(None, [0.0, 0.0, -20.0])
+        stage.go_to(goal)
+        assert comes(lambda: rig.machine.state == "Jog")
+        rig.press(b"!")
+        assert comes(lambda: stage.state == "Hold")
+        assert comes(lambda: rig.machine.standing)
+        held = rig.machine.position.copy()
+        time.sleep(0.4)
+        assert (rig.machine.position == held).all()
+        assert stage.moving
+        rig.press(b"~")
+        assert comes(lambda: not stage.moving)
+        assert np.allclose(stage.pose()[:3, 3], goal[:3, 3], atol=0.05)
+        assert not rig.machine.violations
+
+
+def test_cables_that_come_loose_and_back_cost_a_pause_and_not_the_goal():
+    with devices(80.0) as (rig, array, stage, _):
+        goal = stage.pose() @ se3.pose(None, [0.0, 0.0, -20.0])
+        stage.go_to(goal)
+        assert comes(lambda: rig.machine.state == "Jog")
+        rig.unplug_stage()
+        rig.unplug_array()
+        time.sleep(0.4)
+        rig.plug_in()
+        assert comes(lambda: stage.reconnects == 1 and array.counts.reconnects == 1)
+        assert comes(lambda: not stage.moving), stage.fault
+        assert np.allclose(stage.pose()[:3, 3], goal[:3, 3], atol=0.05)
+        assert not stage.fault
+
+
 def frame(counts: np.ndarray, index: int) -> TaxelFrame:
     return TaxelFrame(counts, float(index), index)
 
