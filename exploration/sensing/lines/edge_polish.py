@@ -56,10 +56,10 @@ def polish(
     widths = np.empty(len(blurs))
     lower, step = np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS)
     slopes, ground = 1.0 / TILT**2, 1.0 / (TARED * quiet) ** 2
-    settled = False
+    least = np.inf  # [chi2] gained by a step so far
     for _ in range(STEPS):
         chi2, count = design(
-            z, variance, gain, views, kinds, first, blurs, table, p, side, fall, settled, widths, rows
+            z, variance, gain, views, kinds, first, blurs, table, p, side, fall, least < NEAR, widths, rows
         )
         products(rows, UNKNOWNS, normal, rhs)
         for a, prior in ((RISE, slopes), (ALONG, slopes), (BACKGROUND, ground)):
@@ -78,7 +78,7 @@ def polish(
         )
         for a in range(UNKNOWNS):
             p[a] += share * step[a]
-        if settled and gained < DONE:
+        if least < NEAR and gained < DONE:
             return chi2 - gained, count
-        settled = settled or gained < NEAR
+        least = min(least, gained)
     return -1.0, count

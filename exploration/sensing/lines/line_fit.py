@@ -52,7 +52,7 @@ def softened(image: TactileImage) -> TactileImage:
     rows, columns = image.array.shape
     lost = _lost(columns, image.array.pitch[0], image.spread, image.margin)[None, :]
     lost = lost + _lost(rows, image.array.pitch[1], image.spread, image.margin)[:, None]
-    return replace(image, sigma=np.hypot(image.sigma, lost * image.depth.max()))
+    return replace(image, sigma=frozen(np.hypot(image.sigma, lost * image.depth.max())))
 
 
 @lru_cache(maxsize=32)

@@ -105,7 +105,9 @@ def _overlap(
                 p[i, k] = pose[0, k] * dx + pose[1, k] * dy + pose[2, k] * dz
         away = 0.0
         for k in range(3):
-            least, most = p[:count, k].min(), p[:count, k].max()
+            least = most = p[0, k]
+            for i in range(1, count):
+                least, most = min(least, p[i, k]), max(most, p[i, k])
             away += max(0.0, least - high[k], low[k] - most) ** 2
         if away > 0.0:
             nearest = min(nearest, np.sqrt(away))

@@ -21,7 +21,7 @@ from exploration.sensing.surfaces.pressed_field import geometry
 from exploration.sensing.surfaces.smooth_shapes import DOME, PLANE, UNKNOWNS, nearest
 from exploration.sensing.surfaces.smooth_starts import mean_depth, round_start, start_dome
 from exploration.sensing.surfaces.smooth_steps import fit_from
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Bools, Floats, frozen
 
 STEPS = 30
 MORE_STEPS = 90  # for what has not settled by then: narrow ridges far from the pad's center
@@ -56,13 +56,21 @@ def smooth_contact(image: TactileImage, mask: Bools | None = None) -> SmoothCont
         mask = touched(repaired(image.depth, image.sigma)[0], image.sigma, *array.pitch, width)
     depth, precision = _prepared(image.depth, image.sigma, image.gain_sigma)
     grid = geometry(array.rows, array.columns, array.pitch, image.spread, image.margin)
-    return SmoothContact(depth, precision, mask, array.x, array.y, grid, image.spread**2)
+    return SmoothContact(depth, precision, frozen(mask, np.bool_), array.x, array.y, grid, image.spread**2)
 
 
 def fit_dome(contact: SmoothContact) -> Footprint:
     """The best dome, from as many starts as it takes to explain the frame."""
     p, covariance, chi2, count, converged, residual = _fit_dome(
-        contact.depth, contact.precision, contact.mask, contact.x, contact.y, *contact.grid, contact.scale
+        contact.depth,
+        contact.precision,
+        contact.mask,
+        contact.x,
+        contact.y,
+        *contact.grid,
+        contact.scale,
+        (DOME, PLANE),
+        (STEPS, MORE_STEPS),
     )
     return Footprint(p, covariance, chi2, count - 6, converged, residual)
 
@@ -135,19 +143,15 @@ def _fit_dome(
     to_columns: Floats,
     to_rows: Floats,
     scale: float,
+    shapes: tuple[int, int],
+    steps: tuple[int, int],
 ) -> tuple[Floats, Floats, float, int, bool, Floats]:
-    best = fit_from(
-        depth,
-        precision,
-        x_cells,
-        y_cells,
-        to_columns,
-        to_rows,
-        start_dome(depth, precision, mask, x, y),
-        DOME,
-        STEPS,
-        np.inf,
-    )
+    """`fit_dome`; shapes and steps come as arguments, for a kernel is compiled anew for each constant."""
+    grid = (x_cells, y_cells, to_columns, to_rows)
+    dome, plane = shapes
+    few, more = steps
+    start = start_dome(depth, precision, mask, x, y)
+    best = fit_from(depth, precision, *grid, start, dome, few, np.inf)
     for attempt in range(3):
         dof = max(1, best[3] - 6)
         if best[2] < dof + ENOUGH * np.sqrt(2.0 * dof):
@@ -155,18 +159,14 @@ def _fit_dome(
         if attempt == 0:
             level = np.zeros(6)
             level[0] = mean_depth(depth, precision, mask)
-            level = fit_from(
-                depth, precision, x_cells, y_cells, to_columns, to_rows, level, PLANE, STEPS, np.inf
-            )[0]
+            start = fit_from(depth, precision, *grid, level, plane, few, np.inf)[0]
         else:
-            level = round_start(depth, precision, mask, x, y, scale, float(attempt))
-        other = fit_from(depth, precision, x_cells, y_cells, to_columns, to_rows, level, DOME, STEPS, np.inf)
+            start = round_start(depth, precision, mask, x, y, scale, float(attempt))
+        other = fit_from(depth, precision, *grid, start, dome, few, np.inf)
         if other[2] < best[2]:
             best = other
     if not best[4]:
-        other = fit_from(
-            depth, precision, x_cells, y_cells, to_columns, to_rows, best[0], DOME, MORE_STEPS, np.inf
-        )
+        other = fit_from(depth, precision, *grid, best[0], dome, more, np.inf)
         if other[4] or other[2] < best[2]:
             best = other
     return best[0], best[1], best[2], best[3], best[4], best[5]

@@ -12,8 +12,9 @@ from exploration.sensing.surfaces.footprint import CURVATURE, GAINED
 from exploration.sensing.surfaces.normal_equations import HUBER, invert
 from exploration.sensing.surfaces.pressed_field import fields_of, to_taxels
 from exploration.sensing.surfaces.smooth_shapes import moved, tangents
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 
+_ALL = frozen(np.arange(6), np.int64)
 HOPE = 3.0  # times what a step promises, that all further steps together may gain
 
 
@@ -36,10 +37,9 @@ def fit_from(
     normal, rhs, residual = np.zeros((6, 6)), np.zeros(6), np.zeros(depth.shape)
     trial_normal, trial_rhs, trial_residual = np.zeros((6, 6)), np.zeros(6), np.zeros(depth.shape)
     none = np.empty(0)
-    unknown = np.arange(6)
     p = start.copy()
-    fields_of(x, y, p, none, False, fields)
-    to_taxels(fields, p, to_columns, to_rows, unknown, model)
+    fields_of(x, y, p, none, len(none) > 0, fields)
+    to_taxels(fields, p, to_columns, to_rows, _ALL, model)
     chi2 = _weighed(depth, precision, p, model, normal, rhs, residual)
     count = int(np.sum(precision > 0.0))
     damping = 1e-4
@@ -65,8 +65,8 @@ def fit_from(
             converged = True
             break
         trial = moved(p, step, shape)
-        fields_of(x, y, trial, none, False, fields)
-        to_taxels(fields, trial, to_columns, to_rows, unknown, model)
+        fields_of(x, y, trial, none, len(none) > 0, fields)
+        to_taxels(fields, trial, to_columns, to_rows, _ALL, model)
         new = _weighed(depth, precision, trial, model, trial_normal, trial_rhs, trial_residual)
         if new < chi2:
             gained = chi2 - new
