@@ -14,18 +14,15 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from importlib.metadata import version
-from typing import Any
 
 from exploration.control.latency import measure_latency
 from exploration.devices.guard import Guard
 from exploration.planning.explorer import Explorer, ExplorerConfig, Findings
 from exploration.planning.routes import Tool
 from exploration.recordings.mcap import Recorder
-from models.formats import mesh, openscad, step_out
 from models.solid import Solid
 from primitives.errors import NotWritten, PalpateError
 from recognition.assembly import NotClosed
-from recognition.assembly.described import written_tree
 from recognition.config import ExploreOptions, settings, to_toml
 from recognition.console import bugs, interrupts
 from recognition.live import so_far
@@ -40,6 +37,7 @@ from recognition.running.patience import Patience
 from recognition.running.progress import Progress
 from recognition.running.simulation import World, guarded, load_world
 from recognition.running.summary import FAULT, GAVE_UP, summarize
+from recognition.running.writing import write_model
 from recognition.truth import LabeledFaces, Truth, evaluate
 
 Watcher = Callable[[Progress], None]
@@ -79,8 +77,8 @@ def _run(
     seconds = time.perf_counter() - began
     summary = summarize(options, world, findings.ended, guard.cost, made, truth, findings.warnings, seconds)
     progress(_stand("writing", guard, findings))
-    _write(folder, made)
-    _write_step(folder, made, summary)
+    summary["files"], unwritten = write_model(folder, made)
+    summary["warnings"] = [*summary["warnings"], *unwritten]
     report = _report(summary, options, world, made, findings, logbook.frames())
     with folder.writing("report.html") as path:
         write_report(path, report)
@@ -163,30 +161,6 @@ def _compared(made: Reconstruction, solid: Solid) -> Truth | None:
         return None
     faces = LabeledFaces(made.boundary.brep.faces, made.boundary.of_triangle)
     return evaluate(made.assembly.solid, solid, model_faces=faces)
-
-
-def _write(folder: RunFolder, made: Reconstruction) -> None:
-    folder.write_contacts(made.contacts, made.face_of_contact)
-    folder.write_json("brep.json", made.brep_json())
-    if isinstance(made.assembly, NotClosed):
-        return
-    with folder.writing("model.csg") as path:
-        openscad.write(written_tree(made.assembly), path)
-    for name in ("model.stl", "model.glb"):
-        with folder.writing(name) as path:
-            mesh.save(made.assembly.solid, path)
-
-
-def _write_step(folder: RunFolder, made: Reconstruction, summary: dict[str, Any]) -> None:
-    """Where the extra for it is installed; a kernel that cannot is a warning, and the rest of the run stands."""
-    if isinstance(made.assembly, NotClosed) or not step_out.available():
-        return
-    try:
-        with folder.writing("model.step") as path:
-            step_out.write(made.assembly.tree, path, name="model")
-        summary["files"] = {**summary["files"], "step": "model.step"}
-    except PalpateError as error:
-        summary["warnings"] = [*summary["warnings"], f"no model.step: {error}"]
 
 
 def _report(

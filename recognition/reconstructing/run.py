@@ -65,8 +65,8 @@ def _run(
     made = reconstruct(surfaces(felt.contacts), [], _box(felt.contacts))
     summary = _summary(options, felt, made, time.perf_counter() - began)
     watch(Progress("writing", folder=folder.path))
-    summary["files"] = write_model(folder, made)
-    summary["warnings"] = [*summary["warnings"], *summary["files"].pop("warnings", [])]
+    summary["files"], unwritten = write_model(folder, made)
+    summary["warnings"] = [*summary["warnings"], *unwritten]
     with folder.writing("report.html") as path:
         write_report(path, _report(options, summary, made))
     folder.finish(summary)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from models.formats import mesh, openscad, step_out
 from primitives.errors import NotWritten, PalpateError
 from recognition.assembly import NotClosed
@@ -12,13 +10,13 @@ from recognition.reconstruct import Reconstruction
 from recognition.running.folder import RunFolder
 
 
-def write_model(folder: RunFolder, made: Reconstruction) -> dict[str, Any]:
-    """Write what there is; `files` of the summary, and under `warnings` what could not be written."""
+def write_model(folder: RunFolder, made: Reconstruction) -> tuple[dict[str, str], list[str]]:
+    """Write what there is; `files` of the summary, and what could not be written, as warnings."""
     folder.write_contacts(made.contacts, made.face_of_contact)
     folder.write_json("brep.json", made.brep_json())
-    files: dict[str, Any] = {"report": "report.html"}
+    files = {"report": "report.html"}
     if isinstance(made.assembly, NotClosed):
-        return files
+        return files, []
     with folder.writing("model.csg") as path:
         openscad.write(written_tree(made.assembly), path)
     for name in ("model.stl", "model.glb"):
@@ -33,5 +31,5 @@ def write_model(folder: RunFolder, made: Reconstruction) -> dict[str, Any]:
         except NotWritten:
             raise
         except PalpateError as error:
-            files["warnings"] = [f"no model.step: {error}"]
-    return files
+            return files, [f"no model.step: {error}"]
+    return files, []
