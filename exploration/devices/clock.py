@@ -6,13 +6,15 @@ time stands still for both, and it may run slower than life on a busy machine.
 """
 
 import mmap
-import struct
 import time
 from pathlib import Path
 
+import numpy as np
+
+from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
-_TIME = struct.Struct("<d")
+_SIZE = 8  # bytes of the file: one number, written and read at once, so that nobody sees half of it
 _DEAD = 15.0  # [s] of the machine's time without a tick, after which the emulator has ended
 
 
@@ -37,16 +39,17 @@ class ReadClock(Clock):
     def __init__(self, path: Path) -> None:
         try:
             with path.open("rb") as file:
-                self._shared = mmap.mmap(file.fileno(), _TIME.size, access=mmap.ACCESS_READ)
+                shared = mmap.mmap(file.fileno(), _SIZE, access=mmap.ACCESS_READ)
         except (OSError, ValueError) as error:
             raise PalpateError(
                 f"cannot read the emulator's clock {path}; is palpate hardware emulate running?"
             ) from error
+        self._told: Floats = np.frombuffer(shared, np.float64)
         self._last, self._ticked = -1.0, time.monotonic()
 
     def now(self) -> float:
         """[s] that the emulator has run; raises where it has ended."""
-        told: float = _TIME.unpack_from(self._shared)[0]
+        told = float(self._told[0])
         if told != self._last:
             self._last, self._ticked = told, time.monotonic()
         elif time.monotonic() - self._ticked > _DEAD:
@@ -66,9 +69,9 @@ class WrittenClock(Clock):
     def __init__(self, path: Path, pace: float = 1.0, longest: float = 0.005) -> None:
         self._pace, self._longest = pace, longest
         with path.open("w+b") as file:
-            file.write(_TIME.pack(0.0))
+            file.write(bytes(_SIZE))
             file.flush()
-            self._shared = mmap.mmap(file.fileno(), _TIME.size)
+            self._told: Floats = np.frombuffer(mmap.mmap(file.fileno(), _SIZE), np.float64)
         self._now, self._seen = 0.0, time.monotonic()
 
     def tick(self) -> float:
@@ -76,7 +79,7 @@ class WrittenClock(Clock):
         seen = time.monotonic()
         self._now += self._pace * min(seen - self._seen, self._longest)
         self._seen = seen
-        _TIME.pack_into(self._shared, 0, self._now)
+        self._told[0] = self._now
         return self._now
 
     def stand(self) -> None:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import dist
 
+import numba
 import numpy as np
 
 from exploration.devices.pending import Pending
@@ -212,10 +213,15 @@ class Guard:
         self.stage.events()
 
 
+@numba.njit(cache=True, error_model="numpy")
 def _flange_twist(twist: Floats, flange_from_sensor: Floats) -> Floats:
     """The same motion seen from the flange: w turns with the frame, v gains the lever arm's part."""
-    r, p = flange_from_sensor[:3, :3], flange_from_sensor[:3, 3]
-    w = r @ twist[3:]
-    v = r @ twist[:3]
-    lever = (p[1] * w[2] - p[2] * w[1], p[2] * w[0] - p[0] * w[2], p[0] * w[1] - p[1] * w[0])
-    return np.array([v[0] + lever[0], v[1] + lever[1], v[2] + lever[2], *w])
+    out = np.zeros(6)
+    for i in range(3):
+        for j in range(3):
+            out[i] += flange_from_sensor[i, j] * twist[j]
+            out[3 + i] += flange_from_sensor[i, j] * twist[3 + j]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        out[i] += flange_from_sensor[j, 3] * out[3 + k] - flange_from_sensor[k, 3] * out[3 + j]
+    return out
