@@ -20,7 +20,7 @@ from primitives.pose import frame_along
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
 Extent = tuple[float, float]
-_EQUAL = 5e-4  # [1] of the area, by which rectangles round a felt face differ for nothing
+_EQUAL = 0.01  # [1] of the area, by which rectangles round a felt face differ for nothing
 
 
 def anchored(shape: Shape | None, corners: Floats, rim: Floats) -> tuple[Shape | None, Extent]:
