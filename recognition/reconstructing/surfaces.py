@@ -1,72 +1,108 @@
 """Any cloud of contacts -> the faces that it lies on, from ten contacts to a million.
 
-Growing shapes takes more than linear time, so it is done on a bounded choice of the contacts; all others then join
-the face that explains them best, and what no face explains is looked at again, until nothing new is found.
+Looking for shapes takes more than linear time, so it is done on a bounded choice of the contacts; all others then
+join the face that explains them best, and what no face explains is looked at again, until nothing new is found.
+How far off normals are no table says: the faces that were found tell it, and are looked for again with it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from primitives.arrays import Ints
+from primitives.arrays import Floats, Ints, frozen
 from primitives.evidence import Contacts
-from primitives.fit import Fit, squares
-from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
-from primitives.segment import segment
+from primitives.fit import Fit, FitOptions, refit, squares
+from primitives.patch_graph import Face, PatchGraph
+from primitives.segment import Segment, segment
 
 
 @dataclass(frozen=True)
 class SurfaceOptions:
     """How much is looked at."""
 
-    chosen: int = 1500  # contacts among which shapes are grown
+    chosen: int = 1000  # contacts among which shapes are looked for
+    sounded: int = 300  # contacts that tell how far off normals are
     fitted: int = 1500  # contacts of a face to which it is fitted
     rounds: int = 3  # times that unexplained contacts are looked at again
     least: float = 0.002  # of all contacts: fewer that are left unexplained are strays
     outlier_chi2: tuple[float, float] = (10.83, 16.27)  # 99.9 % for a point alone, and with its normal
+    slack: float = 1.5  # factor on every sigma, for what the sensor model leaves out
+    off: float = 1.4  # factor by which normals' sigma must be wrong for faces to be looked for again
+    finest: float = 1e-3  # [rad] no normal is known better
+    fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-6, iterations=20))
 
 
 def surfaces(contacts: Contacts, options: SurfaceOptions | None = None) -> PatchGraph:
     """The faces, and what lies on none left out."""
-    options, merging = options or SurfaceOptions(), MergeOptions()
+    options = options or SurfaceOptions()
     order = np.random.default_rng(0).permutation(len(contacts))
-    free = np.ones(len(contacts), dtype=bool)
-    faces: list[Face] = []
-    for _ in range(1 + options.rounds):
-        rest = order[free[order]]
+    picked, few = np.sort(order[: options.chosen]), np.sort(order[: options.sounded])
+    found = list(segment(contacts.select(few)))
+    sigma = _normal_sigma(contacts.select(few), found, options)
+    if sigma is not None:
+        contacts = replace(contacts, normal_sigma=frozen(np.full(len(contacts), sigma)))
+    if sigma is not None or len(few) < len(picked):
+        found = list(segment(contacts.select(picked)))
+    if len(contacts) <= options.chosen:
+        faces = [Face(i, one.fit, contacts.select(one.rows)) for i, one in enumerate(found)]
+        return PatchGraph(tuple(faces))
+    fits = [one.fit for one in found]
+    for _ in range(options.rounds):
+        owner = _owners(contacts, fits, options)
+        rest = order[owner[order] < 0]
         if len(rest) < max(5, options.least * len(contacts)):
             break
-        picked = contacts.select(np.sort(rest[: options.chosen]))
-        found = [ranked_face(0, patch.contacts, merging) for patch in segment(picked)]
-        if not any(isinstance(face.fit, Fit) for face in found):
+        more = [one.fit for one in segment(contacts.select(np.sort(rest[: options.chosen])))]
+        if not more:
             break
-        faces += [face for face in found if isinstance(face.fit, Fit)]
-        if len(contacts) <= options.chosen:
-            return PatchGraph(tuple(_numbered(i, face) for i, face in enumerate(faces)))
-        free = _owners(contacts, faces, options) < 0
-    owner = _owners(contacts, faces, options)
+        fits += more
+    return PatchGraph(tuple(_faces(contacts, fits, _owners(contacts, fits, options), order, options)))
+
+
+def _normal_sigma(contacts: Contacts, found: list[Segment], options: SurfaceOptions) -> float | None:
+    """[rad] as the faces' contacts scatter, where that is not what was said."""
+    table = [(contacts.select(one.rows), one.fit) for one in found if len(one.rows) > one.fit.shape.dof]
+    felt = [(c, fit) for c, fit in table if c.has_normal.all()]
+    if not felt:
+        return None
+    turned = np.concatenate([_turned(c, fit) for c, fit in felt])
+    said = float(np.median(np.concatenate([c.normal_sigma for c, _ in felt])))
+    sigma = max(float(np.sqrt(np.median(turned**2) / _MEDIAN_OF_TWO)), options.finest)
+    return None if said / options.off < sigma < said * options.off else sigma
+
+
+_MEDIAN_OF_TWO = 1.386  # of chi2 with two degrees of freedom
+
+
+def _turned(contacts: Contacts, fit: Fit) -> Floats:
+    """(n,) [rad] between felt normals and the shape's."""
+    sign = 1.0 if fit.convex else -1.0
+    cosine = sign * (fit.shape.normals(contacts.points) * contacts.normals).sum(axis=1)
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _faces(
+    contacts: Contacts, fits: list[Fit], owner: Ints, order: Ints, options: SurfaceOptions
+) -> list[Face]:
+    """Every face fitted to more of its contacts than it was found with."""
     out: list[Face] = []
-    for i in range(len(faces)):
+    for i, near in enumerate(fits):
         mine = order[owner[order] == i]
         if len(mine) < 5:
             continue
-        again = ranked_face(len(out), contacts.select(np.sort(mine[: options.fitted])), merging)
-        out.append(Face(again.id, again.fit, contacts.select(np.sort(mine)), again.ranked))
-    return PatchGraph(tuple(out))
+        some = contacts.select(np.sort(mine[: options.fitted]))
+        again = refit(near.shape, near.convex, some, options.fit)
+        out.append(Face(len(out), again if isinstance(again, Fit) else near, contacts.select(np.sort(mine))))
+    return out
 
 
-def _owners(contacts: Contacts, faces: list[Face], options: SurfaceOptions) -> Ints:
+def _owners(contacts: Contacts, fits: list[Fit], options: SurfaceOptions) -> Ints:
     """(n,) the face that explains each contact best; -1 where none does."""
-    if not faces:
+    if not fits:
         return np.full(len(contacts), -1, dtype=np.int64)
-    slack = MergeOptions().slack ** 2
-    bound = slack * np.where(contacts.has_normal, options.outlier_chi2[1], options.outlier_chi2[0])
-    costs = np.stack([squares(face.fit, contacts) for face in faces if isinstance(face.fit, Fit)])
+    bound = options.slack**2 * np.where(contacts.has_normal, options.outlier_chi2[1], options.outlier_chi2[0])
+    costs = np.stack([squares(fit, contacts) for fit in fits])
     best = costs.argmin(axis=0)
     return np.where(costs.min(axis=0) < bound, best, -1).astype(np.int64)
-
-
-def _numbered(number: int, face: Face) -> Face:
-    return Face(number, face.fit, face.contacts, face.ranked)

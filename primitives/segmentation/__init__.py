@@ -1,0 +1,1 @@
+"""Contacts to smooth faces: proposals from a few contacts, weighed by evidence, labels that neighbors share."""
