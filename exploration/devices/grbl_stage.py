@@ -43,15 +43,13 @@ class GrblStage:
     ) -> None:
         self._link, self._chain, self._limits, self._safety = link, chain, limits, safety
         self._config, self._pin, self._clock = config or StreamConfig(), crash_pin, link.clock
-        self._lock = threading.RLock()
-        self._open = True
+        self._lock, self._open = threading.RLock(), True
         self.fault = ""  # why the stage will not move any more
         self.state = ""  # as the controller says
         self.reconnects = 0
         self._where = Whereabouts(len(chain.axes))
         self._events: list[StageEvent] = []
-        self._plan = JogPlan(chain, limits, self._config)
-        self._cancel = JogCancel(link, self._config)
+        self._plan, self._cancel = JogPlan(chain, limits, self._config), JogCancel(link, self._config)
         self._held = False
         self._as_of: float | None = None
         self._order = greet(link, chain)
@@ -114,7 +112,7 @@ class GrblStage:
         """What was noticed since last asked."""
         with self._lock:
             found, self._events = tuple(self._events), []
-        return found
+            return found
 
     def close(self) -> None:
         """Stop, and let go of the port."""
@@ -133,8 +131,7 @@ class GrblStage:
             try:
                 self._look()
             except PalpateError as error:
-                if self._open and not self._reconnected():
-                    self.fault = self.fault or str(error)
+                self.fault = self.fault or (self._reconnected(str(error)) if self._open else "")
             except Exception as error:
                 self.fault = (
                     f"the stage's thread failed ({type(error).__name__}: {error}); motion has stopped"
@@ -237,14 +234,17 @@ class GrblStage:
                 self._link.send(jog.line)
             self._plan.took(jog, now)
 
-    def _reconnected(self) -> bool:
-        """Whether a port that went away came again, and the stage is where it was."""
-        before, until = self._where.joints, self._clock.now() + self._config.dumb
-        if not greet_again(self._link, self._chain, lambda: self._open and self._clock.now() < until):
-            return False
-        self._stop_jogs()
-        self._hear()
-        if (np.abs((self._where.joints - before) * self._chain.to_wire) > _HOMED).any():
-            self.fault = "the stage has lost its position; home it, then begin again"
+    def _reconnected(self, trouble: str) -> str:
+        """Wait for a port that went away; the fault, where it stays away or the stage is elsewhere now."""
+        before = self._where.joints
+        try:
+            until = self._clock.now() + self._config.dumb
+            if not greet_again(self._link, self._chain, lambda: self._open and self._clock.now() < until):
+                return trouble
+            self._stop_jogs()
+            self._hear()
+        except PalpateError as error:
+            return str(error)
         self.reconnects += 1
-        return True
+        moved = (np.abs((self._where.joints - before) * self._chain.to_wire) > _HOMED).any()
+        return "the stage has lost its position; home it, then begin again" if moved else ""

@@ -13,6 +13,8 @@ from serial.tools import list_ports
 
 from primitives.errors import PalpateError
 
+_MOST = 4096  # bytes that are read at once
+
 
 @dataclass(frozen=True)
 class FoundPort:
@@ -42,9 +44,9 @@ class Port:
     def _open(self) -> None:
         address = self.address
         try:
-            self._serial = serial.serial_for_url(
-                address, baudrate=self.baud, timeout=self._patience, write_timeout=0.2
-            )
+            self._serial = serial.serial_for_url(address, baudrate=self.baud, timeout=self._patience)
+            if not address.startswith("rfc2217://"):  # which knows no such timeout
+                self._serial.write_timeout = 0.2
         except PermissionError as error:
             raise PalpateError(_forbidden(address)) from error
         except (serial.SerialException, ValueError, OSError) as error:
@@ -58,6 +60,8 @@ class Port:
         """What has come, at least after waiting once."""
         try:
             data: bytes = self._serial.read(max(1, self._serial.in_waiting))
+            if data and self.address.startswith("socket://"):  # it tells that something waits, not how much
+                data += self._serial.read(_MOST)
         except (serial.SerialException, OSError, TypeError) as error:
             raise self._gone() from error
         return data
