@@ -13,6 +13,7 @@ from serial.tools import list_ports
 
 from primitives.errors import PalpateError
 
+_STUCK = 1.0  # [s] after which a port that takes no bytes is gone
 _MOST = 4096  # bytes that are read at once
 
 
@@ -46,7 +47,7 @@ class Port:
         try:
             self._serial = serial.serial_for_url(address, baudrate=self.baud, timeout=self._patience)
             if not address.startswith("rfc2217://"):  # which knows no such timeout
-                self._serial.write_timeout = 0.2
+                self._serial.write_timeout = _STUCK
         except PermissionError as error:
             raise PalpateError(_forbidden(address)) from error
         except (serial.SerialException, ValueError, OSError) as error:

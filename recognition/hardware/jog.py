@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from exploration.control.procedures.approach import touched
+from exploration.control.procedures.approach import advance
 from exploration.devices.grbl_link import GrblLink
-from exploration.devices.guard import Guard, GuardLimits
+from exploration.devices.guard import Guard, GuardLimits, Observation
 from exploration.devices.ports import Port
 from primitives import pose as se3
+from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from recognition.hardware.config import DeviceConfig, load_device
 from recognition.hardware.rig import open_rig
@@ -30,14 +31,23 @@ def jog(path: Path, by: tuple[float, ...], home: bool, unlock: bool = False) -> 
     try:
         limits = GuardLimits(config.limits.force_n, config.limits.depth_mm, config.limits.reach_mm)
         guard = Guard(rig.stage, [rig.array], [rig.calibration], limits)
-        goal = guard.world_from_sensor @ np.eye(4)
-        goal[:3, 3] += by
-        met = guard.go_to(goal, until=lambda seen: touched(seen.image)) if any(by) else None
+        met = _moved(guard, np.array(by)) if any(by) else None
         where = guard.observe().world_from_sensor @ se3.inverse(rig.array.flange_from_sensor)
         ended = "arrived" if met is None else f"touched something, {met.force:.1f} N"
     finally:
         rig.close()
     return {"ended": ended, "position_mm": np.round(where[:3, 3], 3).tolist(), "touched": met is not None}
+
+
+def _moved(guard: Guard, by: Floats) -> Observation | None:
+    """Feel along the way, no faster than a touch allows; then to the goal itself."""
+    goal = guard.world_from_sensor.copy()
+    goal[:3, 3] += by
+    length = float(np.linalg.norm(by))
+    met = advance(guard, by / length, length, guard.stage.limits.speed)
+    if met is None:
+        guard.go_to(goal)
+    return met
 
 
 def free(config: DeviceConfig) -> None:
