@@ -12,7 +12,7 @@ demo: $(VENV)/.kernels
 	$(BIN)/palpate recognize runs/demo --library docs/library
 
 test: $(VENV)/.dev $(VENV)/.kernels
-	$(BIN)/python -m pytest -n 2 -rs
+	$(BIN)/python -m pytest -n 2 --dist worksteal -rs
 
 bench: $(VENV)/.bench $(VENV)/.kernels
 	$(BIN)/python tests/bench

@@ -1,12 +1,23 @@
-"""Whatever is wrong with a CAD file, the real command says so in one line and leaves nothing behind."""
+"""Whatever is wrong with a CAD file, the command says so in one line and leaves nothing behind."""
 
 import os
 import struct
 import subprocess
 import sys
+from typing import NamedTuple
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
+
+from recognition.cli import app
+
+
+class Result(NamedTuple):
+    exit_code: int
+    stdout: str
+    stderr: str
+
 
 TETRAHEDRON = np.array([[0, 0, 0], [20, 0, 0], [0, 20, 0], [0, 0, 20]], dtype=float)
 TRIANGLES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
@@ -74,18 +85,26 @@ BROKEN = {
 }
 
 
-def explore(part, cwd):
-    return subprocess.run(
+@pytest.fixture
+def explore(tmp_path, monkeypatch):
+    """The command in this process, which spares starting Python for each file."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *given: CliRunner().invoke(app, ["explore", *given])
+
+
+def started(part, cwd):
+    done = subprocess.run(
         [sys.executable, "-m", "recognition.cli", "explore", str(part)],
         capture_output=True,
         text=True,
         cwd=cwd,
         timeout=60,
     )
+    return Result(done.returncode, done.stdout, done.stderr)
 
 
 def is_one_line_and_nothing_else(done, cwd, before):
-    assert done.returncode == 1
+    assert done.exit_code == 1
     assert done.stdout == ""
     assert done.stderr.startswith("palpate: ")
     assert done.stderr.count("\n") == 1, done.stderr
@@ -93,50 +112,45 @@ def is_one_line_and_nothing_else(done, cwd, before):
     return True
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", BROKEN)
-def test_a_broken_file_is_one_line(name, tmp_path):
+def test_a_broken_file_is_one_line(name, tmp_path, explore):
     (tmp_path / name).write_bytes(BROKEN[name])
-    done = explore(name if "." in name else f"./{name}", tmp_path)
+    done = explore(name if "." in name else f"./{name}")
     assert is_one_line_and_nothing_else(done, tmp_path, [name])
 
 
 @pytest.mark.slow
-def test_a_folder_is_one_line(tmp_path):
+@pytest.mark.parametrize("name", ["empty.stl", "garbage.step", "two_bodies.off"])
+def test_the_command_in_a_process_of_its_own_says_the_same(name, tmp_path):
+    (tmp_path / name).write_bytes(BROKEN[name])
+    assert is_one_line_and_nothing_else(started(name, tmp_path), tmp_path, [name])
+
+
+def test_a_folder_is_one_line(tmp_path, explore):
     (tmp_path / "part.stl").mkdir()
-    assert is_one_line_and_nothing_else(explore("part.stl", tmp_path), tmp_path, ["part.stl"])
+    assert is_one_line_and_nothing_else(explore("part.stl"), tmp_path, ["part.stl"])
 
 
-@pytest.mark.slow
-def test_a_link_to_nothing_is_one_line(tmp_path):
+def test_a_link_to_nothing_is_one_line(tmp_path, explore):
     (tmp_path / "part.stl").symlink_to(tmp_path / "gone.stl")
-    assert is_one_line_and_nothing_else(explore("part.stl", tmp_path), tmp_path, ["part.stl"])
+    assert is_one_line_and_nothing_else(explore("part.stl"), tmp_path, ["part.stl"])
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="left out: no named pipes here")
 def test_a_pipe_that_never_answers_is_one_line(tmp_path):
     os.mkfifo(tmp_path / "part.stl")
-    assert is_one_line_and_nothing_else(explore("part.stl", tmp_path), tmp_path, ["part.stl"])
+    assert is_one_line_and_nothing_else(started("part.stl", tmp_path), tmp_path, ["part.stl"])
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(
     not hasattr(os, "geteuid") or os.geteuid() == 0, reason="left out: this user may read every file"
 )
-def test_a_file_that_may_not_be_read_is_one_line(tmp_path):
+def test_a_file_that_may_not_be_read_is_one_line(tmp_path, explore):
     (tmp_path / "part.stl").write_bytes(WHOLE)
     (tmp_path / "part.stl").chmod(0)
-    assert is_one_line_and_nothing_else(explore("part.stl", tmp_path), tmp_path, ["part.stl"])
+    assert is_one_line_and_nothing_else(explore("part.stl"), tmp_path, ["part.stl"])
 
 
-@pytest.mark.slow
-def test_two_sensors_at_once_are_one_line(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "recognition.cli", "explore", "block", "--sensor", "lts210,dsa"],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        timeout=60,
-    )
-    assert is_one_line_and_nothing_else(done, tmp_path, [])
+def test_two_sensors_at_once_are_one_line(tmp_path, explore):
+    assert is_one_line_and_nothing_else(explore("block", "--sensor", "lts210,dsa"), tmp_path, [])

@@ -26,20 +26,10 @@ def explorer_over(tree, seed, sensor="lts210", **config):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["block", "cylinder", "sphere"])
-def test_a_convex_part_is_explored_until_closed_and_rebuilt(name):
-    explorer, solid = explorer_over(parts.build(name), seed=1, max_touches=120)
-    for _ in explorer.run():
-        pass
-    built = assemble([face for face in explorer.found.graph.faces if face.fit], BOX.reshape(2, 3))
-    assert explorer.found.ended == "closed"
-    assert built
-    assert iou(built.solid, solid) > 0.99
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("sensor", "name"), [("dsa", "cylinder"), ("optical", "block")])
-def test_a_coarse_slow_array_and_a_fine_one_close_a_part_too(sensor, name):
+@pytest.mark.parametrize(
+    ("sensor", "name"), [("lts210", "cylinder"), ("dsa", "cylinder"), ("optical", "block")]
+)
+def test_a_convex_part_is_explored_until_closed_and_rebuilt_by_coarse_arrays_and_fine_ones(sensor, name):
     explorer, solid = explorer_over(parts.build(name), seed=1, sensor=sensor, max_touches=120)
     for _ in explorer.run():
         pass

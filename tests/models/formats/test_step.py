@@ -92,7 +92,7 @@ def test_a_reader_that_crashes_or_hangs_is_one_line(tmp_path, step_box, monkeypa
 @pytest.mark.slow
 def test_damaged_text_never_ends_the_program(tmp_path, step_bar) -> None:
     rng = np.random.default_rng(0)
-    for _ in range(12):
+    for _ in range(5):
         text = bytearray(step_bar().encode())
         for place in rng.integers(400, len(text) - 40, rng.choice([1, 5, 50])):
             text[place] = rng.integers(32, 126)
