@@ -112,7 +112,7 @@ class GrblStage:
         """What was noticed since last asked."""
         with self._lock:
             found, self._events = tuple(self._events), []
-            return found
+            return found if self._safety is None else (*found, *self._safety.untold())
 
     def close(self) -> None:
         """Stop, and let go of the port."""
@@ -196,9 +196,9 @@ class GrblStage:
             return
         if news:
             self._safety.at(self._chain.pose(self._where.joints)[:3, 3])
+        self._safety.ahead = max(0.0, self._plan.until - now)
         quiet, tripped = self._safety.silent(now), bool(self._safety.tripped)
-        busy = self.state == "Jog" or now < self._plan.until
-        if (quiet or tripped) and busy and self._cancel.again(now):
+        if (quiet or tripped) and (self.state == "Jog" or now < self._plan.until) and self._cancel.again(now):
             self._safety.holds += quiet and not self._held
             self._stop_jogs()
         if tripped:

@@ -188,7 +188,8 @@ class Guard:
         if alarms:
             self._back_off()
             kind = Collision if alarms[0].kind == "collision" else OverPress
-            raise kind(f"{alarms[0].kind} of {alarms[0].source} by {alarms[0].amount:.2f} mm", seen)
+            by = f" by {alarms[0].amount:.2f} mm" if alarms[0].amount else ""
+            raise kind(f"{alarms[0].kind} of {alarms[0].source}{by}", seen)
         if self._load.force > self.limits.force or self._load.peak > self.limits.depth:
             pressed = f"pressed to {self._load.force:.1f} N, {self._load.peak:.2f} mm"
             self._back_off()

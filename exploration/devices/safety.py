@@ -12,9 +12,9 @@ and less than all, and that of a run of repeats the product over them (our deriv
 the array is taken as frozen, which is silence since the last news.
 
 A limit that stops motion once it is passed is passed.  So the force is judged as it will be when the stage has
-come to rest by itself, F + dF/dt (t + v / (2 a)) with t the time for which motion has been sent, whoever may die
-meanwhile; and toward the object the pad goes no
-faster than it may run blind into a flat, k A (v (s + t) + v^2 / (2 a)) <= F with s the silence after which it is
+come to rest by itself, F + dF/dt (t + h + v / (2 a)) with t the time until the stage's thread has seen it and h
+the time for which motion has been sent, whoever may die meanwhile; and toward the object the pad goes no faster
+than it may run blind into a flat, k A (v (s + t + h) + v^2 / (2 a)) <= F with s the silence after which it is
 stopped (our derivation; both with the skin as a Winkler foundation of stiffness k and area A).
 """
 
@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.devices.clock import MACHINE, Clock
+from exploration.devices.protocols import StageEvent
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.frame import TaxelFrame
 from primitives.arrays import Floats
@@ -37,7 +38,8 @@ class SafetyLimits:
     force: float = 60.0  # [N] over the whole pad
     reach: tuple[float, ...] = (-1e9, -1e9, -1e9, 1e9, 1e9, 1e9)  # [mm] box of the flange
     patience: float = 0.02  # [s] past one and a half periods without a frame, until the stage is held
-    lead: float = 0.035  # [s] of motion that may still come after a frame: a tick, and what was sent ahead
+    lead: float = 0.01  # [s] from a frame until the stage's thread has judged it
+    ahead: float = 0.025  # [s] for which motion is sent ahead, while the stage does not tell
     margin: float = 1.05  # of the force at a stop, that the way back may show before it is stopped, too
     chance: float = 1e-9  # of repeated frames by noise alone, below which the array is frozen
     frozen: float = 2.0  # [s] of it, after which reading on is in vain
@@ -61,6 +63,8 @@ class Safety:
         self._heard = clock.now()
         self._ceiling = limits.force
         self._force, self._time = 0.0, -np.inf
+        self.ahead = limits.ahead  # [s] for which motion has been sent, as the stage's thread tells
+        self._told = False
         self._braking = 0.0  # [s] v / (2 a) of what was asked last
         self._counts = np.empty(0)
         self._repeats = 0.0  # log of the chance that noise repeats a frame so often
@@ -80,7 +84,7 @@ class Safety:
         self.most = max(self.most, force)
         if force < self.limits.force:
             self._ceiling = self.limits.force
-        coming = force + rate * (self.limits.lead + self._braking)
+        coming = force + rate * (self.limits.lead + self.ahead + self._braking)
         if coming > self._ceiling and not self.tripped:
             self.tripped = f"{coming:.0f} N would be more than the limit of {self.limits.force:.0f} N"
 
@@ -95,7 +99,7 @@ class Safety:
         toward = float(sensor @ (twist[:3] + np.cross(twist[3:], arm)))
         c = self._calibration
         depth = self.limits.force / (c.stiffness * self._area * c.zero.size)
-        late = self._silence + self.limits.lead
+        late = self._silence + self.limits.lead + self.limits.ahead
         blind = acceleration * (np.sqrt(late**2 + 2.0 * depth / acceleration) - late)
         kept = twist * min(1.0, blind / max(toward, 1e-9))
         self._braking = max(0.0, min(toward, blind)) / (2.0 * acceleration)
@@ -139,7 +143,14 @@ class Safety:
                 self.tripped or f"the flange is beyond its limits at {np.round(flange, 1).tolist()} mm"
             )
 
+    def untold(self) -> tuple[StageEvent, ...]:
+        """What tripped, the first time that the loop asks."""
+        if not self.tripped or self._told:
+            return ()
+        self._told = True
+        return (StageEvent("overpress", self._clock.now(), 0.0, f"a limit ({self.tripped})"),)
+
     def answered(self) -> None:
         """The control loop has heard: a way back is allowed, as long as the force does not grow on it."""
         self._ceiling = max(self.limits.force, self.limits.margin * self._force)
-        self.tripped = ""
+        self.tripped, self._told = "", False

@@ -86,7 +86,7 @@ class WatchedStage:
 
     def events(self) -> tuple[StageEvent, ...]:
         """What its drives have noticed."""
-        return self._stage.events()
+        return (*self._stage.events(), *self._safety.untold())
 
     def close(self) -> None:
         """Stop, and let go of whatever the driver holds."""
