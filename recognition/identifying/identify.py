@@ -23,7 +23,7 @@ from models.library import Library
 from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
-from recognition.identifying.policies import POLICY, gap_touch
+from recognition.identifying.policies import POLICY, Policy, gap_touch
 from recognition.identifying.untouched import swept, weighed
 from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.next_touch.choose import Choice, choose
@@ -36,7 +36,7 @@ Announce = Callable[[str, Mapping[str, object]], None]
 class IdentifyConfig:
     """When to stop, and how far away to keep."""
 
-    policy: str = "information"
+    policy: str | Policy = "information"
     confidence: float = 0.95
     max_touches: int = 40
     unknown: float = 0.1  # prior probability of none of these
@@ -96,7 +96,7 @@ class Identifier:
             self.ended = self.ended or "nothing was found in the workspace"
             return
         while not self.ended:
-            ball = self.ball() if self._missed() < self.config.misses else self._felt_ball()
+            ball = self.around()
             self._leave()
             approach, choice = self._next(ball)
             if self.ended:
@@ -131,6 +131,10 @@ class Identifier:
         radius = min(radius, 1.6 * self._largest())
         farthest = float(np.linalg.norm(felt.points - middle, axis=1).max(initial=0.0))
         return Ball(middle, max(radius, farthest) + self.config.margin + 0.5 * max(self._pad))
+
+    def around(self) -> Ball:
+        """The ball that the next approach begins outside of."""
+        return self.ball() if self._missed() < self.config.misses else self._felt_ball()
 
     def _missed(self) -> int:
         """How many touches there were since one that told of a contact."""
@@ -215,7 +219,9 @@ class Identifier:
             return self.touches[-1].approach, None
         tried, places = len(self.touches), self._places(ball)
         if self.config.policy != "information":
-            return POLICY[self.config.policy](ball, places, tried, self.rng), None
+            policy = self.config.policy
+            chosen = POLICY[policy] if isinstance(policy, str) else policy
+            return chosen(ball, places, tried, self.rng), None
         met = sum(t.met for t in self.touches)
         if self.belief is not None and met >= self.config.blind and self._missed() < self.config.misses:
             here = self.guard.world_from_sensor

@@ -5,6 +5,8 @@ These are what the choice by information is measured against, and what is done w
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from exploration.planning.lone_touch import Approach
@@ -13,6 +15,9 @@ from primitives.arrays import Floats
 from primitives.pose import random_rotation
 from recognition.matching.next_touch.candidates import directions, toward
 
+Policy = Callable[
+    [Ball, Floats, int, np.random.Generator], Approach
+]  # ball, places touched, how many, chance
 _EVEN = 32  # directions of the even grid, in an order that is spread out from its beginning
 
 
@@ -49,4 +54,4 @@ def _spread_out(ways: Floats) -> list[int]:
     return order
 
 
-POLICY = {"random": random_touch, "grid": grid_touch, "largest-gap": gap_touch}
+POLICY: dict[str, Policy] = {"random": random_touch, "grid": grid_touch, "largest-gap": gap_touch}
