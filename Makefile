@@ -5,7 +5,7 @@ SOURCES := $(shell find primitives models exploration recognition -name '*.py' -
 export PIP_NO_CACHE_DIR := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test bench soak faults lint docs clean
+.PHONY: demo test bench soak faults lint docs site clean
 
 demo: $(VENV)/.kernels
 	$(BIN)/palpate explore block --out runs/demo --overwrite
@@ -30,6 +30,11 @@ lint: $(VENV)/.dev
 
 docs: $(VENV)/.kernels
 	$(BIN)/python docs/draw_parts.py
+	$(BIN)/python docs/site/make_pages.py
+
+site: $(VENV)/.docs
+	$(BIN)/python -m mkdocs build --quiet --strict --config-file docs/site/mkdocs.yml
+	@echo "build/site/index.html"
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info
@@ -50,6 +55,10 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/.made
 
 $(VENV)/.dev: pyproject.toml | $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet -e '.[dev]'
+	@touch $@
+
+$(VENV)/.docs: pyproject.toml | $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet -e '.[docs]'
 	@touch $@
 
 $(VENV)/.bench: pyproject.toml | $(VENV)/.dev
