@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +92,7 @@ def _made(store: Store, todo: Sequence[_Todo], workers: int) -> Iterator[tuple[A
         for file, key, stamps in todo:
             yield file, key, stamps, *make(file, store.entry(key))
         return
+    others = set(active_children())
     left = {key: (file, key, stamps) for file, key, stamps in todo}
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
         jobs = {pool.submit(make, file, store.entry(key)): key for file, key, _ in left.values()}
@@ -103,6 +104,8 @@ def _made(store: Store, todo: Sequence[_Todo], workers: int) -> Iterator[tuple[A
             pass
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for worker in set(active_children()) - others:  # or the block would wait for the files in hand
+                worker.terminate()
             raise
     for one in left.values():  # a file ended its reader: which one is found by reading each apart
         with ProcessPoolExecutor(1, get_context("spawn")) as alone:
