@@ -5,7 +5,7 @@ with the hybrid law for the rest (`surface_servo`).  The heading is fixed in the
 surface the pad follows a geodesic.  A stroke ends short of an edge, where the stage's reach ends, where the
 surface rises ahead of the pad (a concavity), where it has come round, or after its length.  Where it is asked to,
 it also ends at a wall: what meets housing or skin from the side while the pad lies on its surface as it did all
-along; a pad that hangs on a rim meets the object's own flank instead, and is lost.  The guard has backed off by then.
+along; a pad that hangs on a rim meets the object's flank instead, and is lost.  The guard has backed off by then.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from exploration.control.stroke_ends import edge_near, leaves, rises
 from exploration.control.surface_reading import SurfaceReading, read_surface
 from exploration.control.surface_servo import SurfaceServo
 from exploration.control.surface_trace import NO_TRACE, SurfaceTrace, smoothed_surface
-from exploration.devices.guard import Collision, Guard, OverPress
+from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.sensing.lines.hough import find_lines
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
@@ -52,6 +52,8 @@ class StrokeConfig:
     rising: float = 2.0  # times the nominal press, under the pad's front, at which a concavity begins
     room: float = 2.0  # [mm] kept from the end of the stage's reach, beside what it takes to stop
     lies: float = 0.5  # share of a stroke's usual area of contact, from which the pad lies on its surface
+    ahead: float = 0.4  # share of the half pad ahead of the center, up to which that contact's middle may be
+    sunk: float = 2.0  # times the nominal press, up to which it may be deep
     walls: bool = False  # whether what is met from the side ends a stroke; else it is a fault
 
 
@@ -158,8 +160,7 @@ def follow_surface(
         except (Collision, OverPress) as fault:
             if not config.walls or fault.seen is None:
                 raise
-            last = feel(fault.seen.image)
-            lay = last.area > config.lies * float(np.median(areas)) if last else False
+            lay = _lies_flush(fault.seen, heading, float(np.median(areas)), half, press, config)
             ended, met = ("wall", fault.seen.world_from_sensor) if lay else ("lost", None)
             break
         step = float((seen.world_from_sensor[:3, 3] - at[:3, 3]) @ (at[:3, :2] @ heading))
@@ -180,6 +181,20 @@ def follow_surface(
         heading,
         met,
     )
+
+
+def _lies_flush(
+    seen: Observation, heading: Floats, area: float, half: float, press: float, config: StrokeConfig
+) -> bool:
+    """Whether the pad lies on its surface as it did; `area` [mm^2] is usual for the stroke.
+
+    A pad that tips over the end of its face lies on its own leading rim instead, and sinks in.
+    """
+    felt = feel(seen.image)
+    if not felt:
+        return False
+    level = float(felt.centroid @ heading) < config.ahead * half and felt.depth < config.sunk * press
+    return level and felt.area > config.lies * area
 
 
 def _returned(at: Floats, start: Floats, config: StrokeConfig) -> bool:
