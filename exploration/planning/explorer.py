@@ -3,8 +3,8 @@
 Find it, lie flush on it, stroke the face under the pad to its edges, roll over every edge to the face behind it,
 touch what the faces so far predict and nothing has touched, and trace every edge.  Each of those is a move; the
 frontier says what is open, and the cheapest open thing comes next.  An object is taken for convex, whose faces say
-much about what nobody has touched yet, until a wall or its faces contradict that; then each face is explored for
-itself (`any_form`).
+much about what nobody has touched yet, until a wall or its faces contradict that, or until what they say cannot be
+closed; then each face is explored for itself (`any_form`).
 """
 
 from __future__ import annotations
@@ -78,8 +78,11 @@ class Explorer:
                 self.found.ended = "budget" if spent else whole
                 return
             move = self._next(face)
+            if move is None and self.found.open:
+                self.found.hollow = True
+                continue
             if move is None:
-                self.found.ended = "closed" if not self.found.open else "nothing reachable is open"
+                self.found.ended = "closed"
                 return
             try:
                 done, note = move()
