@@ -1,74 +1,41 @@
 """The whole calibration by a stage, against the truth of a simulated unit that differs from its data sheet."""
 
-from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from exploration.devices.guard import Guard, GuardLimits
-from exploration.devices.simulated import simulate
-from exploration.sensing.calibration import Calibration
-from exploration.sensing.spec import load_sensor
-from models.solid import Solid
-from primitives import pose as se3
-from recognition.hardware.artifact import Artifact, emulated_artifact
-from recognition.hardware.calibrate import made_by
-from recognition.hardware.presses import StagePresses
-from recognition.hardware.saved_calibration import load, save
+from recognition.hardware.saved_calibration import load, save, told_in
 
-SHEET = load_sensor("lts210")
-STIFFER, NARROWER = 1.12, 0.88
-
-
-class AsToldMounted:
-    """An array whose driver takes it to sit on the flange's middle."""
-
-    flange_from_sensor = np.eye(4)
-
-    def __init__(self, array):
-        self._array = array
-
-    def __getattr__(self, name):
-        return getattr(self._array, name)
-
-
-@pytest.fixture(scope="module")
-def done():
-    rng = np.random.default_rng(5)
-    rubber = replace(
-        SHEET.elastomer,
-        stiffness=SHEET.elastomer.stiffness * STIFFER,
-        spread=SHEET.elastomer.spread * NARROWER,
-    )
-    electronics = replace(
-        SHEET.electronics, plateau=SHEET.electronics.plateau * STIFFER, gain_spread=0.1, dead=0.02
-    )
-    true = replace(SHEET, elastomer=rubber, electronics=electronics)
-    mount = se3.pose(se3.rotation_exp(rng.normal(0.0, 0.03, 3)), rng.normal(0.0, 1.5, 3))
-    above = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 100.0])
-    solid = Solid.from_csg(emulated_artifact())
-    stage, (array,) = simulate(solid, [true], rng, start_pose=above, flange_from_sensor=[mount])
-    unit = array._unit
-    guard = Guard(stage, [AsToldMounted(array)], [Calibration.nominal(SHEET)], GuardLimits())
-    presses = StagePresses(guard, SHEET, Artifact(), np.random.default_rng(5))
-    made = made_by(presses, lambda line: None, SHEET, Artifact(), np.eye(4))
-    return true, unit, mount, made
+BENCH = Path(__file__).parents[2] / "bench"
 
 
 @pytest.mark.slow
-def test_a_stage_calibrates_its_array_and_where_it_sits(done, tmp_path):
-    true, unit, mount, made = done
-    known, live = made.calibration, ~made.calibration.dead
-    assert (known.dead == unit.dead).all()
-    gain = known.gain / (unit.gain * SHEET.counts_per_pressure)
-    assert np.sqrt(np.mean((gain[live] - 1.0) ** 2)) < 0.03
-    assert known.spread == pytest.approx(true.elastomer.spread, rel=0.05)
-    assert known.stiffness == pytest.approx(true.elastomer.stiffness, rel=0.05)
-    off = se3.log(se3.inverse(mount) @ made.mount.flange_from_sensor)
-    assert np.linalg.norm(made.mount.flange_from_sensor[:3, 3] - mount[:3, 3]) < 0.1
-    assert np.linalg.norm(off[3:]) < np.radians(0.2)
+def test_a_stage_calibrates_its_array_and_where_it_sits(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(str(BENCH))
+    from devices.calibrated_unit import calibrated_unit
 
-    save(known, made.mount, tmp_path / "c.toml")
+    done = calibrated_unit(5)
+    known, mount = done.made.calibration, done.made.mount
+    assert (known.dead == done.unit.dead).all()
+    off = done.errors(known, mount.flange_from_sensor)
+    assert off["gains"] < 0.03
+    assert max(off["spread"], off["stiffness"]) < 0.05
+    assert off["place_mm"] < min(0.1, 5.0 * mount.translation_sigma)
+    assert off["turn_deg"] < min(0.2, 5.0 * np.degrees(mount.rotation_sigma))
+    assert off["stiffness"] < 5.0 * known.stiffness_sigma / known.stiffness
+
+    save(known, mount, tmp_path / "c.toml")
     again, where = load(tmp_path / "c.toml")
     assert np.allclose(again.gain, known.gain)
-    assert np.allclose(where, made.mount.flange_from_sensor)
+    assert np.allclose(where, mount.flange_from_sensor)
+
+
+def test_a_config_names_its_newest_calibration_and_keeps_the_rest(tmp_path):
+    config = tmp_path / "rig.toml"
+    config.write_text('[array]\nport = "a"  # left\n\n[stage]\nport = "b"\n')
+    for name in ("one.toml", "two.toml"):
+        told_in(config, tmp_path / name)
+    text = config.read_text()
+    assert text.count("calibration = ") == 1
+    assert text.startswith('[array]\ncalibration = "two.toml"\nport = "a"  # left\n')
