@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from primitives.errors import PalpateError
 from recognition.commands.answering import Json, one_line_errors, print_json
 
 
@@ -40,6 +41,13 @@ def frames(
     as_json: Json = False,
 ) -> None:
     """Show what each frame of a recording, or of an array on a port, felt: kind of contact, lines, curvature."""
+    with one_line_errors(exit_code=2):
+        if not (file or device):
+            raise PalpateError(
+                "frames needs a recording: .mcap, .dsa, .csv, .npy or .npz; or --device CONFIG"
+            )
+        if file and device:
+            raise PalpateError("frames shows a recording or a device, not both; leave one out")
     with one_line_errors():
         from recognition.frames.options import FramesOptions
 

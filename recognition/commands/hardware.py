@@ -66,7 +66,10 @@ def calibrate(
     seed: flags.Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Press a flat, an edge, a step and a ball: zeros, gains, spread, stiffness and mount, each with its sigma."""
+    """Press flat, edge, step and ball, and write what they tell.
+
+    Zeros, gains, dead taxels, spread, stiffness, and where the array sits, each with its standard deviation.
+    """
     with one_line_errors():
         from recognition.hardware.calibrate import calibrate as calibrated
         from recognition.hardware.calibrate import calibrate_text
