@@ -30,7 +30,7 @@ class StreamConfig:
     margin: float = 0.02  # [s] of motion that is sent ahead, beyond what the speed needs
     shortest: float = 0.008  # [s] of one jog
     stale: float = 0.15  # [s] after which a twist counts as none
-    longest: float = 0.015  # [s] of one jog of a straight move
+    longest: float = 0.01  # [s] of one jog of a straight move
     ask: float = 0.004  # [s] between two questions for a report
     deaf: float = 0.1  # [s] without a report, after which nothing is sent
     dumb: float = 3.0  # [s] of listening in vain, after which the stage is lost
