@@ -2,11 +2,15 @@
 
 Part of installing: a kernel compiles the first time that it is called, which would otherwise be in the middle
 of somebody's first exploration.  One whole exploration of a built-in part, one edge and one surface tracked, and a
-recording of frames of every kind call them all.
+recording of frames of every kind call them all.  Two processes share the work: what one has compiled, the other
+reads from the cache.
 """
 
+import os
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -38,17 +42,34 @@ def main() -> None:
     """Explore, track and perceive into a folder that is thrown away, and say how long that took."""
     began = time.perf_counter()
     print("compiling the kernels, once ...", flush=True)
-    with tempfile.TemporaryDirectory(dir=Path.cwd()) as name:
-        folder = Path(name)
-        explore(ExploreOptions(part="block", out=folder / "run"), lambda _: None)
-        perceive_all(folder / "frames.npy")
-        Grain().at(np.zeros((1, 3)))
-        distance_field(Solid.from_csg(Sphere(10.0))).signed_distance(np.zeros((1, 3)))
-        match_once()
-        KinematicChain.gantry().reach(np.eye(4), np.ones(6))
-        for what in ("edge", "surface"):
-            track(TrackOptions(part="block", out=folder / what, what=what), View())
+    with (
+        tempfile.TemporaryDirectory(dir=Path.cwd()) as name,
+        ProcessPoolExecutor(min(2, os.cpu_count() or 1), get_context("spawn")) as crew,
+    ):
+        for done in [
+            crew.submit(task, Path(name)) for task in (explore_once, perceive_all, the_rest, track_both)
+        ]:
+            done.result()
     print(f"compiled in {time.perf_counter() - began:.1f} s")
+
+
+def explore_once(folder: Path) -> None:
+    """A block."""
+    explore(ExploreOptions(part="block", out=folder / "run"), lambda _: None)
+
+
+def track_both(folder: Path) -> None:
+    """One edge of a block, and one face."""
+    for what in ("edge", "surface"):
+        track(TrackOptions(part="block", out=folder / what, what=what), View())
+
+
+def the_rest(folder: Path) -> None:
+    """What neither exploring nor tracking calls."""
+    Grain().at(np.zeros((1, 3)))
+    distance_field(Solid.from_csg(Sphere(10.0))).signed_distance(np.zeros((1, 3)))
+    match_once()
+    KinematicChain.gantry().reach(np.eye(4), np.ones(6))
 
 
 def match_once() -> None:
@@ -58,9 +79,9 @@ def match_once() -> None:
     match(Evidence(Contacts.of(10.0 * poles, poles, 0.1)), ball)
 
 
-def perceive_all(path: Path) -> None:
+def perceive_all(folder: Path) -> None:
     """Read a recording of faces, edges, corners, walls, slots, discs, holes and domes, with a dead taxel."""
-    rng = np.random.default_rng(0)
+    rng, path = np.random.default_rng(0), folder / "frames.npy"
     pressed = [gaussian_filter(200.0 * face, 1.0) for face in faces()]
     for counts in pressed:
         counts[4, 7] *= 0.2
