@@ -16,6 +16,7 @@ from math import dist
 import numba
 import numpy as np
 
+from exploration.devices.following import Following
 from exploration.devices.pending import Pending
 from exploration.devices.protocols import MotionStage, TactileSensor
 from exploration.sensing.calibration import Calibration, correct
@@ -106,6 +107,7 @@ class Guard:
         self.pending = Pending(0.0)
         self._last: Observation | None = None
         self._load = NO_LOAD
+        self._following = Following()
         self._trail: deque[Floats] = deque(maxlen=_TRAIL)
 
     @property
@@ -127,6 +129,12 @@ class Guard:
         """Follow a (6,) sensor-frame twist (v [mm/s], w [rad/s]) for one tick."""
         if self._last is not None:
             self.pending.say(self._last.time, twist)
+            where = self._last.world_from_sensor
+            if self._following.stands(where, twist, self.period, self.pending.latency):
+                self.stage.stop()
+                raise Fault(
+                    "the stage stands still though told to move; check its reach and drives", self._last
+                )
         self.stage.move(_flange_twist(twist, self.sensor.flange_from_sensor))
         return self.observe()
 
@@ -134,6 +142,7 @@ class Guard:
         """Work with another of the arrays on the stage, which stands still meanwhile."""
         if sensor != self.active:
             self.active = sensor
+            self._following.rest()
             self._trail.clear()
             self._last = None
 
@@ -148,6 +157,7 @@ class Guard:
         self, world_from_sensor: Floats, until: Callable[[Observation], bool] | None = None
     ) -> Observation | None:
         """Move straight to a pose; the observation that met `until`, or None once arrived."""
+        self._following.rest()
         self.stage.go_to(world_from_sensor @ se3.inverse(self.sensor.flange_from_sensor))
         while self.stage.moving:
             seen = self.observe()
@@ -204,6 +214,7 @@ class Guard:
     def _back_off(self, distance: float = 5.0) -> None:
         """Back along the way that the array came, which was free, and then off the surface."""
         self.stage.stop()
+        self._following.rest()
         way_back = list(self._trail)[-2::-_TRAIL_STEP]
         lift = se3.pose(translation=[0.0, 0.0, -distance])
         for world_from_sensor in [*way_back, (way_back[-1] if way_back else self.world_from_sensor) @ lift]:

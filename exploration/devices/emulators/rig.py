@@ -174,8 +174,8 @@ class EmulatedRig:
         c, area = self._calibration, self._spec.array.pitch[0] * self._spec.array.pitch[1]
         self.most_force = max(self.most_force, float(((frame.counts - c.zero) / c.gain).sum() * area))
         events = self.stage.events()
+        self.housing_hits += bool(events) and not self.machine.pins
         self.machine.pins = "P" if events else ""
-        self.housing_hits += bool(events)
         if self.faults.frozen:
             frame = self._frozen or frame
         self._frozen = frame
