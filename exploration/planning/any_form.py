@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -38,7 +39,11 @@ class AnyFormConfig:
     overtravel: float = 8.0  # [mm]
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
     overlap: float = 4.0  # [mm] of the pad that stays over the rim
-    above: float = 1.2  # [mm] of the housing over a face whose wall it comes to
+    above: tuple[float, ...] = (
+        1.2,
+        5.0,
+        12.0,
+    )  # [mm] of the housing over a face whose wall it comes to, in turn
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
     wall_tries: int = 2
     rim_tries: int = 3
@@ -143,10 +148,9 @@ class AnyForm:
         """Turn to face what a stroke met, just above the face that the pad lay on."""
         self._walls.note(wall.point)
         half = self.tool.high[:2].min()
-        lift = half + self.own.above
         along = np.cross(wall.normal, wall.heading)
-        for shift in (0.0, 8.0, -8.0, 16.0, -16.0):
-            at = wall.point + lift * wall.normal + shift * along
+        for above, shift in product(self.own.above, (0.0, 8.0, -8.0, 16.0, -16.0)):
+            at = wall.point + (half + above) * wall.normal + shift * along
             target = se3.pose(self.pad.attitude(-wall.heading, along), at)
             if self._touch(target):
                 return self.study.face_here(), "touched a wall"
