@@ -10,11 +10,11 @@ more and no oftener; whoever fits positions and normals of a flat patch at once 
 
 import numpy as np
 
+from exploration.sensing.surfaces.in_world import in_world
 from exploration.sensing.surfaces.local_surface import LocalSurface, NoSurface
 from exploration.sensing.touch import Touch
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.pose import rotate, transform_points
 
 
 def contacts_of(
@@ -29,15 +29,13 @@ def contacts_of(
     if isinstance(surface, NoSurface):
         return Contacts.of(np.empty((0, 3)))
     xy, sigma, normal_sigma = _design(surface)
-    local = np.column_stack([xy, -surface.depth_at(xy)])
-    slope = surface.slope_at(xy)
-    outward = np.column_stack([-slope, -np.ones(len(xy))])
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    return Contacts.of(
-        transform_points(world_from_sensor, local),
-        rotate(world_from_sensor, outward),
+    return in_world(
+        xy,
+        surface.depth_at(xy),
+        surface.slope_at(xy),
         sigma,
         normal_sigma,
+        world_from_sensor,
         touch_id,
         stroke_id,
         sensor_index,

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.surfaces.in_world import in_world
 from exploration.sensing.surfaces.inner_taxels import inner_taxels
-from primitives import pose as se3
 from primitives.arrays import Bools, Floats
 from primitives.evidence import Contacts
 
@@ -58,15 +58,15 @@ def domed_patch(
     at = np.concatenate([np.zeros((1, 2)), arms.T, -arms.T])
     m = _monomials(at)
     slope = c[1:3] - at @ hessian
-    outward = np.column_stack([-slope, -np.ones(len(at))])
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     variance = len(at) * np.einsum("ni,ij,nj->n", m, covariance, m)
     turn = len(at) * float(np.diag(covariance)[1:3].mean())
-    return Contacts.of(
-        se3.transform_points(world_from_sensor, np.column_stack([center + at, -(m @ c + lowered)])),
-        outward @ world_from_sensor[:3, :3].T,
+    return in_world(
+        center + at,
+        m @ c + lowered,
+        slope,
         np.sqrt(variance + config.floor**2),
         float(np.hypot(np.sqrt(turn), config.normal_floor)),
+        world_from_sensor,
         touch,
         stroke,
         sensor,

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.surfaces.in_world import in_world
 from exploration.sensing.surfaces.inner_taxels import inner_taxels
-from primitives import pose as se3
 from primitives.arrays import Bools, Floats
 from primitives.evidence import Contacts
 
@@ -48,14 +48,14 @@ def flat_patch(
         return none
     arms = np.sqrt(2.0 * values) * vectors
     at = np.concatenate([arms.T, -arms.T])
-    local = np.column_stack([center + at, -(plane[0] + at @ plane[1:])])
-    outward = np.array([-plane[1], -plane[2], -1.0]) / np.sqrt(1.0 + plane[1] ** 2 + plane[2] ** 2)
     each = float(np.median(sigma)) * 2.0 / np.sqrt(len(depth))
-    return Contacts.of(
-        se3.transform_points(world_from_sensor, local),
-        np.tile(world_from_sensor[:3, :3] @ outward, (4, 1)),
+    return in_world(
+        center + at,
+        plane[0] + at @ plane[1:],
+        np.tile(plane[1:], (4, 1)),
         each,
         each / np.sqrt(float(values.mean())),
+        world_from_sensor,
         touch,
         stroke,
         sensor,
