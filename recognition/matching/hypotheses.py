@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
@@ -26,9 +27,11 @@ class SearchConfig:
     """How far the search goes."""
 
     pairs: int = 12  # of contacts, with normals
-    turned_pairs: int = 3  # of contacts without
-    kept: int = 40  # poses of an object that descend
+    turned_pairs: int = 6  # of contacts without
+    kept: int = 40  # poses of an object that descend, with normals
+    kept_blind: int = 160  # without: distances alone rank poses badly
     turns: int = 30  # tried about a line
+    starts: int = 400  # turns all round, where no normals were felt
     most: int = 1500  # pairs of samples tried for a pair of contacts without normals
     scored: int = 16  # contacts that score a pose first; more are thinned
     judged: int = 64  # contacts that score it at last
@@ -58,9 +61,10 @@ class Begun(NamedTuple):
     sigma: float  # [mm]
     normal_sigma: float  # [rad]
     whole: int  # how many contacts there are
+    told: bool  # whether sigma is theirs, or has to be estimated
 
 
-def begin(contacts: Contacts, config: SearchConfig, sigma: float) -> Begun:
+def begin(contacts: Contacts, config: SearchConfig, sigma: float, told: bool = True) -> Begun:
     """What does not depend on the object."""
     felt = contacts.has_normal
     whole = np.ascontiguousarray(np.where(felt[:, None], contacts.normals, 0.0))
@@ -71,7 +75,7 @@ def begin(contacts: Contacts, config: SearchConfig, sigma: float) -> Begun:
     pairs = telling_pairs(points, normals, shown, many)
     normal_sigma = float(np.median(contacts.normal_sigma[felt])) if felt.any() else 0.1
     judged = np.ascontiguousarray(contacts.points[order]), whole[order], felt[order]
-    return Begun(*judged, (points, normals, shown), pairs, sigma, normal_sigma, len(contacts))
+    return Begun(*judged, (points, normals, shown), pairs, sigma, normal_sigma, len(contacts), told)
 
 
 def search(begun: Begun, target: Target, config: SearchConfig) -> Found:
@@ -82,23 +86,40 @@ def search(begun: Begun, target: Target, config: SearchConfig) -> Found:
     slope = float(np.hypot(config.angle, 2.0 * begun.normal_sigma))
     field = (target.values, target.origin, target.spacing, target.step)
     radius = 0.5 * target.size
+    kept = config.kept if np.count_nonzero(begun.felt) >= 3 else config.kept_blind
     poses, _ = searched(
         *begun.few, begun.pairs, target.points, target.normals, target.pairs, target.angles, target.starts,
         target.bin, target.coarse, target.origin, target.spacing, target.unit, reach, slope, wide, config.cap,
-        config.kept, config.turns, config.most, config.apart, radius, near,
+        kept, config.turns, config.most, config.apart, radius, near,
     )  # fmt: skip
-    if not len(poses):
+    if not len(poses) and kept == config.kept:
         return Found(poses, np.empty(0))
     settled(poses, *begun.few, wide, slope, config.cap, config.rounds, field)
+    if kept == config.kept_blind:
+        poses = np.concatenate([poses, _all_round(begun, target, config, wide, slope)])
     costs = scored(begun, target, poses, config)
     differ = config.differ
-    poses, costs = distinct(poses, costs, config.kept, differ, differ * radius, begun.points[0])
+    poses, costs = distinct(poses, costs, kept, differ, differ * radius, begun.points[0])
     return Found(poses, costs)
+
+
+def _all_round(begun: Begun, target: Target, config: SearchConfig, wide: float, slope: float) -> Floats:
+    """(k, 3, 4) poses that even turns lead to, the contacts' middle on the object's: for want of normals."""
+    if len(begun.points) < 4:
+        return np.empty((0, 3, 4))
+    turns = Rotation.random(config.starts, random_state=0).as_matrix()
+    shift = target.center - turns @ begun.points.mean(axis=0)
+    poses = np.ascontiguousarray(np.concatenate([turns, shift[:, :, None]], axis=2))
+    field = (target.values, target.origin, target.spacing, target.step)
+    contacts = begun.points, begun.normals, begun.felt
+    settled(poses, *contacts, max(4.0 * wide, 0.1 * target.size), slope, config.cap, config.rounds, field)
+    settled(poses, *contacts, wide, slope, config.cap, config.rounds, field)
+    return poses
 
 
 def scored(begun: Begun, target: Target, poses: Floats, config: SearchConfig) -> Floats:
     """(k,) about -2 log likelihood of all contacts, but for a constant, at (k, 3, 4) poses."""
-    fine = float(np.hypot(0.3 * target.spacing, begun.sigma))
+    fine = float(np.hypot(0.3 * target.spacing if begun.told else 0.5 * gap(target), begun.sigma))
     steep = float(np.hypot(0.05, begun.normal_sigma))
     field = (target.values, target.origin, target.spacing, target.step)
     costs = weighed(poses, begun.points, begun.normals, begun.felt, fine, steep, config.last_cap, field)

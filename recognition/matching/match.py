@@ -70,7 +70,9 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     known: dict[str, list[Floats]] = {}
     for name, at in starts:
         known.setdefault(name, []).append(inverse(at)[:3])
-    begun = begin(evidence.contacts, config.search, float(np.median(evidence.contacts.sigma)))
+    begun = begin(
+        evidence.contacts, config.search, float(np.median(evidence.contacts.sigma)), evidence.scale_known
+    )
     names = shortlist(evidence.contacts, library, config.most_objects, tuple(known))
     found: dict[str, Found] = {}
     belief = Belief((), {})

@@ -24,7 +24,7 @@ SAMPLES = 280  # of an object, in the pair index
 FULL = 255.0  # steps of a half turn
 COARSE = 120.0  # steps of the greatest distance that the coarse field knows, and of a unit vector
 _DISTANCES = 256  # bins over which pairs are sorted
-_REACH = 0.2  # of the object's size: the greatest distance that the coarse field knows
+_REACH = 0.5  # of the object's size: the greatest distance that the coarse field knows
 
 
 class Target(NamedTuple):

@@ -12,9 +12,9 @@ import numpy as np
 
 from models.formats.units import Units
 from models.library import Library
-from models.part import load_part
 from recognition.matching import Evidence, Prior, match
 from recognition.recognizing.answer import modes, objects, warnings_of, why
+from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
 from recognition.sources import read_source
 
@@ -50,23 +50,22 @@ def prior_of(asked: Asked, evidence: Evidence) -> Prior:
 def locate(asked: Asked, model: str, units: Units, scale: float, body: int | None) -> dict[str, Any]:
     """Every pose of one known model that the contacts allow, with its probability."""
     evidence, said = evidence_of(asked)
-    part = load_part(model, units, scale, body)
-    library = Library.of({part.name: part.solid})
-    entry = library[part.name]
+    entry, noted = kept_model(model, units, scale, body)
+    library = Library({entry.name: lambda: entry})
     _ = entry.samples, entry.field, entry.symmetry  # the model's own preparation is start-up
     began = time.perf_counter()
     belief = match(evidence, library, prior_of(asked, evidence), unknown=0.0)
     told = modes(belief, entry)
     return {
         "command": "locate",
-        "decision": part.name,
+        "decision": entry.name,
         "confidence": told[0]["probability"],
         "contacts": len(evidence.contacts),
         "wall_seconds": time.perf_counter() - began,
         "candidates": told,
-        "why": {"runner_up": part.name if len(told) > 1 else None, "separating_contacts": []},
+        "why": {"runner_up": entry.name if len(told) > 1 else None, "separating_contacts": []},
         "truth": truth_of(asked.source, belief, library),
-        "warnings": [*said, *part.warnings],
+        "warnings": [*said, *noted],
     }
 
 

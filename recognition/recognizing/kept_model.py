@@ -1,0 +1,59 @@
+"""The model that `locate` is given, with what matching asks of it: made once, and kept in the user's cache.
+
+Finding the surfaces behind a mesh takes seconds; what was found is kept under a key of the file's content and
+settings in `$XDG_CACHE_HOME/palpate`, or `~/.cache/palpate`, which may be removed at any time.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from models.formats.units import Units
+from models.library import Entry, Library
+from models.library.build import make
+from models.library.folder import ModelFile, content_key
+from models.library.packed import map_arrays
+from models.library.record import text_of
+from models.library.settings import FileSettings
+from models.library.stored import Stored
+from models.part import load_part
+from primitives.errors import PalpateError
+
+
+def kept_model(model: str, units: Units, scale: float, body: int | None) -> tuple[Entry, tuple[str, ...]]:
+    """One entry, and what a person should know of its file."""
+    path = Path(model)
+    home = _home()
+    if not path.is_file() or home is None:
+        return _read(model, units, scale, body)
+    file = ModelFile(path.stem, path, FileSettings(units, scale, body))
+    kept = home / f"{content_key(file)[0]}.npz"
+    arrays = map_arrays(kept)
+    if arrays is None:
+        try:
+            if make(file, kept)[1]:
+                return _read(model, units, scale, body)
+        except PalpateError:
+            return _read(model, units, scale, body)
+        arrays = map_arrays(kept)
+    if arrays is None:
+        return _read(model, units, scale, body)
+    return Entry(file.name, Stored(kept, file), path), tuple(text_of(arrays)["warnings"])
+
+
+def _read(model: str, units: Units, scale: float, body: int | None) -> tuple[Entry, tuple[str, ...]]:
+    part = load_part(model, units, scale, body)
+    return Library.of({part.name: part.solid.placed(np.eye(4))})[part.name], part.warnings
+
+
+def _home() -> Path | None:
+    told = os.environ.get("XDG_CACHE_HOME")
+    home = (Path(told) if told else Path.home() / ".cache") / "palpate"
+    try:
+        home.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return home if os.access(home, os.W_OK) else None
