@@ -18,6 +18,7 @@ from exploration.sensing.surfaces.smooth_shapes import DOME
 from primitives.arrays import Floats
 
 MISFIT = 4.0  # [standard deviations of chi2] beyond which something cuts the contact
+PLAIN = 1.5  # the same, within which a smooth surface leaves no edge to find
 LEAST = 15  # taxels that a fit of part of a contact needs
 
 
@@ -27,7 +28,8 @@ class SurfaceReading:
 
     coefficients: Floats  # (6,) d0, gx, gy, kxx, kxy, kyy of depth(x, y) about the pad's center
     covariance: Floats  # (6, 6)
-    whole: bool  # whether the model explains the frame
+    whole: bool  # whether the model explains the frame, and
+    plain: bool  # so well that there is no edge to look for
     world_from_sensor: Floats  # (4, 4)
     force: float  # [N]
 
@@ -76,7 +78,7 @@ def read_surface(seen: Observation, felt: Felt, last: SurfaceReading | None = No
     if not contact:
         return None
     fit = _fitted(contact, last)
-    whole = _explains(fit)
+    whole, plain = _explains(fit, MISFIT), _explains(fit, PLAIN)
     if not whole and int(felt.inner.sum()) >= LEAST:
         part = replace(contact, precision=np.where(felt.inner, contact.precision, 0.0), mask=felt.inner)
         fit = _fitted(part, last)
@@ -84,7 +86,12 @@ def read_surface(seen: Observation, felt: Felt, last: SurfaceReading | None = No
         return None
     inflation = max(1.0, fit.chi2 / max(1, fit.dof))
     return SurfaceReading(
-        fit.parameters[:6], fit.covariance[:6, :6] * inflation, whole, seen.world_from_sensor, seen.force
+        fit.parameters[:6],
+        fit.covariance[:6, :6] * inflation,
+        whole,
+        plain,
+        seen.world_from_sensor,
+        seen.force,
     )
 
 
@@ -99,5 +106,5 @@ def _began(last: SurfaceReading) -> Footprint:
     return Footprint(c, last.covariance, np.inf, 1, True, c)
 
 
-def _explains(fit: Footprint) -> bool:
-    return bool(fit.converged and fit.chi2 < fit.dof + MISFIT * np.sqrt(2.0 * fit.dof))
+def _explains(fit: Footprint, deviations: float) -> bool:
+    return bool(fit.converged and fit.chi2 < fit.dof + deviations * np.sqrt(2.0 * fit.dof))

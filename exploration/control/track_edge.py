@@ -4,7 +4,9 @@ Tracking ends at a corner (the face ends ahead, or material begins outside), whe
 a length, or where it is lost and not found again a little way back.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from math import dist
 from typing import Literal
 
@@ -61,7 +63,7 @@ class Home:
 class Tracked:
     """What a tracked edge yielded; false where nothing was."""
 
-    trace: EdgeTrace | None
+    draw: Callable[[], EdgeTrace | None]  # the trace, from what the ticks saw
     ended: Ended
     travel: float  # [mm]
     forces: tuple[float, ...] = ()  # [N] at every tick
@@ -71,6 +73,11 @@ class Tracked:
 
     def __bool__(self) -> bool:
         return self.trace is not None
+
+    @cached_property
+    def trace(self) -> EdgeTrace | None:
+        """Where the edge ran; drawn when it is asked for, because of two ways along an edge one is enough."""
+        return self.draw()
 
 
 @dataclass
@@ -137,7 +144,8 @@ def follow_edge(
         step = seen.world_from_sensor[:3, 3] - before[:3, 3]
         run.travel += max(0.0, float(step @ run.ticks[-1].tangent))
         expected = servo.expected(edge, before, seen.world_from_sensor)
-    trace = smoothed(
+    draw = partial(
+        smoothed,
         _clear(run.ticks, corner, config),
         ended == "closed",
         touch,
@@ -147,7 +155,7 @@ def follow_edge(
         config.bend_drift,
     )
     forces, wanted = tuple(t.force for t in run.ticks), tuple(servo.wanted)
-    return Tracked(trace, ended, run.travel, forces, wanted, last, corner)
+    return Tracked(draw, ended, run.travel, forces, wanted, last, corner)
 
 
 def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) -> list[EdgeTick]:

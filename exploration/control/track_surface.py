@@ -118,6 +118,8 @@ def follow_surface(
         missing = 0
         areas.append(felt.area)
         looks = ticks % every == 0 or confirmed
+        if looks and readings and readings[-1].plain:
+            looks, confirmed = False, 0
         if looks and contact_front(felt, seen, heading) < half - 1.5 * max(seen.image.array.pitch):
             near = edge_near(find_lines(seen.image, 3), heading, seen.image, config.stop_share)
             confirmed = confirmed + 1 if near else 0

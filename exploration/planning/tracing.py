@@ -35,7 +35,7 @@ class Tracing:
         if ahead.ended != "closed":
             cost.strokes += 1
             back = follow_edge(guard, -edge.tangent, longest, touch, cost.strokes)
-            best = max((ahead, back), key=lambda t: len(t.trace.points) if t.trace else 0)
+            best = max((ahead, back), key=lambda tracked: tracked.travel)
         self.pad.lie(np.empty((0, 3)))
         if best.trace is None:
             return edge.faces[0], "an edge could not be traced"

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exploration.control.hybrid import HybridGains, HybridState, hybrid, margins
@@ -82,6 +82,7 @@ def test_the_integral_takes_away_a_steady_drift() -> None:
 small = st.floats(-0.5, 0.5)
 
 
+@settings(deadline=None)
 @given(small, small, st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
 def test_tilting_lowers_the_slope_and_leaves_the_pivot_at_rest(gx, gy, cx, cy) -> None:
     slope, pivot = np.array([gx, gy]), np.array([cx, cy])
@@ -92,6 +93,7 @@ def test_tilting_lowers_the_slope_and_leaves_the_pivot_at_rest(gx, gy, cx, cy) -
     assert (vx, vy) == (0.0, 0.0)
 
 
+@settings(deadline=None)
 @given(st.floats(-3.0, 3.0), st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
 def test_commands_stay_within_their_bounds(missing, gx, gy) -> None:
     gains = HybridGains()
