@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from exploration.devices.following import Following
 from exploration.devices.guard import Collision, Fault, Guard, GuardLimits
 from exploration.devices.simulated import simulate
 from exploration.sensing.calibration import Calibration
@@ -84,3 +85,13 @@ def test_nobody_learns_from_a_frame_that_passed_a_limit():
         keep_moving(guard, 10.0)
     assert 0 < len(learned) < len(shown)
     assert all(seen.image.depth.max() < guard.limits.depth for seen in learned)
+
+
+def test_a_stage_that_stands_still_is_told_of_and_one_that_follows_is_not() -> None:
+    here, twist = np.eye(4), np.array([0.0, 0.0, 20.0, 0.0, 0.0, 0.0])
+    stuck = Following()
+    assert any(stuck.stands(here, twist, 0.005, 0.02) for _ in range(100))
+    late, follows = [np.eye(4)] * 30, Following()
+    for _ in range(400):
+        late.append(late[-1] @ se3.pose(translation=0.005 * twist[:3]))
+        assert not follows.stands(late[-30], twist, 0.005, 0.1)
