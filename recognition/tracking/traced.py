@@ -129,7 +129,14 @@ def angles_between(traces: Sequence[EdgeTrace], closed: bool) -> list[float]:
     pairs = list(pairwise(traces))
     if closed and len(traces) > 2:
         pairs.append((traces[-1], traces[0]))
-    return [float(np.pi - np.arccos(np.clip(a.tangents[-1] @ b.tangents[0], -1.0, 1.0))) for a, b in pairs]
+    turns = [_direction(a, -1) @ _direction(b, 0) for a, b in pairs]
+    return [float(np.pi - np.arccos(np.clip(turn, -1.0, 1.0))) for turn in turns]
+
+
+def _direction(trace: EdgeTrace, end: int) -> Floats:
+    """(3,) at one end of an edge; a straight one's is that of the whole."""
+    edge = described(trace)
+    return edge.direction if edge.curve == "line" else trace.tangents[end]
 
 
 def comes_round(traces: Sequence[EdgeTrace]) -> bool:
