@@ -144,8 +144,8 @@ class GrblStage:
         """One round: listen, judge, send."""
         self._link.ask(self._config.ask)
         heard = self._link.listen()
-        self._note(heard)
         with self._lock:
+            self._note(heard)
             self._supervise(bool(heard.reports))
             self._feed()
 
@@ -177,8 +177,8 @@ class GrblStage:
                 self._crashed(moment)
         why = grbl_text.fault(heard.alarm, heard.errors, self.state, heard.reset and self._where.known)
         self.fault = self.fault or why
-        if heard.errors:
-            self._plan.resync(self._where.joints)
+        if heard.errors:  # a line that was refused leaves those after it leading elsewhere
+            self._stop_jogs()
 
     def _crashed(self, moment: float) -> None:
         self._events.append(StageEvent("collision", moment, 0.0, "crash switch"))

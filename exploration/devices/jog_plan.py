@@ -19,6 +19,7 @@ from primitives import pose as se3
 from primitives.arrays import Floats
 
 _TURN = 0.04  # [rad] of one jog of a straight move
+_LAG = 0.015  # [s] by which a report may be old
 _THERE, _THERE_TURN = 0.05, 2e-3  # [mm], [rad] to which a goal is reached
 _SAME = 0.002  # [mm] or [deg] to which a report tells where the stage is
 
@@ -116,7 +117,7 @@ class JogPlan:
         """What to send now, the stage being at `here`; None while enough is on its way."""
         ahead = self._ahead()
         behind = float((np.abs(self._planned - here) / self._chain.speed).max())
-        if self.until - now >= ahead or behind >= 2.0 * ahead + 0.1:
+        if self.until - now >= ahead or behind >= ahead + _LAG:
             return None
         of_way = bool(self._way)
         if of_way:
