@@ -16,6 +16,7 @@ import numpy as np
 from exploration.control.procedures.approach import ApproachConfig, retreat
 from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.planning.any_form import AnyForm
+from exploration.planning.consistency import flattened
 from exploration.planning.covering import Covering
 from exploration.planning.crossing import Crossing
 from exploration.planning.findings import Attempts, Done, ExplorerConfig, Findings
@@ -82,6 +83,7 @@ class Explorer:
                 self.found.hollow = True
                 continue
             if move is None:
+                self.found.graph = flattened(self.found.graph)
                 self.found.ended = "closed"
                 return
             try:
