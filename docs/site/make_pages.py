@@ -61,7 +61,7 @@ def _row(parameter: Any) -> str:
     if parameter.name == "help":
         return ""
     if parameter.param_type_name == "argument":
-        return f"| `{parameter.metavar or parameter.name.upper()}` | | {told} |"
+        return f"| `{_cell(parameter.metavar or parameter.name.upper())}` | | {told} |"
     words = ", ".join([*parameter.opts, *parameter.secondary_opts])
     value = "" if parameter.is_flag else " " + _cell(parameter.metavar or "VALUE")
     shown = parameter.show_default

@@ -32,11 +32,12 @@ def approach_of(action: Floats, ball: Ball) -> Approach:
     return Approach(se3.pose(turn, straight.start[:3, 3]), straight.length)
 
 
-def action_of(approach: Approach, ball: Ball) -> Floats:
+def action_of(approach: Approach, ball: Ball) -> np.ndarray:
     """(6,) float32: the action that means an approach, as nearly as there is one."""
     way = approach.direction
     frame = se3.frame_along(way)
     aside = (approach.start[:3, 3] - ball.center) @ frame[:, :2] / (ASIDE * ball.radius)
     across = approach.start[:3, 0] @ frame
     turn = np.arctan2(across[1], across[0]) / np.pi
-    return np.clip(np.concatenate([way, aside, [turn]]), -1.0, 1.0).astype(np.float32)
+    told = np.concatenate([way, aside, [turn]])
+    return np.asarray(np.clip(told, -1.0, 1.0), dtype=np.float32)

@@ -57,13 +57,14 @@ class ExploreEnv(gymnasium.Env[Observation, np.ndarray]):
         self.sensor, self.noise, self.max_touches = sensor, noise, max_touches
         self.reach, self.cost, self.enough, self.largest = reach_mm, cost, enough, largest_mm
         self.action_space = spaces.Box(-1.0, 1.0, (SIZE,), np.float32)
-        self.observation_space = spaces.Dict(
+        observed: Any = spaces.Dict(
             {
                 "contacts": spaces.Box(-_FAR, _FAR, (_ROWS, 7), np.float32),
                 "ball": spaces.Box(-_FAR, _FAR, (4,), np.float32),
                 "touches": spaces.Box(0.0, 1.0, (1,), np.float32),
             }
         )
+        self.observation_space = observed
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -137,7 +138,7 @@ def contact_rows(contacts: Any, middle: Floats) -> np.ndarray:
 
 def ball_row(ball: Any, middle: Floats) -> np.ndarray:
     """(4,) center and radius."""
-    return np.clip([*(ball.center - middle), ball.radius], -_FAR, _FAR).astype(np.float32)
+    return np.asarray(np.clip([*(ball.center - middle), ball.radius], -_FAR, _FAR), dtype=np.float32)
 
 
 def touched_share(touches: int, most: int) -> np.ndarray:

@@ -61,7 +61,7 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
         self.sensor, self.noise, self.max_touches = sensor, noise, max_touches
         self.cost, self.unknown = cost, unknown
         self.action_space = spaces.Box(-1.0, 1.0, (SIZE + 1,), np.float32)
-        self.observation_space = spaces.Dict(
+        observed: Any = spaces.Dict(
             {
                 "belief": spaces.Box(0.0, 1.0, (len(self.names) + 1,), np.float32),
                 "contacts": spaces.Box(-2000.0, 2000.0, (512, 7), np.float32),
@@ -69,6 +69,7 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
                 "touches": spaces.Box(0.0, 1.0, (1,), np.float32),
             }
         )
+        self.observation_space = observed
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
