@@ -119,7 +119,7 @@ def _run(rig: JudgedRig, recording: Path, kind: str, motion: str, rng) -> tuple[
             reason = str(error)
         except KeyboardInterrupt:
             reason = "interrupted"
-    config.clock.sleep(0.1)
+    config.clock.sleep(max(0.0, moment - config.clock.now()) + 0.1)
     return reason, moment
 
 
