@@ -73,10 +73,12 @@ def the_rest(folder: Path) -> None:
 
 
 def match_once() -> None:
-    """A ball's six poles, with normals."""
+    """A ball's six poles, with normals, and another ball."""
     poles = np.concatenate([np.eye(3), -np.eye(3)])
-    ball = Library.of({"ball": Solid.from_csg(Sphere(10.0))})
-    match(Evidence(Contacts.of(10.0 * poles, poles, 0.1)), ball)
+    balls = Library.of(
+        {name: Solid.from_csg(Sphere(size)) for name, size in (("ball", 10.0), ("other", 12.0))}
+    )
+    match(Evidence(Contacts.of(10.0 * poles, poles, 0.1)), balls)
 
 
 def perceive_all(folder: Path) -> None:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
 from recognition.matching.contact_pairs import spread, telling_pairs
 from recognition.matching.search_kernels import distinct, searched, settled, weighed
@@ -55,9 +55,9 @@ class Begun(NamedTuple):
 
     points: Floats  # (n, 3)
     normals: Floats  # (n, 3)
-    felt: object  # (n,)
-    few: tuple[Floats, Floats, object]  # the same of those that score first
-    pairs: object  # (m, 2) rows of `few`
+    felt: Bools  # (n,)
+    few: tuple[Floats, Floats, Bools]  # the same of those that score first
+    pairs: Ints  # (m, 2) rows of `few`
     sigma: float  # [mm]
     normal_sigma: float  # [rad]
     whole: int  # how many contacts there are
