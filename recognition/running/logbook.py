@@ -29,8 +29,8 @@ from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 class LogConfig:
     """How much is kept for the report."""
 
-    contact_frames: int = 400
-    free_frames: int = 150
+    contact_frames: int = 240
+    free_frames: int = 90
     sigmas: float = 6.0  # a frame is in contact when its force is this far out of its noise
 
 
