@@ -24,7 +24,8 @@ from primitives.shapes import Plane, Shape, Torus
 from primitives.shared_error import with_shared_error
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
-from recognition.assembly.pieces import Piece, pieces
+from recognition.assembly.piece import Piece
+from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
 
 

@@ -24,7 +24,9 @@ from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
 from recognition.assembly.arrangement import arrange
 from recognition.assembly.closure import NotClosed
 from recognition.assembly.labels import solid_cells
-from recognition.assembly.pieces import Piece, pieces, round_piece, slab_cube
+from recognition.assembly.piece import Piece
+from recognition.assembly.pieces import pieces, round_piece, slab_cube
+from recognition.assembly.prisms import prism
 from recognition.assembly.search import Step, shortest
 from recognition.assembly.vocabulary import Vocabulary, frame_of
 
@@ -120,7 +122,7 @@ def _piece(step: Step, vocabulary: Vocabulary, corners: Floats, room: Floats) ->
         slabs = [(b, a) if t else (a, b) for (a, b), t in zip(candidate.slabs, turned, strict=True)]
         made = slab_cube(frame, slabs, shapes, corners)
     elif candidate.kind == "prism":
-        made = _polyhedron(candidate.sides, shapes, room)
+        made = _prism(candidate.sides, shapes, corners) or _polyhedron(candidate.sides, shapes, room)
     else:
         assert candidate.body is not None
         shape = shapes[candidate.body]
@@ -137,6 +139,17 @@ def _piece(step: Step, vocabulary: Vocabulary, corners: Floats, room: Floats) ->
                 slab = (slab[1], slab[0])
             made = round_piece(candidate.body, shape, slab, shapes, corners)
     return replace(made, operation=step.operation)
+
+
+def _prism(sides: Sequence[tuple[int, bool]], shapes: Sequence[Shape], corners: Floats) -> Piece | None:
+    """The sides as one prism, where all of them stand along or across one axis."""
+    planes: dict[int, Plane] = {}
+    for i, outside in sides:
+        plane = shapes[i]
+        assert isinstance(plane, Plane)
+        planes[i] = Plane(plane.origin, -plane.normal) if outside else plane
+    found = prism(planes, [], corners)
+    return found[0] if found is not None and len(found[1]) == len(planes) else None
 
 
 def _polyhedron(sides: Sequence[tuple[int, bool]], shapes: Sequence[Shape], room: Floats) -> Piece:

@@ -20,7 +20,7 @@ from primitives.evidence import EdgeTrace
 from primitives.pose import quaternion_wxyz
 from primitives.shapes import Plane, Shape
 from recognition.assembly.assemble import Assembly
-from recognition.assembly.pieces import Piece
+from recognition.assembly.piece import Piece
 from recognition.assembly.uncertainty import face_sigma, piece_sigma
 
 _FINEST = 1e-4  # [mm] no size is known better than this

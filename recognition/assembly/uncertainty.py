@@ -10,7 +10,7 @@ import numpy as np
 
 from primitives.arrays import Floats
 from primitives.shapes import Cone, Cylinder, Shape, Sphere, Torus
-from recognition.assembly.pieces import Piece
+from recognition.assembly.piece import Piece
 from recognition.assembly.regularities import Regularized
 
 Sigma = dict[str, float | list[float | None]]

@@ -1,0 +1,77 @@
+"""One named primitive of a model, which surfaces made its sides, and where a side that none made ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.csg import Csg
+from primitives.arrays import Floats
+from primitives.pose import pose, rotation_exp
+from primitives.shapes import Plane
+
+EXACT = 1e-6  # [rad] directions that were made equal agree within this
+_PAST = 1.0  # [mm] at least, by which an open side reaches past the body
+_ROUND = 1.0  # [mm] open sides end at a multiple of this
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One primitive, and which surface made each of its sides."""
+
+    kind: str  # "cube", "cylinder", "cone", "sphere", "torus", "prism" or "polyhedron"
+    operation: str  # "intersect" or "add", or "subtract" for a hole
+    solid: Csg  # centered, axis along z
+    world_from_piece: Floats  # (4, 4)
+    body: int | None  # the round surface, if there is one
+    ends: tuple[
+        tuple[int | None, int | None], ...
+    ]  # per axis (three, or z alone) the surfaces below and above
+
+    @property
+    def surfaces(self) -> tuple[int, ...]:
+        """All that made it."""
+        sides = [s for pair in self.ends for s in pair if s is not None]
+        return tuple(sides if self.body is None else [self.body, *sides])
+
+    @property
+    def placed(self) -> Csg:
+        """In the world."""
+        return self.solid.placed(self.world_from_piece)
+
+
+def span(origin: Floats, axis: Floats, ends: Sequence[Plane | None], corners: Floats) -> tuple[float, float]:
+    """Where a piece begins and ends along an axis through a point; open ends are past the corners, rounded."""
+    along = (corners - origin) @ axis
+    low, high = (float((e.origin - origin) @ axis) if e is not None else None for e in ends)
+    if low is None and high is None:
+        middle = 0.5 * float(along.min() + along.max())
+        half = 0.5 * _round_up(float(np.ptp(along)) + 2 * _PAST)
+        return middle - half, middle + half
+    if high is None and low is not None:
+        return low, low + _round_up(float(along.max()) - low + _PAST)
+    if low is None and high is not None:
+        return high - _round_up(high - float(along.min()) + _PAST), high
+    assert low is not None
+    assert high is not None
+    return low, high
+
+
+def _round_up(length: float) -> float:
+    return float(np.ceil(length / _ROUND) * _ROUND)
+
+
+def upright(axis: Floats) -> Floats:
+    """The least (3, 3) rotation that takes z to the axis."""
+    across = np.cross([0.0, 0.0, 1.0], axis)
+    sine = float(np.linalg.norm(across))
+    if sine < 1e-12:
+        return np.eye(3) if axis[2] > 0 else rotation_exp([np.pi, 0.0, 0.0])
+    return rotation_exp(across / sine * np.arctan2(sine, axis[2]))
+
+
+def along(origin: Floats, axis: Floats, low: float, high: float) -> Floats:
+    """(4, 4) pose of what stands along an axis from `low` to `high` [mm], its middle at the origin."""
+    return pose(upright(axis), origin + 0.5 * (low + high) * axis)
