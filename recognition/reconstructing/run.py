@@ -62,7 +62,7 @@ def _run(
     resolved = ["", "[resolved]", *toml_lines({"contact_sigma_mm": sigma, "contacts": len(felt.contacts)})]
     folder.write_text("config.toml", "\n".join([*settings, *resolved]) + "\n")
     watch(Progress("reconstructing", note=f"{len(felt.contacts)} contacts", folder=folder.path))
-    made = reconstruct(surfaces(felt.contacts), [], _box(felt.contacts))
+    made = reconstruct(surfaces(felt.contacts), [], box_around(felt.contacts))
     summary = _summary(options, felt, made, time.perf_counter() - began)
     watch(Progress("writing", folder=folder.path))
     summary["files"], unwritten = write_model(folder, made)
@@ -73,7 +73,8 @@ def _run(
     return summary
 
 
-def _box(contacts: Contacts) -> Floats:
+def box_around(contacts: Contacts) -> Floats:
+    """(2, 3) [mm] the contacts with room for the body behind them."""
     if not len(contacts):
         return np.array([[-1.0] * 3, [1.0] * 3])
     low, high = contacts.points.min(axis=0), contacts.points.max(axis=0)

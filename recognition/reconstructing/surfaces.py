@@ -13,7 +13,7 @@ import numpy as np
 
 from primitives.arrays import Floats, Ints, frozen
 from primitives.evidence import Contacts
-from primitives.fit import Fit, FitOptions, refit, squares
+from primitives.fit import Fit, FitOptions, NoFit, refit, squares
 from primitives.patch_graph import Face, PatchGraph
 from primitives.segment import Segment, segment
 
@@ -35,7 +35,7 @@ class SurfaceOptions:
 
 
 def surfaces(contacts: Contacts, options: SurfaceOptions | None = None) -> PatchGraph:
-    """The faces, and what lies on none left out."""
+    """The faces; contacts that lie on none are the last, without a fit."""
     options = options or SurfaceOptions()
     order = np.random.default_rng(0).permutation(len(contacts))
     picked, few = np.sort(order[: options.chosen]), np.sort(order[: options.sounded])
@@ -47,7 +47,8 @@ def surfaces(contacts: Contacts, options: SurfaceOptions | None = None) -> Patch
         found = list(segment(contacts.select(picked)))
     if len(contacts) <= options.chosen:
         faces = [Face(i, one.fit, contacts.select(one.rows)) for i, one in enumerate(found)]
-        return PatchGraph(tuple(faces))
+        held = np.concatenate([np.empty(0, dtype=np.int64), *(one.rows for one in found)])
+        return _with_rest(faces, contacts, np.setdiff1d(np.arange(len(contacts)), held))
     fits = [one.fit for one in found]
     for _ in range(options.rounds):
         owner = _owners(contacts, fits, options)
@@ -58,7 +59,15 @@ def surfaces(contacts: Contacts, options: SurfaceOptions | None = None) -> Patch
         if not more:
             break
         fits += more
-    return PatchGraph(tuple(_faces(contacts, fits, _owners(contacts, fits, options), order, options)))
+    owner = _owners(contacts, fits, options)
+    faces, kept = _faces(contacts, fits, owner, order, options)
+    return _with_rest(faces, contacts, np.flatnonzero(~np.isin(owner, kept)))
+
+
+def _with_rest(faces: list[Face], contacts: Contacts, rest: Ints) -> PatchGraph:
+    """The faces, and at the end what lies on none."""
+    alone = (Face(len(faces), NoFit("no face explains these contacts"), contacts.select(rest)),)
+    return PatchGraph((*faces, *(alone if len(rest) else ())))
 
 
 def _normal_sigma(contacts: Contacts, found: list[Segment], options: SurfaceOptions) -> float | None:
@@ -85,9 +94,10 @@ def _turned(contacts: Contacts, fit: Fit) -> Floats:
 
 def _faces(
     contacts: Contacts, fits: list[Fit], owner: Ints, order: Ints, options: SurfaceOptions
-) -> list[Face]:
-    """Every face fitted to more of its contacts than it was found with."""
+) -> tuple[list[Face], list[int]]:
+    """Every face fitted to more of its contacts than it was found with; and the fits that have one."""
     out: list[Face] = []
+    kept: list[int] = []
     for i, near in enumerate(fits):
         mine = order[owner[order] == i]
         if len(mine) < 5:
@@ -95,7 +105,8 @@ def _faces(
         some = contacts.select(np.sort(mine[: options.fitted]))
         again = refit(near.shape, near.convex, some, options.fit)
         out.append(Face(len(out), again if isinstance(again, Fit) else near, contacts.select(np.sort(mine))))
-    return out
+        kept.append(i)
+    return out, kept
 
 
 def _owners(contacts: Contacts, fits: list[Fit], options: SurfaceOptions) -> Ints:
