@@ -64,6 +64,11 @@ class JogPlan:
         self.until = 0.0  # [s] when what was sent will have been done
 
     @property
+    def leads_to(self) -> Floats:
+        """(n,) [mm, rad] where all that was sent leads."""
+        return self._planned
+
+    @property
     def twisting(self) -> bool:
         """Whether a twist is wished for."""
         return bool(self._twist.any())

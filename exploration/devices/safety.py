@@ -11,11 +11,12 @@ readings of one press with noise s [counts] round to the same count with a chanc
 and less than all, and that of a run of repeats the product over them (our derivation).  Past `chance`
 the array is taken as frozen, which is silence since the last news.
 
-A limit that stops motion once it is passed is passed.  So the force is judged as it will be when the stage has
-come to rest by itself, F + dF/dt (t + h + v / (2 a)) with t the time until the stage's thread has seen it and h
-the time for which motion has been sent, whoever may die meanwhile; and toward the object the pad goes no faster
-than it may run blind into a flat, k A (v (s + t + h) + v^2 / (2 a)) <= F with s the silence after which it is
-stopped (our derivation; both with the skin as a Winkler foundation of stiffness k and area A).
+A limit that stops motion once it is passed is passed.  So what a touching pad feels is judged as it will be when
+all that was sent has been done, whoever may die meanwhile, F + k A (d + v t) with d the way toward the object that
+is still to come and t the time until the stage's thread has seen the frame; and toward the object the pad goes no
+faster than it may run blind into a flat, k A (v (s + t + h) + v^2 / (2 a)) <= F with s the silence after which it
+is stopped and h the time for which motion is sent (our derivation; both with the skin as a Winkler foundation of
+stiffness k and area A).
 """
 
 from dataclasses import dataclass
@@ -28,6 +29,7 @@ from exploration.sensing.calibration import Calibration
 from exploration.sensing.frame import TaxelFrame
 from primitives.arrays import Floats
 
+_TOUCH = 0.02  # of the force limit, from which something is touched
 _ROUNDING = 1.0 / 12.0  # [counts^2] variance, which a calibration's noise holds
 
 
@@ -62,10 +64,10 @@ class Safety:
         self._silence = 1.5 * period + limits.patience
         self._heard = clock.now()
         self._ceiling = limits.force
-        self._force, self._time = 0.0, -np.inf
-        self.ahead = limits.ahead  # [s] for which motion has been sent, as the stage's thread tells
+        self._force, self._toward = 0.0, 0.0  # [N], [mm/s] as it was asked last
+        self._stiffness = calibration.stiffness * area * calibration.zero.size  # [N/mm] of the whole pad
+        self._coming = 0.0  # [mm] toward the object, sent and not done
         self._told = False
-        self._braking = 0.0  # [s] v / (2 a) of what was asked last
         self._counts = np.empty(0)
         self._repeats = 0.0  # log of the chance that noise repeats a frame so often
         sigma = float(np.sqrt(max(calibration.noise**2 - _ROUNDING, 0.0)))
@@ -78,15 +80,19 @@ class Safety:
         """A frame, from the array's thread."""
         if not self._repeated(frame.counts):
             self._heard = self._clock.now()
-        force = self.force(frame)
-        rate = max(0.0, (force - self._force) / max(frame.time - self._time, 1e-3))
-        self._force, self._time = force, frame.time
+        self._force = force = self.force(frame)
         self.most = max(self.most, force)
         if force < self.limits.force:
             self._ceiling = self.limits.force
-        coming = force + rate * (self.limits.lead + self.ahead + self._braking)
-        if coming > self._ceiling and not self.tripped:
-            self.tripped = f"{coming:.0f} N would be more than the limit of {self.limits.force:.0f} N"
+        if force > _TOUCH * self.limits.force:
+            force += self._stiffness * (self._coming + self._toward * self.limits.lead)
+        if force > self._ceiling and not self.tripped:
+            self.tripped = f"{force:.0f} N would be more than the limit of {self.limits.force:.0f} N"
+
+    def sent(self, here: Floats, leads_to: Floats) -> None:
+        """(4, 4) where the flange is and where all that was sent leads, from the stage's thread."""
+        before, after = here @ self._mount, leads_to @ self._mount
+        self._coming = max(0.0, float(before[:3, 2] @ (after[:3, 3] - before[:3, 3])))
 
     def force(self, frame: TaxelFrame) -> float:
         """[N] over the whole pad."""
@@ -97,13 +103,12 @@ class Safety:
         """A (6,) flange twist that presses the pad on no faster than it may run blind into a flat."""
         sensor, arm = self._mount[:3, 2], self._mount[:3, 3]
         toward = float(sensor @ (twist[:3] + np.cross(twist[3:], arm)))
-        c = self._calibration
-        depth = self.limits.force / (c.stiffness * self._area * c.zero.size)
+        depth = self.limits.force / self._stiffness
         late = self._silence + self.limits.lead + self.limits.ahead
         blind = acceleration * (np.sqrt(late**2 + 2.0 * depth / acceleration) - late)
-        kept = twist * min(1.0, blind / max(toward, 1e-9))
-        self._braking = max(0.0, min(toward, blind)) / (2.0 * acceleration)
-        return np.asarray(kept)
+        self._toward = max(0.0, min(toward, blind))
+        self._coming = self._toward * self.limits.ahead
+        return np.asarray(twist * min(1.0, blind / max(toward, 1e-9)))
 
     def lost(self) -> None:
         """The array's port has gone: no patience is owed."""
