@@ -97,3 +97,9 @@ def reason_in_words(summary: Mapping[str, Any]) -> str:
     if decision == UNKNOWN:
         return f"none of the library's {summary['library']['objects']} objects, {share:.1%} sure"
     return f"it is {decision}, {share:.1%} sure"
+
+
+def top(probabilities: Mapping[str, float], count: int = 3) -> list[list[Any]]:
+    """The likeliest names with their probabilities."""
+    ranked = sorted(probabilities.items(), key=lambda item: -item[1])[:count]
+    return [[name, float(p)] for name, p in ranked]

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -21,13 +20,14 @@ from exploration.planning.round_ball import Ball, way_round
 from exploration.planning.search import sweeps
 from models.library import Library
 from primitives.arrays import Floats, frozen
-from primitives.errors import PalpateError
 from primitives.evidence import Contacts
+from recognition.identifying.bounds import believed_ball, felt_ball
+from recognition.identifying.placed import is_placed
 from recognition.identifying.policies import POLICY, Policy, gap_touch
 from recognition.identifying.untouched import swept, weighed
 from recognition.matching import Belief, Evidence, Prior, match
+from recognition.matching.belief import UNKNOWN
 from recognition.matching.next_touch.choose import Choice, choose
-from recognition.matching.next_touch.held import UNKNOWN, held
 
 Announce = Callable[[str, Mapping[str, object]], None]
 
@@ -42,16 +42,13 @@ class IdentifyConfig:
     unknown: float = 0.1  # prior probability of none of these
     least: int = 4  # touches that met something, before which nothing is sure
     confirmed: int = 2  # touches in a row, after each of which the same name is sure enough
-    placed: float = 0.5  # [mm] error of the place, above which touches go on
     bounding: int = 4  # touches with normals, from which swept space tells poses apart
     blind: int = 1  # touches that met something, before which the widest gap is touched
     misses: int = 2  # touches in a row without a contact, after which belief is not asked where to touch
     idle: int = 3  # touches in a row that were chosen for want of one that tells
-    margin: float = 12.0  # [mm] round the ball that holds the object
     starts: int = 40  # hypotheses that are tried again after the next touch
     made: float = 0.12  # [mm] by which an object differs from its model
     made_angle: float = 0.02  # [rad] likewise
-    held_share: float = 0.99  # of the belief, whose objects the ball must hold
 
 
 @dataclass(frozen=True)
@@ -66,7 +63,7 @@ class Step:
     @property
     def entropy(self) -> float | None:
         """[bits] over the names, `unknown` among them."""
-        return None if self.belief is None else entropy_bits(self.belief.probabilities)
+        return None if self.belief is None else self.belief.entropy_bits
 
 
 @dataclass
@@ -115,46 +112,24 @@ class Identifier:
         return Evidence(contacts, traces, joined([t.free for t in self.touches]) if held_still else None)
 
     def ball(self) -> Ball:
-        """Holds the object, as far as is believed; it is never smaller than what was felt."""
-        felt = self.evidence.contacts
-        middle, radius = felt.points.mean(axis=0), self._largest()
-        known = None if self.belief is None else held(self.belief, self.library)
-        if known is not None and len(known) and known.unknown < 0.5:
-            share = known.weights / known.weights.sum()
-            middle = share @ known.centers
-            reach = np.linalg.norm(known.centers - middle, axis=1) + known.radii
-            order = np.argsort(reach)
-            enough = np.cumsum(share[order]) >= self.config.held_share
-            radius = float(reach[order][min(int(np.argmax(enough)), len(order) - 1)])
-        elif felt.has_normal.any() and len({t.touch for t in self.touches if t.met}) < 3:
-            middle = middle - 0.5 * radius * np.nanmean(felt.normals, axis=0)
-        radius = min(radius, 1.6 * self._largest())
-        farthest = float(np.linalg.norm(felt.points - middle, axis=1).max(initial=0.0))
-        return Ball(middle, max(radius, farthest) + self.config.margin + 0.5 * max(self._pad))
+        """Holds the object, as far as is believed."""
+        met = len({t.touch for t in self.touches if t.met})
+        return believed_ball(self.evidence.contacts, met, self.belief, self.library, self._pad)
 
     def around(self) -> Ball:
         """The ball that the next approach begins outside of."""
-        return self.ball() if self._missed() < self.config.misses else self._felt_ball()
+        if self._missed() < self.config.misses:
+            return self.ball()
+        return felt_ball(self.evidence.contacts, self.library, self._pad)
 
     def _missed(self) -> int:
         """How many touches there were since one that told of a contact."""
         told = [bool(len(t.contacts)) for t in reversed(self.touches)]
         return told.index(True) if True in told else len(told)
 
-    def _felt_ball(self) -> Ball:
-        """Behind what was felt, whatever is believed: where touching does not fail for a wrong belief."""
-        felt, largest = self.evidence.contacts, self._largest()
-        middle = felt.points.mean(axis=0)
-        if felt.has_normal.any():
-            middle = middle - 0.15 * largest * np.nanmean(felt.normals, axis=0)
-        return Ball(middle, 1.6 * largest + self.config.margin + 0.5 * max(self._pad))
-
     @property
     def _pad(self) -> tuple[float, float]:
         return self.guard.sensor.array.size
-
-    def _largest(self) -> float:
-        return max(0.5 * float(np.linalg.norm(entry.solid.extent)) for entry in self.library.values())
 
     def _find(self) -> Iterator[LoneTouch]:
         """Sweeps through the workspace, from its middle outward, until one meets something."""
@@ -209,9 +184,9 @@ class Identifier:
         self._before = name
         if self.belief.confidence < self.config.confidence:
             self._agreed = 0
-        best = self.belief.best(name)
-        placed = best is None or best.translation_sigma < self.config.placed
-        if self._agreed >= self.config.confirmed and placed:
+        if self._agreed >= self.config.confirmed and (
+            name == UNKNOWN or is_placed(self.belief, self.library[name], self.config.confidence)
+        ):
             self.ended = "sure"
 
     def _next(self, ball: Ball) -> tuple[Approach, Choice | None]:
@@ -284,24 +259,3 @@ def _as_modeled(contacts: Contacts, config: IdentifyConfig) -> Contacts:
         sigma=frozen(np.hypot(contacts.sigma, config.made)),
         normal_sigma=frozen(np.hypot(contacts.normal_sigma, config.made_angle)),
     )
-
-
-def entropy_bits(probabilities: Mapping[str, float]) -> float:
-    """[bits] of a distribution."""
-    p = np.array([value for value in probabilities.values() if value > 0.0])
-    return float(-(p * np.log2(p)).sum()) + 0.0
-
-
-def top(probabilities: Mapping[str, float], count: int = 3) -> list[list[Any]]:
-    """The likeliest names with their probabilities."""
-    ranked = sorted(probabilities.items(), key=lambda item: -item[1])[:count]
-    return [[name, float(p)] for name, p in ranked]
-
-
-def require_objects(library: Library) -> None:
-    """A library with nothing in it recognizes nothing."""
-    if not len(library):
-        raise PalpateError("the library holds no object; add CAD files to its folder")
-
-
-__all__ = ["UNKNOWN", "Identifier", "IdentifyConfig", "Step", "entropy_bits", "require_objects", "top"]

@@ -16,8 +16,8 @@ from models.library import Library
 from models.solid import Solid
 from primitives.errors import PalpateError
 from recognition.config import settings
-from recognition.identifying.answer import candidates_json, truth_json, why_json
-from recognition.identifying.identify import Identifier, IdentifyConfig, Step, require_objects, top
+from recognition.identifying.answer import candidates_json, top, truth_json, why_json
+from recognition.identifying.identify import Identifier, IdentifyConfig, Step
 from recognition.identifying.options import IdentifyOptions
 from recognition.live import so_far
 from recognition.matching.next_touch.choose import Choice, choose
@@ -42,7 +42,8 @@ def run(
     """Identify, and leave a run folder; returns what `summary.json` holds."""
     world = load_world(options)
     known = opened(options.library) if library is None else library
-    require_objects(known)
+    if not len(known):
+        raise PalpateError("the library holds no object; add CAD files to its folder")
     with felt_run(options, "identify", world, told) as felt:
         config = IdentifyConfig(options.policy, options.confidence, options.max_touches, options.unknown)
         rng = np.random.default_rng([options.seed, 1])

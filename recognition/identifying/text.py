@@ -9,8 +9,8 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from recognition.identifying.answer import reason_in_words
-from recognition.identifying.identify import Identifier, Step, top
+from recognition.identifying.answer import reason_in_words, top
+from recognition.identifying.identify import Identifier, Step
 from recognition.running.progress import Progress
 
 _BAR = 14  # characters of a sure name

@@ -60,7 +60,7 @@ class Belief:
     def entropy_bits(self) -> float:
         """Of the names."""
         p = np.array([x for x in self.probabilities.values() if x > 0])
-        return float(-(p * np.log2(p)).sum())
+        return float(-(p * np.log2(p)).sum()) + 0.0
 
     def best(self, name: str) -> Hypothesis | None:
         """The likeliest pose of one object."""

@@ -15,7 +15,7 @@ from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace, FreeSpace
 
-ALIKE = 0.3  # share of the error's variance that contacts of one touch have in common
+ALIKE = 0.1  # share of the error's variance that contacts of one touch have in common
 
 
 @dataclass(frozen=True)

@@ -40,4 +40,4 @@ def test_contacts_of_one_touch_speak_as_fewer():
     alone = Evidence(Contacts.of(points, None, 0.1, touch=np.arange(12))).shares
     together = Evidence(Contacts.of(points, None, 0.1, touch=np.repeat([0, 1], 6))).shares
     assert alone.sum() == pytest.approx(12.0)
-    assert 2.0 < together.sum() < 6.0
+    assert 4.0 < together.sum() < 10.0
