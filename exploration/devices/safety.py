@@ -44,7 +44,7 @@ class SafetyLimits:
     ahead: float = 0.025  # [s] for which motion is sent ahead, while the stage does not tell
     margin: float = 1.05  # of the force at a stop, that the way back may show before it is stopped, too
     chance: float = 1e-9  # of repeated frames by noise alone, below which the array is frozen
-    frozen: float = 2.0  # [s] of it, after which reading on is in vain
+    frozen: float = 0.2  # [s] of it, after which reading on is in vain: no cable repeats frames by itself
 
 
 class Safety:

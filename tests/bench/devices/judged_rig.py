@@ -64,9 +64,10 @@ class Truth:
         return float(edges[gaps[0]]) if len(gaps) else float(t[-1])
 
     def retreats_from(self, moment: float) -> float:
-        """[s] from when on, at or after a moment, it went straight up or nowhere."""
+        """[s] from when on, at or after a moment, it went up, within 10 degrees, or nowhere."""
         t, steps = self._steps(moment)
-        other = np.flatnonzero((np.abs(steps[:, :2]).max(axis=1) > 1e-6) | (steps[:, 2] < -1e-6))
+        side = np.linalg.norm(steps[:, :2], axis=1)
+        other = np.flatnonzero((side > 0.18 * np.maximum(steps[:, 2], 0.0) + 1e-6) | (steps[:, 2] < -1e-6))
         return float(t[other[-1] + 1] if len(other) else t[0])
 
     def fastest(self, begin: float, end: float) -> float:
