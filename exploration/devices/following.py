@@ -9,7 +9,7 @@ import numpy as np
 from primitives.arrays import Floats
 
 LEAST = 5.0  # [mm]
-SHARE = 0.1
+SHARE = 0.05
 SLACK = 0.1  # [s] of motion that a stage may be late, beside its latency
 
 
