@@ -22,8 +22,8 @@ from exploration.sensing.lines.outline_evidence import log_odds
 from exploration.sensing.lines.outline_search import Evidence, SearchConfig, search
 from exploration.sensing.lines.parallel import made_parallel
 from exploration.sensing.lines.peaks import peaks
-from exploration.sensing.lines.region import Region
-from exploration.sensing.lines.region_fit import RegionFit
+from exploration.sensing.lines.region import NO_TERMS, Region
+from exploration.sensing.lines.region_fit import LEVEL, RegionFit, fit_region
 from exploration.sensing.lines.seen import seen_of_disc, seen_of_line
 from exploration.sensing.lines.short_skin import on_its_skin
 from exploration.sensing.response import Response, response_of
@@ -64,6 +64,7 @@ class Outline:
 
 
 NOTHING = Outline()
+_BOSS = Region((), NO_TERMS, (1.0,))
 DEFAULT = OutlineConfig()
 UNMISTAKABLE = OutlineConfig(narrow=False)  # nothing that might as well be a smooth surface
 
@@ -95,9 +96,25 @@ def find_outline(
     gain = smooth.chi2 - best.chi2 if smooth.converged else inf
     if not _likely(image, best, contact, smooth, config):
         return Outline((), (), smooth.chi2, smooth.dof, gain)
+    if best.region == _BOSS:
+        best = _leveled(soft, response, best)
     if soft is not image:
         best = on_its_skin(image, best)
     return outline_of(image, best, gain, config)
+
+
+def _leveled(image: TactileImage, response: Response, fit: RegionFit) -> RegionFit:
+    """A boss alone under the pad, as one that the pad was leveled on sees it.
+
+    A disc hardly wider than the blur does not show its slope.  Left open, slopes that are noise narrow what is
+    seen by (g R^2 / 4 h)^2 a direction, and R grows by about var(g) R^3 / 8 h^2 to make up for it, as much as its
+    own error where R is 3 mm (our derivation).
+    """
+    d0, gx, gy, x, y, radius = fit.parameters.tolist()
+    arm = radius**2 / (4.0 * max(1e-3, d0 + gx * x + gy * y))
+    start = (x + gx * arm, y + gy * arm, radius)  # what is felt has its middle there
+    level = fit_region(image, response, fit.region, start, slope=LEVEL)
+    return level if level.converged else fit
 
 
 def _likely(

@@ -22,6 +22,7 @@ from exploration.sensing.surfaces.normal_equations import expect, gather, invert
 from primitives.arrays import Floats
 
 SLOPE = 0.1  # [rad] standard deviation of the prior
+LEVEL = 0.05  # [rad] the same of a pad that was leveled
 STEPS = 25
 HOPE = 5.0  # times what a step promises, that all further steps together may gain, once
 TRIED = 2  # steps are taken
@@ -60,11 +61,12 @@ def fit_region(
     shape: ArrayLike,
     steps: int = STEPS,
     limit: float = np.inf,
+    slope: float = SLOPE,
 ) -> RegionFit:
     """Fit from `shape` (unknowns - 3,), the lines' and discs' numbers; the plane needs no start.
 
     Without steps, only the plane is fitted, and chi2 is what that makes of it.  A fit is given up, unconverged,
-    once its steps promise too little for chi2 to come below `limit`.
+    once its steps promise too little for chi2 to come below `limit`.  `slope` [rad] is what is expected of it.
     """
     parameters, covariance, chi2, count, converged, structure = _fit(
         image.depth,
@@ -76,6 +78,7 @@ def fit_region(
         *region.arrays,
         steps,
         limit,
+        slope,
     )
     return RegionFit(region, parameters, covariance, chi2, count - len(parameters), converged, structure)
 
@@ -90,12 +93,19 @@ def unexplained(image: TactileImage, response: Response, fit: RegionFit) -> Floa
 
 @numba.njit(cache=True, error_model="numpy")
 def _weighed(
-    depth: Floats, sigma: Floats, p: Floats, model: Floats, normal: Floats, rhs: Floats, residual: Floats
+    depth: Floats,
+    sigma: Floats,
+    p: Floats,
+    slope: float,
+    model: Floats,
+    normal: Floats,
+    rhs: Floats,
+    residual: Floats,
 ) -> tuple[float, int]:
     """Normal equations of the taxels and of what is expected of the slope."""
     chi2, count = gather(depth, sigma, model, normal, rhs, residual)
     for a in range(1, 3):
-        chi2 += expect(p[a], SLOPE, a, normal, rhs)
+        chi2 += expect(p[a], slope, a, normal, rhs)
     return chi2, count
 
 
@@ -112,6 +122,7 @@ def _fit(
     signs: Floats,
     steps: int,
     limit: float,
+    slope: float,
 ) -> tuple[Floats, Floats, float, int, bool, float]:
     m = 3 + len(shape)
     discs = 3 + 2 * len(sides)
@@ -123,7 +134,7 @@ def _fit(
     new_normal, new_rhs = np.zeros((m, m)), np.zeros(m)
     covariance = np.zeros((m, m))
     evaluate(x, y, variance, p, sides, terms, signs, model)
-    chi2, count = _weighed(depth, sigma, p, model, normal, rhs, residual)
+    chi2, count = _weighed(depth, sigma, p, slope, model, normal, rhs, residual)
     ok, inverse = invert(normal[:3, :3].copy())
     if not ok:
         return p, covariance, chi2, count, False, np.inf
@@ -131,7 +142,7 @@ def _fit(
     if steps == 0:
         return p, covariance, chi2 - rhs[:3] @ inverse @ rhs[:3], count, False, np.inf
     evaluate(x, y, variance, p, sides, terms, signs, model)
-    chi2, count = _weighed(depth, sigma, p, model, normal, rhs, residual)
+    chi2, count = _weighed(depth, sigma, p, slope, model, normal, rhs, residual)
     damping = 1e-3
     converged = False
     current = True
@@ -161,7 +172,7 @@ def _fit(
                 break
             continue
         evaluate(x, y, variance, trial, sides, terms, signs, model)
-        new, count = _weighed(depth, sigma, trial, model, new_normal, new_rhs, residual)
+        new, count = _weighed(depth, sigma, trial, slope, model, new_normal, new_rhs, residual)
         current = new < chi2
         if current:
             gained = chi2 - new
@@ -185,5 +196,5 @@ def _fit(
         ok = ok and covariance[k, k] < TURN * TURN  # else it has left the pad
     if not current:
         evaluate(x, y, variance, p, sides, terms, signs, model)
-        _weighed(depth, sigma, p, model, new_normal, new_rhs, residual)
+        _weighed(depth, sigma, p, slope, model, new_normal, new_rhs, residual)
     return p, covariance, chi2, count, converged and ok, greatest_block(residual, sigma)

@@ -123,6 +123,14 @@ def test_rims_are_arcs_whose_radius_is_as_sure_as_they_say(frames, radius, insid
     assert abs(np.mean(shift)) < 4 * np.std(shift) / np.sqrt(len(shift)) + 0.02
 
 
+def test_the_radius_of_a_small_disc_is_not_widened_by_slopes_that_are_noise(frames):
+    rng = np.random.default_rng(8)
+    found = [find_outline(frames(times(disc(0.3, -0.4, 3.0)), rng)).arcs for _ in range(60)]
+    radii = [arcs[0].radius for arcs in found if arcs]
+    assert len(radii) > 55
+    assert np.mean(radii) == pytest.approx(3.0, abs=0.08)
+
+
 def test_a_small_hole_is_seen_whole_though_nothing_crosses_half_height(frames):
     image = frames(times(disc(1.0, -0.5, 2.0, False)), np.random.default_rng(5))
     assert image.depth.min() > 0.2
