@@ -17,7 +17,7 @@ from functools import cached_property
 import numba
 import numpy as np
 
-from exploration.control.smoothing_spline import Readings, Spline
+from exploration.control.smoothing_spline import Readings, Spline, in_order, travel_along
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.follow_line import Followed, follow_lines
 from exploration.sensing.response import Response
@@ -28,7 +28,6 @@ LEAST = 8  # ticks of a trace
 SPACING = 1.0  # [mm] between the points of a trace
 KNOTS = 240  # readings that the spline is fitted to; more are averaged in groups
 STIFFNESSES = (*np.geomspace(1e-2, 1e6, 9), np.inf)  # [mm^3] of the smoothing spline; a line at the end
-STEP = 1e-3  # [mm] readings nearer than this are one
 SLACK = 0.002  # share by which a stiffer spline may miss more
 SHORT = 30.0  # [mm] an edge is straight unless its readings clearly say otherwise
 BEND_SIGMA = 0.002  # [1/mm] least to which a smoothed bend is known
@@ -100,9 +99,7 @@ class _Ticks:
         angle = self.parameters[:, 0]
         along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         tangents = np.einsum("nij,nj->ni", self.poses[:, :3, :2], along)
-        middle = tangents[1:] + tangents[:-1]
-        middle /= np.linalg.norm(middle, axis=1, keepdims=True)
-        return np.concatenate([[0.0], np.cumsum(np.sum(np.diff(self.points, axis=0) * middle, axis=1))])
+        return travel_along(self.points, tangents)
 
     @cached_property
     def normals(self) -> Floats:
@@ -161,17 +158,12 @@ def _drawn(rows: _Ticks) -> _Run | None:
     """The spline through the ticks' points."""
     if len(rows) < LEAST:
         return None
-    order = np.argsort(rows.travel, kind="stable")
-    size = max(1, int(np.ceil(len(rows) / KNOTS)))
-    s, through, weight = (
-        _grouped(v[order], size)
-        for v in (rows.travel, rows.points, 1.0 / np.maximum(rows.covariances[:, 1, 1], 1e-4))
+    s, through, weight = in_order(
+        rows.travel, KNOTS, rows.points, 1.0 / np.maximum(rows.covariances[:, 1, 1], 1e-4)
     )
-    apart = np.concatenate([[True], np.diff(s) > STEP])
-    s, through, weight = s[apart], through[apart], weight[apart] / weight[apart].mean()
     if len(s) < LEAST:
         return None
-    readings = Readings(s, through, weight)
+    readings = Readings(s, through, weight / weight.mean())
     stiffness = _stiffness(readings)
     spline = readings.smoothed(stiffness)
     off = rows.points - spline.at(rows.travel)
@@ -243,10 +235,3 @@ def _stiffness(readings: Readings) -> float:
         return float(STIFFNESSES[-1])
     best = np.flatnonzero(np.array(missed) <= (1.0 + SLACK) * min(missed))
     return float(STIFFNESSES[int(best.max())])
-
-
-def _grouped(values: Floats, size: int) -> Floats:
-    """Means of every `size` values in turn."""
-    whole = len(values) // size * size
-    means: Floats = values[:whole].reshape(-1, size, *values.shape[1:]).mean(axis=1)
-    return means

@@ -22,6 +22,8 @@ from scipy.linalg.lapack import dpbsv
 
 from primitives.arrays import Floats, frozen
 
+STEP = 1e-3  # readings nearer than this are one
+
 
 @dataclass(frozen=True)
 class Spline:
@@ -122,6 +124,29 @@ class Readings:
         slope = lever @ self.columns / float(lever @ (self.places - place))
         ends = self.places[[0, -1]]
         return Spline(frozen(ends), mean + np.outer(ends - place, slope), np.zeros((2, len(mean))))
+
+
+def travel_along(points: Floats, tangents: Floats) -> Floats:
+    """(n,) lengths from the first point: steps along the tangents, which noise across them does not lengthen."""
+    middle = tangents[1:] + tangents[:-1]
+    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+    return np.concatenate([[0.0], np.cumsum(np.sum(np.diff(points, axis=0) * middle, axis=1))])
+
+
+def in_order(places: Floats, most: int, *columns: Floats) -> tuple[Floats, ...]:
+    """Increasing places and their columns; more than `most` are averaged in groups, and none is at another's."""
+    order = np.argsort(places, kind="stable")
+    size = max(1, int(np.ceil(len(places) / most)))
+    s, *rest = (_grouped(values[order], size) for values in (places, *columns))
+    apart = np.concatenate([[True], np.diff(s) > STEP])
+    return (s[apart], *(values[apart] for values in rest))
+
+
+def _grouped(values: Floats, size: int) -> Floats:
+    """Means of every `size` values in turn."""
+    whole = len(values) // size * size
+    means: Floats = values[:whole].reshape(-1, size, *values.shape[1:]).mean(axis=1)
+    return means
 
 
 def _between(before: Floats, after: Floats, at: Floats) -> Floats:

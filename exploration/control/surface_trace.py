@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import make_smoothing_spline
 
+from exploration.control.smoothing_spline import in_order, travel_along
 from exploration.control.surface_reading import SurfaceReading
 from primitives.arrays import Floats, frozen
 
 LEAST = 12  # ticks of a trace
 KNOTS = 160  # readings that a spline is fitted to; more are averaged in groups
 SPACING = 1.0  # [mm] between the points of a trace
-STEP = 1e-3  # [mm] readings nearer than this are one
 SUREST = 0.05  # [mm] of depth, beyond which a tick is left out
 
 
@@ -45,11 +45,7 @@ def smoothed_surface(ticks: list[SurfaceReading], heading: Floats) -> SurfaceTra
     points = np.array([tick.point for tick in ticks])
     normals = np.array([tick.normal for tick in ticks])
     travel = travel_of(ticks, heading)
-    order = np.argsort(travel, kind="stable")
-    size = max(1, int(np.ceil(len(ticks) / KNOTS)))
-    s, through, facing = (_grouped(v[order], size) for v in (travel, points, normals))
-    apart = np.concatenate([[True], np.diff(s) > STEP])
-    s, through, facing = s[apart], through[apart], facing[apart]
+    s, through, facing = in_order(travel, KNOTS, points, normals)
     if len(s) < LEAST:
         return NO_TRACE
     at = np.linspace(s[0], s[-1], max(2, int(np.ceil((s[-1] - s[0]) / SPACING)) + 1))
@@ -69,13 +65,4 @@ def travel_of(ticks: list[SurfaceReading], heading: Floats) -> Floats:
     points, normals = np.array([t.point for t in ticks]), np.array([t.normal for t in ticks])
     along = np.array([t.world_from_sensor[:3, :2] @ heading for t in ticks])
     along -= np.sum(along * normals, axis=1, keepdims=True) * normals
-    middle = along[1:] + along[:-1]
-    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
-    return np.concatenate([[0.0], np.cumsum(np.sum(np.diff(points, axis=0) * middle, axis=1))])
-
-
-def _grouped(values: Floats, size: int) -> Floats:
-    """Means of every `size` values in turn."""
-    whole = len(values) // size * size
-    means: Floats = values[:whole].reshape(-1, size, *values.shape[1:]).mean(axis=1)
-    return means
+    return travel_along(points, along)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, make_smoothing_spline
 
-from exploration.control.smoothing_spline import Readings
+from exploration.control.smoothing_spline import Readings, in_order, travel_along
 
 
 @pytest.fixture
@@ -55,3 +55,19 @@ def test_what_it_misses_is_what_the_halves_do_not_predict(readings, stiffness):
         off = half.smoothed(stiffness).at(readings.places[held]) - readings.columns[held]
         total += float(np.sum(readings.weights[held, None] * off**2))
     assert readings.missed(stiffness) == pytest.approx(total, rel=1e-9)
+
+
+def test_noise_across_a_way_does_not_lengthen_it():
+    rng = np.random.default_rng(0)
+    points = np.linspace(0.0, 50.0, 500)[:, None] * np.array([1.0, 0.0, 0.0])
+    points[:, 1:] += rng.normal(0.0, 0.2, (500, 2))
+    tangents = np.tile([1.0, 0.0, 0.0], (500, 1))
+    assert travel_along(points, tangents)[-1] == pytest.approx(50.0)
+
+
+def test_readings_in_order_increase_and_keep_their_means():
+    places = np.random.default_rng(1).permutation(np.repeat(np.arange(100.0), 2))
+    s, column = in_order(places, 50, 2.0 * places)
+    assert len(s) <= 50
+    assert (np.diff(s) > 0.0).all()
+    np.testing.assert_allclose(column, 2.0 * s)
