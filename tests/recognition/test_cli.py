@@ -44,9 +44,12 @@ def palpate(*arguments, cwd):
 
 
 @pytest.mark.parametrize(("arguments", "code", "says"), BROKEN.values(), ids=BROKEN)
-def test_what_is_wrong_is_said_without_a_traceback_and_leaves_nothing(arguments, code, says, tmp_path):
-    done = palpate(*arguments, cwd=tmp_path)
-    assert done.returncode == code
+def test_what_is_wrong_is_said_without_a_traceback_and_leaves_nothing(
+    arguments, code, says, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == code
     assert says in done.stderr
     assert "Traceback" not in done.stderr
     assert done.stdout == ""
