@@ -35,6 +35,7 @@ def test_check_tells_the_array_and_where_the_flange_is(rig):
     assert told["flange_mm"] == pytest.approx([0.0, 0.0, 20.0 + HEIGHT], abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_jog_arrives_or_ends_at_the_touch(rig):
     told = jog(rig.config, (5.0, 0.0, 0.0), home=False)
     assert told["ended"] == "arrived"
