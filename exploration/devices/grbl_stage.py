@@ -196,7 +196,6 @@ class GrblStage:
             return
         if news:
             here = self._chain.pose(self._where.joints)
-            self._safety.at(here[:3, 3])
             self._safety.sent(here, here if self._cancel.pending else self._chain.pose(self._plan.leads_to))
         quiet, tripped = self._safety.silent(now), bool(self._safety.tripped)
         if (quiet or tripped) and (self.state == "Jog" or now < self._plan.until) and self._cancel.again(now):

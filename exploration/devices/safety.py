@@ -91,6 +91,7 @@ class Safety:
 
     def sent(self, here: Floats, leads_to: Floats) -> None:
         """(4, 4) where the flange is and where all that was sent leads, from the stage's thread."""
+        self.at(here[:3, 3])
         before, after = here @ self._mount, leads_to @ self._mount
         self._coming = max(0.0, float(before[:3, 2] @ (after[:3, 3] - before[:3, 3])))
 

@@ -7,13 +7,10 @@ waits a moment for a driver that asks no more, so that a busy machine is no faul
 long.
 """
 
-import contextlib
-import os
 import select
 import shutil
 import tempfile
 import time
-import tty
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from exploration.devices.clock import WrittenClock
+from exploration.devices.emulators import terminals
 from exploration.devices.emulators.grbl_machine import GrblMachine
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.simulated_array import SimulatedArray
@@ -97,8 +95,8 @@ class EmulatedRig:
         self.array_path, self.stage_path = str(self._folder / "array"), str(self._folder / "stage")
         self.clock_path = self._folder / "clock"
         self.clock = WrittenClock(self.clock_path, pace)
-        self._array_end, self._array_held = _plugged(self.array_path)
-        self._stage_end, self._stage_held = _plugged(self.stage_path)
+        self._array_end, self._array_held = terminals.plugged(self.array_path)
+        self._stage_end, self._stage_held = terminals.plugged(self.stage_path)
         self.waited = 0.0  # [s] of the machine's time, for the driver
         self._asked = (0.0, -np.inf)  # when the driver was heard last, in the rig's time and the machine's
         self._turned = time.monotonic()
@@ -120,7 +118,7 @@ class EmulatedRig:
         self.stage._advance(self._tick())
         ends = [end for end in (self._stage_end, self._array_end) if end >= 0]
         for end in select.select(ends, [], [], _ROUND if now < due else 0.0)[0]:
-            data = _read(end)
+            data = terminals.read(end)
             if end == self._stage_end and data and not self.faults.deaf:
                 self._asked = (self.clock.now(), time.monotonic())
                 self.stage._advance(self._tick())
@@ -155,19 +153,19 @@ class EmulatedRig:
 
     def unplug_array(self) -> None:
         """Pull the array's cable."""
-        self._array_end, self._array_held = _pulled(self._array_end, self._array_held)
+        self._array_end, self._array_held = terminals.pulled(self._array_end, self._array_held)
 
     def unplug_stage(self) -> None:
         """Pull the stage's cable; the controller moves on."""
-        self._stage_end, self._stage_held = _pulled(self._stage_end, self._stage_held)
+        self._stage_end, self._stage_held = terminals.pulled(self._stage_end, self._stage_held)
         self._asked = (0.0, -np.inf)
 
     def plug_in(self) -> None:
         """Plug in again what was pulled."""
         if self._array_end < 0:
-            self._array_end, self._array_held = _plugged(self.array_path)
+            self._array_end, self._array_held = terminals.plugged(self.array_path)
         if self._stage_end < 0:
-            self._stage_end, self._stage_held = _plugged(self.stage_path)
+            self._stage_end, self._stage_held = terminals.plugged(self.stage_path)
 
     def _frame(self) -> None:
         frame = self.array.read()
@@ -188,7 +186,7 @@ class EmulatedRig:
             hit = np.flatnonzero(self._rng.random(len(data)) < self.faults.byte_errors)
             for at in hit:
                 data[at] = int(self._rng.integers(0, 256))
-        _write(self._array_end, bytes(data))
+        terminals.write(self._array_end, bytes(data))
 
     def _answer(self, data: bytes) -> None:
         a = self._spec.array
@@ -196,9 +194,9 @@ class EmulatedRig:
             a.pitch, (a.columns, a.rows), min(self._spec.electronics.full_scale, 65535.0)
         )
         if self._protocol == "dsa" and weiss_dsa.ask_matrix() in data:
-            _write(self._array_end, weiss_dsa.encode_matrix_info(told))
+            terminals.write(self._array_end, weiss_dsa.encode_matrix_info(told))
         if self._protocol == "wts" and weiss_wts.ask_matrix() in data:
-            _write(self._array_end, weiss_wts.encode_matrix_info(told))
+            terminals.write(self._array_end, weiss_wts.encode_matrix_info(told))
 
     def _send_replies(self, now: float) -> None:
         if self.machine.replies:
@@ -210,7 +208,7 @@ class EmulatedRig:
             if answer and self._rng.random() < self.faults.garbled:
                 answer[int(self._rng.integers(0, len(answer)))] = int(self._rng.integers(0, 256))
             if not self.faults.deaf:
-                _write(self._stage_end, bytes(answer))
+                terminals.write(self._stage_end, bytes(answer))
 
 
 def encoded(protocol: str, frame: TaxelFrame) -> bytes:
@@ -228,31 +226,3 @@ def encoded(protocol: str, frame: TaxelFrame) -> bytes:
         if protocol == "matrix"
         else line_text.encode(counts, frame.index, milliseconds)
     )
-
-
-def _plugged(path: str) -> tuple[int, int]:
-    """Both ends of a new pseudo-terminal that `path` leads to."""
-    master, slave = os.openpty()
-    tty.setraw(slave)
-    os.set_blocking(master, False)
-    Path(path).unlink(missing_ok=True)
-    Path(path).symlink_to(os.ttyname(slave))
-    return master, slave
-
-
-def _pulled(*ends: int) -> tuple[int, int]:
-    for end in ends:
-        with contextlib.suppress(OSError):
-            os.close(end)
-    return -1, -1
-
-
-def _read(end: int) -> bytes:
-    with contextlib.suppress(OSError):
-        return os.read(end, 4096)
-    return b""
-
-
-def _write(end: int, data: bytes) -> None:
-    with contextlib.suppress(OSError):
-        os.write(end, data)

@@ -1,0 +1,37 @@
+"""Pseudo-terminals that are plugged and pulled like cables, each under a name that stays."""
+
+import contextlib
+import os
+import tty
+from pathlib import Path
+
+
+def plugged(path: str) -> tuple[int, int]:
+    """Both ends of a new pseudo-terminal that `path` leads to."""
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    os.set_blocking(master, False)
+    Path(path).unlink(missing_ok=True)
+    Path(path).symlink_to(os.ttyname(slave))
+    return master, slave
+
+
+def pulled(*ends: int) -> tuple[int, int]:
+    """Both ends closed; what stands for them then."""
+    for end in ends:
+        with contextlib.suppress(OSError):
+            os.close(end)
+    return -1, -1
+
+
+def read(end: int) -> bytes:
+    """What has come; nothing from an end that is gone."""
+    with contextlib.suppress(OSError):
+        return os.read(end, 4096)
+    return b""
+
+
+def write(end: int, data: bytes) -> None:
+    """Send, as far as there is room."""
+    with contextlib.suppress(OSError):
+        os.write(end, data)
