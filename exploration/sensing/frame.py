@@ -69,3 +69,11 @@ class TactileImage:
     margin: float = inf  # [mm] of skin past the outer taxels
     gain_sigma: float = 0.0  # relative 1 sigma to which gains are known; `sigma` includes it
     response: Response | None = None  # across an edge; None for rubber of `spread`
+
+    def __post_init__(self) -> None:
+        for name in ("depth", "sigma"):
+            array = getattr(self, name)
+            if array.flags.writeable or not array.flags.c_contiguous:
+                view = np.ascontiguousarray(array).view()
+                view.flags.writeable = False
+                object.__setattr__(self, name, view)  # one layout, for which kernels are compiled once

@@ -8,13 +8,14 @@ import pytest
 from exploration.devices.guard import Observation
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, read
 from exploration.sensing.frame import TactileImage, TaxelArray, TaxelFrame
+from primitives.arrays import frozen
 from recognition.running.logbook import Logbook, LogConfig, Thinned, wrench
 
 ARRAY = TaxelArray("pad", 4, 6, (2.0, 3.0))
 
 
 def image(depth, sigma=0.01):
-    return TactileImage(ARRAY, depth, np.broadcast_to(sigma, ARRAY.shape), 1.0, 0.1, 0.0)
+    return TactileImage(ARRAY, frozen(depth), frozen(np.full(ARRAY.shape, sigma)), 1.0, 0.1, 0.0)
 
 
 def observation(index, depth):

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -33,8 +34,9 @@ def test_every_baseline_says_nothing_on_empty_frames(name, frames):
 @pytest.mark.parametrize("name", baselines())
 def test_every_baseline_bears_frames_that_cannot_be_read(name, frames):
     image = frames(frames.edge(0.3, 0.0))
-    image.depth[3, 4] = np.nan
-    assert baselines()[name](image) == ()
+    depth = image.depth.copy()
+    depth[3, 4] = np.nan
+    assert baselines()[name](replace(image, depth=depth)) == ()
 
 
 MANY = [name for name in baselines() if "erf" not in name and "fitLine" not in name]
