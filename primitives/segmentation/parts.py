@@ -23,9 +23,9 @@ _FOURTH = 3.67  # median of pi rho d^2, d to the fourth neighbor of a Poisson fi
 class PartOptions:
     """How sure a gap must be."""
 
-    surprise: float = 3.0  # c
-    slack: float = 1.5  # factor on the distance
-    filled: float = 0.4  # share of the contacts due within it, below which the face is too narrow to tell
+    surprise: float = 6.0  # c
+    slack: float = 2.0  # factor on the distance
+    filled: float = 0.6  # share of the contacts due within it, below which the face is too narrow to tell
     least: int = 3  # contacts of a part
 
 
