@@ -26,6 +26,7 @@ from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
 from recognition.matching.likelihood import NoiseConfig
 from recognition.matching.modes import Felt, Mode, modes_of, residual
+from recognition.matching.search_kernels import distinct
 from recognition.matching.shortlist import shortlist
 from recognition.matching.target import Target, target_of
 
@@ -40,6 +41,8 @@ class MatchConfig:
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     first: int = 12  # objects of the shortlist that are searched at once
     most_objects: int = 48  # that are searched where these settle nothing
+    telling: int = 4  # contacts from which on their pairs rank objects
+    most_untold: int = 500  # objects that are searched where they do not
     settled: float = 0.98  # probability of a name from which on the first are enough
     refined: int = 12  # poses of an object that are refined on its exact surface
     refined_blind: int = 96  # the same where no normals were felt
@@ -73,7 +76,8 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     begun = begin(
         evidence.contacts, config.search, float(np.median(evidence.contacts.sigma)), evidence.scale_known
     )
-    names = shortlist(evidence.contacts, library, config.most_objects, tuple(known))
+    most = config.most_objects if len(evidence.contacts) >= config.telling else config.most_untold
+    names = shortlist(evidence.contacts, library, most, tuple(known))
     found: dict[str, Found] = {}
     belief = Belief((), {})
     for count in sorted({min(config.first, len(names)), len(names)}):
@@ -96,8 +100,8 @@ def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchCon
         return found
     costs = np.concatenate([found.costs, scored(begun, target, poses, config.search)])
     poses = np.concatenate([found.poses, poses])
-    order = np.argsort(costs, kind="stable")
-    return Found(poses[order], costs[order])
+    differ = config.search.differ
+    return Found(*distinct(poses, costs, len(poses), differ, 0.5 * differ * target.size, begun.points[0]))
 
 
 def _modes(found: Mapping[str, Found], library: Mapping[str, Entry], evidence: Evidence, prior: Prior,

@@ -124,3 +124,19 @@ def test_a_pad_that_lay_on_an_edge_does_not_move_the_pose(library):
     error = pose_error(library["bracket"].symmetry, best.pose, world)
     assert error.distance < 1.0
     assert (best.log_likelihoods[-3:] > np.log(0.01 / 4 / np.pi / 1e5)).all()
+
+
+def test_contacts_of_one_plane_leave_the_pose_wide(library):
+    rng = np.random.default_rng(8)
+    points = np.column_stack([rng.uniform(-8, 8, (12, 2)), np.zeros(12)])
+    belief = match(Evidence(Contacts.of(points, np.tile([0.0, 0, 1], (12, 1)), 0.3, TURN)), library)
+    assert sum(belief.probabilities.values()) == pytest.approx(1.0)
+    assert belief.hypotheses[0].translation_sigma > 1.0
+
+
+def test_ten_thousand_contacts_are_thinned_and_answered(library):
+    rng = np.random.default_rng(9)
+    world = somewhere(rng)
+    belief = match(Evidence(felt(library["bracket"], world, 10_000, rng)), library)
+    assert belief.decision == "bracket"
+    assert pose_error(library["bracket"].symmetry, belief.best("bracket").pose, world).distance < 0.5
