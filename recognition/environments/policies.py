@@ -33,6 +33,7 @@ class InformationPolicy:
     confidence: float = 0.95
     confirmed: int = 2  # touches in a row, after each of which the same name is sure enough
     least: int = 4  # touches that met something, before which nothing is sure
+    misses: int = 2  # touches in a row without a contact, after which the widest gap is touched
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -47,7 +48,8 @@ class InformationPolicy:
             return np.array([*np.zeros(SIZE), 1.0], dtype=np.float32)
         ball, guard = me.around(), me.guard
         found = None
-        if me.belief is not None:
+        told = [bool(len(t.contacts)) for t in me.touches[-self.misses :]]
+        if me.belief is not None and any(told):
             limits, size = guard.stage.limits, guard.sensor.array.size
             found = choose(me.belief, me.library, guard.world_from_sensor, ball, size, limits, self._rng)
         places = np.array([t.pose[:3, 3] if t.met else t.approach.start[:3, 3] for t in me.touches])
