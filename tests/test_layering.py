@@ -32,7 +32,7 @@ DISTRIBUTION_OF = {
     "PIL": "pillow",
     "serial": "pyserial",
     "OCP": "cadquery_ocp_novtk",
-    "cv2": "opencv_python_headless",
+    "cv2": "opencv_contrib_python_headless",
     "skimage": "scikit_image",
 }
 FILES = sorted(path for package in MAY_IMPORT for path in (ROOT / package).rglob("*.py"))
