@@ -119,11 +119,3 @@ class FreeSpace:
             local = (points - pose[:3, 3]) @ pose[:3, :3]
             inside |= (np.abs(local) <= half - margin).all(axis=1)
         return inside
-
-
-@dataclass(frozen=True)
-class Patch:
-    """Contacts that lie on one smooth surface."""
-
-    contacts: Contacts
-    rows: Ints  # (n,) where they stand in the table they were taken from
