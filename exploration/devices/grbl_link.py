@@ -39,6 +39,7 @@ class GrblLink:
         self._text = b""
         self._sent: deque[tuple[int, float]] = deque()
         self._asked = self._last_asked = 0.0
+        self._patience = _LOST
         self._listened = clock.now()
         self.deaf = 0.0  # [s] of listening without a report; what nobody listened to does not count
         self._offset: tuple[float, ...] = ()
@@ -93,7 +94,7 @@ class GrblLink:
         self._text = self._text[-512:]
         for raw in lines:
             self._understand(raw.decode("ascii", "replace").strip(), now, heard)
-        while self._sent and now - self._sent[0][1] > _LOST:
+        while self._sent and now - self._sent[0][1] > self._patience:
             self._sent.popleft()
             self.lost += 1
         return heard
@@ -126,6 +127,7 @@ class GrblLink:
 
     def exchange(self, line: str, patience: float) -> Heard:
         """Send a line and wait for its answer; everything heard until then."""
+        before, self._patience = self.lost, patience
         self.send(line)
         total, until = Heard(), self.clock.now() + patience
         while self._sent and self.clock.now() < until:
@@ -134,7 +136,8 @@ class GrblLink:
             total.errors += heard.errors
             total.other += heard.other
             total.alarm = heard.alarm if heard.alarm is not None else total.alarm
-        if self._sent:
+        self._patience = _LOST
+        if self._sent or self.lost > before:
             raise PalpateError(
                 f"no answer from {self.port.address}; is it a Grbl controller, and the baud rate right?"
             )

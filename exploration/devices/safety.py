@@ -65,7 +65,8 @@ class Safety:
         self._heard = clock.now()
         self._ceiling = limits.force
         self._force, self._toward = 0.0, 0.0  # [N], [mm/s] as it was asked last
-        self._stiffness = calibration.stiffness * area * calibration.zero.size  # [N/mm] of the whole pad
+        self._skin = _skin(calibration, area)  # the whole skin's area over that of the taxels
+        self._stiffness = self._skin * calibration.stiffness * area * calibration.zero.size  # [N/mm]
         self._coming = 0.0  # [mm] toward the object, sent and not done
         self._told = False
         self._counts = np.empty(0)
@@ -96,9 +97,9 @@ class Safety:
         self._coming = max(0.0, float(before[:3, 2] @ (after[:3, 3] - before[:3, 3])))
 
     def force(self, frame: TaxelFrame) -> float:
-        """[N] over the whole pad."""
+        """[N] over the whole pad, its skin past the outer taxels pressed alike."""
         c = self._calibration
-        return float(self._area * ((frame.counts - c.zero) / c.gain)[~c.dead].sum())
+        return float(self._skin * self._area * ((frame.counts - c.zero) / c.gain)[~c.dead].sum())
 
     def shortened(self, twist: Floats, acceleration: float) -> Floats:
         """A (6,) flange twist that presses the pad on no faster than it may run blind into a flat."""
@@ -160,3 +161,10 @@ class Safety:
         """The control loop has heard: a way back is allowed, as long as the force does not grow on it."""
         self._ceiling = max(self.limits.force, self.limits.margin * self._force)
         self.tripped, self._told = "", False
+
+
+def _skin(calibration: Calibration, area: float) -> float:
+    """The whole skin's area over that of its taxels, which feel nothing of its margin."""
+    margin = calibration.margin if np.isfinite(calibration.margin) else 0.0
+    sides = np.array(calibration.zero.shape) * np.sqrt(area)
+    return float(np.prod(sides + 2.0 * margin) / np.prod(sides))
