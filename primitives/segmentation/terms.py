@@ -116,6 +116,10 @@ class Terms:
                 starts.append(made.shape(0))
         fits = [refit(shape, sign > 0, table, self.options.fit) for shape, sign in starts]
         models = [self.model(found, mine) for found in fits if isinstance(found, Fit)]
+        likeliest = min(models, key=lambda m: m.cost, default=None)
+        if "torus" in kinds and likeliest is not None and likeliest.fit.kind == "cylinder":
+            opened = fit("cone", table, self.options.fit)  # no closed form finds one that hardly opens
+            models += [self.model(opened, mine)] if isinstance(opened, Fit) else []
         if "torus" in kinds and len(mine) >= self.options.ring and not any(_settled(m) for m in models):
             ring = fit("torus", table, self.options.fit)
             models += [self.model(ring, mine)] if isinstance(ring, Fit) else []
