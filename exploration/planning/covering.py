@@ -53,13 +53,15 @@ class Covering:
         """Touch down at a predicted point; where that did not help before, come to the middle of what is open.
 
         Faces that go on too far, as a cone to an apex that was cut off, predict points where nothing is.
-        The mean of their normals is the way in from outside.
+        The mean of their normals is the way in from outside.  A pad that settles may slip off a place beside an
+        edge: the last try presses there unmoved.
         """
         pad = self.study.pad
         nearest = int(np.argmin(np.linalg.norm(missing.points - pad.here.point, axis=1)))
         point, normal = missing.points[nearest], missing.normals[nearest]
         standoff, overtravel = 8.0, 10.0
-        again = self._visited.count(point) > 0
+        last = self.tried.count(point) == self.config.tries - 1
+        again = self._visited.count(point) > 0 and not last
         self._visited.note(point)
         if again:
             around = np.linalg.norm(missing.points - point, axis=1) < self.config.region
@@ -73,8 +75,10 @@ class Covering:
         hint = pad.guard.world_from_sensor[:3, 0]
         target = se3.pose(se3.frame_along(-normal, hint), point)
         pad.travel(target, Support(point, normal), standoff)
-        if not pad.touch(target, standoff, overtravel):
+        if not pad.touch(target, standoff, overtravel, settling=SettleConfig(shifts=0) if last else None):
             return None, "nothing was where the faces so far predict the surface"
+        if last:
+            return self.study.take_in(pad.feel()), "pressed on a place that was only predicted"
         return self.study.face_here(), "touched a place that was only predicted"
 
     def revisit(self, doubtful: Predicted) -> Done:
