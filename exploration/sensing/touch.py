@@ -115,7 +115,7 @@ def _with_outline(
         )
         if stands is None:
             return _touch(image, contact, kinds, (), smooth)
-        flank = as_flank(image, smooth, outline.lines)
+        flank = as_flank(image, smooth, outline.lines, len(outline.arcs))
         if flank is not None and flank.chi2 < max(outline.chi2 + STRIP, ROUND * flank.dof):
             share = 1.0 / (1.0 + exp(min(0.5 * (flank.chi2 - outline.chi2), 50.0)))
             kinds = {k: (1.0 - share) * v for k, v in kinds.items()}

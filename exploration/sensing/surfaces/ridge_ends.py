@@ -53,24 +53,39 @@ def cut_at_ends(image: TactileImage, surface: LocalSurface) -> LocalSurface:
     return best
 
 
-def as_flank(image: TactileImage, smooth: LocalSurface, lines: Sequence[Line]) -> LocalSurface | None:
-    """A strip between three or more lines as a ridge that the others cut; none where it is no strip."""
+def as_flank(
+    image: TactileImage, smooth: LocalSurface, lines: Sequence[Line], arcs: int = 0
+) -> LocalSurface | None:
+    """A strip between three or more lines and arcs as a ridge that some of them cut; none where it is no strip.
+
+    Of two lines that face each other either both end the ridge, or both are where its contact ends by itself.
+    """
     pairs = [
         (abs(float(np.sin(a.angle - b.angle))), i, j)
         for (i, a), (j, b) in combinations(enumerate(lines), 2)
         if float(a.inward @ b.inward) < 0.0
     ]
-    if len(lines) < 3 or not pairs or min(pairs)[0] > ALONG:
+    if len(lines) + arcs < 3 or not pairs or min(pairs)[0] > ALONG:
         return None
     _, i, j = min(pairs)
-    ends = [line for k, line in enumerate(lines) if k not in (i, j)]
+    pair, others = (lines[i], lines[j]), [line for k, line in enumerate(lines) if k not in (i, j)]
+    across = pair[0].inward - pair[1].inward
+    found = [
+        cut_at_ends(image, smooth),
+        _cut_by(image, smooth, _straightened(smooth, across / np.linalg.norm(across)), pair),
+    ]
+    if others:
+        found.append(_cut_by(image, smooth, _rounded(*pair), others))
+    best = min(found, key=lambda surface: surface.chi2)
+    return None if best is smooth else best
+
+
+def _cut_by(image: TactileImage, smooth: LocalSurface, start: Floats, ends: Sequence[Line]) -> LocalSurface:
+    """The paraboloid from `start` (6,) that lines cut; the smooth surface where its fit fails."""
     cuts = np.array([value for line in ends for value in (line.angle, line.offset)])
     sides = np.array([float(line.material_side) for line in ends])
-    fit = fit_footprint(image, np.concatenate([_rounded(lines[i], lines[j]), cuts]), sides)
-    ended = cut_at_ends(image, smooth)
-    if fit.converged and fit.chi2 < ended.chi2:
-        return surface_of(image, smooth.mask, fit, True)
-    return None if ended is smooth else ended
+    fit = fit_footprint(image, np.concatenate([start, cuts]), sides)
+    return surface_of(image, smooth.mask, fit, True) if fit.converged else smooth
 
 
 def _rounded(first: Line, second: Line) -> Floats:
