@@ -27,6 +27,7 @@ _SOUND = 10  # contacts of a face that is no reading of a rim
 _BEFORE = 3.0  # [mm] in front of a face, from which a contact cannot be of one convex body with it
 _WIDE = 3.0  # [mm] standard deviation of a sound face's contacts across their longer extent
 _BULGE = 0.02  # [mm] rms about a plane, up to which a face is flat
+_SAGITTA = 0.05  # [mm] of bulge, which a pad that lies partly past a small face's rim may read into it
 _FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
@@ -78,17 +79,20 @@ def flattened(graph: PatchGraph) -> PatchGraph:
     """
     faces = []
     for face in graph.faces:
-        flat = fit("plane", face.contacts) if _hardly_curved(face) else None
-        sound = isinstance(flat, Fit) and flat.rms < _BULGE
+        bulge = _bulge(face)
+        flat = None if bulge is None else fit("plane", face.contacts)
+        sound = isinstance(flat, Fit) and bulge is not None and (flat.rms < _BULGE or bulge < _SAGITTA)
         faces.append(replace(face, fit=flat, ranked=()) if sound and flat is not None else face)
     return replace(graph, faces=tuple(faces))
 
 
-def _hardly_curved(face: Face) -> bool:
+def _bulge(face: Face) -> float | None:
+    """[mm] by which a hardly curved face bulges over what was touched of it; None where it is not."""
     radius = getattr(face.fit.shape, "radius", None) if isinstance(face.fit, Fit) else None
     if radius is None or len(face.contacts) < _SOUND:
-        return False
-    return bool(radius > _FLAT * np.ptp(face.contacts.points, axis=0).max())
+        return None
+    extent = float(np.ptp(face.contacts.points, axis=0).max())
+    return extent**2 / (8.0 * radius) if radius > _FLAT * extent else None
 
 
 def drop_contradicted(graph: PatchGraph) -> PatchGraph:
