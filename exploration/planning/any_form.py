@@ -19,7 +19,7 @@ from exploration.control.procedures.approach import retreat, touched
 from exploration.control.sighting import Sighting
 from exploration.control.track_surface import Stroke
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.consistency import flattened
+from exploration.planning.consistency import drop_poor, flattened
 from exploration.planning.findings import Attempts, Done, ExplorerConfig
 from exploration.planning.frontier import Predicted
 from exploration.planning.local_frontier import LocalFrontier
@@ -79,7 +79,7 @@ class AnyForm:
                 done, note = None, f"backed off: {error}"
             face = done
             yield note
-        self.found.graph = flattened(self.found.graph)
+        self.found.graph = drop_poor(flattened(self.found.graph))
         self.found.openings = self._frontier().openings()
         self.found.warnings.extend(rim.told() for rim in self.found.openings)
 

@@ -20,6 +20,7 @@ _BEYOND = 0.3  # [mm] a contact this far in front of a face contradicts it
 _SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
 _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
+_POOR = 0.05  # [mm] rms, from which so few contacts as below are of no one face
 _FEW = 30  # contacts, below which a face may be a poor reading of a larger one
 _SAME = 0.1  # [mm] from a larger face, within which more contacts than those are no face beside it
 _LARGER = 1.5  # times as many contacts make a face the larger
@@ -69,6 +70,14 @@ def _broad(face: Face) -> bool:
     """Whether a face was touched over more than the rim that may look like one."""
     spread = np.linalg.svd(face.contacts.points - face.contacts.points.mean(axis=0), compute_uv=False)
     return bool(spread[1] / np.sqrt(len(face.contacts)) > _WIDE)
+
+
+def drop_poor(graph: PatchGraph) -> PatchGraph:
+    """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner."""
+    for face in graph.faces:
+        if isinstance(face.fit, Fit) and len(face.contacts) < _FEW and face.fit.rms > _POOR:
+            graph = _without(graph, face.id)
+    return graph
 
 
 def flattened(graph: PatchGraph) -> PatchGraph:
