@@ -100,7 +100,7 @@ class EmulatedRig:
         self.waited = 0.0  # [s] of the machine's time, for the driver
         self._asked = (0.0, -np.inf)  # when the driver was heard last, in the rig's time and the machine's
         self._turned = time.monotonic()
-        self._pressed: deque[bytes] = deque()
+        self._hands: deque[Callable[[], None]] = deque()  # what a person does, from any thread
         self._late: list[tuple[float, bytes]] = []
         self._frozen: TaxelFrame | None = None
 
@@ -110,7 +110,9 @@ class EmulatedRig:
             self.turn()
 
     def turn(self) -> None:
-        """One round: frames that are due, and what has come."""
+        """One round: what a person did, frames that are due, and what has come."""
+        while self._hands:
+            self._hands.popleft()()
         now = self._tick()
         due = (np.floor(self.stage._time / self._spec.period + 1e-6) + 1) * self._spec.period
         if now >= due:
@@ -125,8 +127,6 @@ class EmulatedRig:
                 self.machine.receive(data)
             elif end == self._array_end and data:
                 self._answer(data)
-        while self._pressed:
-            self.machine.receive(self._pressed.popleft())
         self._send_replies(self.clock.now())
 
     def _tick(self) -> float:
@@ -142,26 +142,35 @@ class EmulatedRig:
         return self.clock.now()
 
     def close(self) -> None:
-        """Unplug both, and leave nothing behind."""
-        self.unplug_array()
-        self.unplug_stage()
+        """Unplug both, and leave nothing behind; once nobody serves any more."""
+        self._pull_array()
+        self._pull_stage()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def press(self, button: bytes) -> None:
         """A person at the machine: `!` hold, `~` go on, 0x18 reset; obeyed in the next round."""
-        self._pressed.append(button)
+        self._hands.append(lambda: self.machine.receive(button))
 
     def unplug_array(self) -> None:
-        """Pull the array's cable."""
-        self._array_end, self._array_held = terminals.pulled(self._array_end, self._array_held)
+        """Pull the array's cable, in the next round."""
+        self._hands.append(self._pull_array)
 
     def unplug_stage(self) -> None:
-        """Pull the stage's cable; the controller moves on."""
+        """Pull the stage's cable, in the next round; the controller moves on."""
+        self._hands.append(self._pull_stage)
+
+    def plug_in(self) -> None:
+        """Plug in again what was pulled, in the next round."""
+        self._hands.append(self._plug_in)
+
+    def _pull_array(self) -> None:
+        self._array_end, self._array_held = terminals.pulled(self._array_end, self._array_held)
+
+    def _pull_stage(self) -> None:
         self._stage_end, self._stage_held = terminals.pulled(self._stage_end, self._stage_held)
         self._asked = (0.0, -np.inf)
 
-    def plug_in(self) -> None:
-        """Plug in again what was pulled."""
+    def _plug_in(self) -> None:
         if self._array_end < 0:
             self._array_end, self._array_held = terminals.plugged(self.array_path)
         if self._stage_end < 0:
