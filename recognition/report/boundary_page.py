@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from html import escape
 from typing import Any
 
@@ -13,10 +12,9 @@ from recognition.report import boundary_words as words
 from recognition.report import tables
 from recognition.report.boundary_words import Json
 from recognition.report.face_graph import graph_svg
-from recognition.report.page import resource
 from recognition.report.payload import packed, payload
 from recognition.report.run_report import EMPTY_FRAMES, ReportMesh, RunReport
-from recognition.running.folder import json_text
+from recognition.report.shell import filled, shell, view
 
 _SCRIPTS = ("gl.js", "scene.js", "panels.js", "theme.js", "boundary.js")
 _LONG = 40  # rows of edges; more are folded away
@@ -25,19 +23,22 @@ _NO_POINTS = np.empty((0, 3))
 
 def boundary_html(summary: Json, brep: Brep, mesh: ReportMesh) -> str:
     """The page as text; the mesh's faces are those of the boundary."""
-    places = {
-        "title": escape(str(summary["name"])),
-        "style": resource("style.css") + resource("boundary.css"),
-        "lede": _lede(summary, brep),
-        "figures": _figures(summary, brep),
-        "legend": _legend(summary),
-        "graph": graph_svg(summary),
-        "sections": _sections(summary),
-        "footer": "Lengths in mm, in the part's own frame.",
-        "data": json_text(_data(summary, brep, mesh)).replace("<", "\\u003c"),
-        "script": "\n".join(resource(name) for name in _SCRIPTS).replace('"use strict";\n', ""),
-    }
-    return re.sub(r"\{\{(\w+)\}\}", lambda place: places[place[1]], resource("boundary.html"))
+    return shell(
+        title=escape(str(summary["name"])),
+        lede=_lede(summary, brep),
+        figures=_figures(summary, brep),
+        main=filled(
+            "boundary_stage.html",
+            view=view("the model, faces colored by shape"),
+            graph=graph_svg(summary),
+            legend=_legend(summary),
+        )
+        + _sections(summary),
+        footer="Lengths in mm, in the part's own frame.",
+        styles=("boundary.css",),
+        scripts=_SCRIPTS,
+        data=_data(summary, brep, mesh),
+    )
 
 
 def _data(summary: Json, brep: Brep, mesh: ReportMesh) -> dict[str, Any]:

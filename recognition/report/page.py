@@ -1,14 +1,8 @@
-"""The run page: one HTML file that needs nothing else, neither network nor server.
-
-The template's `{{name}}` places are filled once, from left to right; what fills them is never searched again.
-"""
+"""The run page: the object, the pad moving, what it felt and what was believed at each moment, and tables."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +11,7 @@ from recognition.report import tables
 from recognition.report.payload import left_out, payload
 from recognition.report.run_report import EMPTY_FRAMES, RunReport
 from recognition.report.run_words import figures, words
-from recognition.running.folder import json_text
+from recognition.report.shell import filled, shell, view
 
 _SCRIPTS = ("gl.js", "scene.js", "panels.js", "belief.js", "theme.js", "main.js")
 _LAYERS = (
@@ -66,48 +60,42 @@ def report_html(report: RunReport) -> str:
     footer = (
         f"palpate {summary.get('version', '')}, seed {summary.get('seed', '')}. Lengths in mm, world frame."
     )
-    return _filled(
-        report,
-        {
-            "title": escape(str(summary.get("part") or "a touched object")),
-            "lede": told.lede(summary),
-            "figures": figures(summary),
-            "layers": "".join(layers),
-            "legend": tables.legend(summary, present["traces"]),
-            "sections": tables.sections(summary, report.settings, left_out(report), told.sections(summary)),
-            "footer": escape(footer),
-            "connect": "",
-        },
-        _SCRIPTS,
+    return shell(
+        title=escape(str(summary.get("part") or "a touched object")),
+        lede=told.lede(summary),
+        figures=figures(summary),
+        main=_stage(report, layers, tables.legend(summary, present["traces"]))
+        + tables.sections(summary, report.settings, left_out(report), told.sections(summary)),
+        footer=escape(footer),
+        scripts=_SCRIPTS,
+        data=payload(report),
     )
 
 
 def live_html() -> str:
     """The page of a run that goes on: it begins empty, and asks the server that it came from for more."""
     layers = [_layer(name, label, True) for name, label in _LAYERS if name not in _HIDDEN]
-    told = {
-        "title": "Live",
-        "lede": "starting",
-        "layers": "".join(layers),
-        "connect": " connect-src 'self';",
-        "footer": "Lengths in mm, world frame.",
-    }
-    return _filled(_NOTHING, told, (*_SCRIPTS, "live.js"))
+    return shell(
+        title="Live",
+        lede="starting",
+        figures="",
+        main=_stage(_NOTHING, layers, ""),
+        footer="Lengths in mm, world frame.",
+        scripts=(*_SCRIPTS, "live.js"),
+        data=payload(_NOTHING),
+        asks=True,
+    )
 
 
-def _filled(report: RunReport, told: Mapping[str, str], scripts: Sequence[str]) -> str:
-    """The template with what is told; a place that nothing is told of stays empty."""
-    data = payload(report)
-    places = {
-        "style": resource("style.css"),
-        "beliefs": _BELIEFS,
-        "names": _NAMES,
-        "off": "" if report.off is None else _off_key(report.off.scale),
-        "data": json_text(data).replace("<", "\\u003c"),
-        "script": "\n".join(resource(name) for name in scripts).replace('"use strict";\n', ""),
-        **told,
-    }
-    return re.sub(r"\{\{(\w+)\}\}", lambda place: places.get(place[1], ""), resource("page.html"))
+def _stage(report: RunReport, layers: list[str], legend: str) -> str:
+    return filled(
+        "run_stage.html",
+        view=view("the reconstructed model", "".join(layers), plays=True),
+        legend=legend,
+        beliefs=_BELIEFS,
+        names=_NAMES,
+        off="" if report.off is None else _off_key(report.off.scale),
+    )
 
 
 def _shown(name: str, opened: bool) -> bool:
@@ -124,8 +112,3 @@ def _off_key(scale: float) -> str:
 def _layer(name: str, label: str, shown: bool) -> str:
     checked = " checked" if shown else ""
     return f'<label><input type="checkbox" data-layer="{name}"{checked}>{label}</label>'
-
-
-def resource(name: str) -> str:
-    """A file beside this one, as text."""
-    return (files(__package__) / name).read_text(encoding="utf-8")

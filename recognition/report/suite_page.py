@@ -7,17 +7,11 @@ from html import escape
 from typing import Any
 
 from recognition.report import tables
-from recognition.report.page import resource
+from recognition.report.shell import shell
 from recognition.report.suite_charts import charts, named, word
 from recognition.report.tables import worded
 
 Json = Mapping[str, Any]
-_HEAD = (
-    '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-    '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
-    '<meta name="color-scheme" content="light dark">'
-)
 _NOTE = (
     "Intervals are 95 %: Wilson's for shares, bootstrap for medians, Student's for differences. Where a group has "
     "several parts, parts are the units: trials of one part count together. Trials that were not done are counted "
@@ -28,7 +22,6 @@ _MANY = 200  # rows of a table
 
 def suite_html(summary: Json) -> str:
     """The page as text."""
-    title = escape(str(summary["suite"]))
     body = "".join(_group(group) for group in summary["groups"])
     reasons = "".join(f"<li>{n} × {escape(why)}</li>" for why, n in summary["reasons"].items())
     told = tables.section("Not done", f'<ul class="warnings">{reasons}</ul>' if reasons else "")
@@ -42,11 +35,13 @@ def suite_html(summary: Json) -> str:
             ("Work", f"{summary['work_seconds']:.0f}", "s"),
         ]
     )
-    return (
-        f"{_HEAD}<title>{title} · palpate</title><style>{resource('style.css')}{resource('suite.css')}</style>"
-        f'</head><body><header><p class="mark">palpate</p><h1>{title}</h1><p class="lede">'
-        f"{escape(summary['about'])}{state}</p>{figures}</header><main>{told}{body}</main>"
-        f"<footer><p>palpate {escape(summary['version'])}. {_NOTE}</p></footer></body></html>"
+    return shell(
+        title=escape(str(summary["suite"])),
+        lede=f"{escape(summary['about'])}{state}",
+        figures=figures,
+        main=told + body,
+        footer=f"palpate {escape(summary['version'])}. {_NOTE}",
+        styles=("suite.css",),
     )
 
 
