@@ -16,9 +16,9 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm, t
+from scipy.special import ndtri, stdtrit
 
-from primitives.arrays import Floats
+from primitives.arrays import Floats, Ints
 
 LEVEL = 0.95
 DRAWS = 2000
@@ -38,7 +38,7 @@ class Estimate:
 
 def wilson(right: float, count: float, level: float = LEVEL) -> tuple[float, float]:
     """The interval of a share; counts need not be whole."""
-    z = float(norm.ppf(0.5 + level / 2.0))
+    z = float(ndtri(0.5 + level / 2.0))
     middle = (right + z * z / 2.0) / (count + z * z)
     half = z * np.sqrt(right * (count - right) / count + z * z / 4.0) / (count + z * z)
     return max(0.0, float(middle - half)), min(1.0, float(middle + half))
@@ -48,61 +48,64 @@ def share(
     right: Sequence[bool], units: Sequence[Unit] | None = None, level: float = LEVEL
 ) -> Estimate | None:
     """How many were right; None of nothing."""
-    told = np.asarray(right, dtype=float)
-    if not len(told):
+    if not len(right):
         return None
-    members = _members(len(told), units)
-    n, p = len(told), float(told.mean())
-    low, high = wilson(p * n / _design(told, members), n / _design(told, members), level)
-    return Estimate(p, low, high, n, len(members))
+    told, members = _sample(right, units)
+    n, p, design = len(told), float(told.mean()), _design(told, members)
+    return _estimate(p, wilson(p * n / design, n / design, level), told, members)
 
 
 def median(
     values: Sequence[float], units: Sequence[Unit] | None = None, level: float = LEVEL
 ) -> Estimate | None:
     """The middle of the values; None of nothing."""
-    told = np.asarray(values, dtype=float)
-    if not len(told):
+    if not len(values):
         return None
-    members = _members(len(told), units)
+    told, members = _sample(values, units)
+    middle = float(np.median(told))
     if len(members) == 1:
-        return Estimate(float(np.median(told)), None, None, len(told), 1)
+        return _estimate(middle, None, told, members)
     drawn = np.random.default_rng(0).integers(0, len(members), (DRAWS, len(members)))
     if all(len(rows) == 1 for rows in members):
         medians = np.median(told[drawn], axis=1)
     else:
         medians = np.array([np.median(told[np.concatenate([members[k] for k in draw])]) for draw in drawn])
     low, high = np.quantile(medians, [0.5 - level / 2.0, 0.5 + level / 2.0])
-    return Estimate(float(np.median(told)), float(low), float(high), len(told), len(members))
+    return _estimate(middle, (float(low), float(high)), told, members)
 
 
 def mean_of_units(
     values: Sequence[float], units: Sequence[Unit] | None = None, level: float = LEVEL
 ) -> Estimate | None:
     """The mean over units of their means, with Student's interval; None of nothing."""
-    told = np.asarray(values, dtype=float)
-    if not len(told):
+    if not len(values):
         return None
-    members = _members(len(told), units)
+    told, members = _sample(values, units)
     means = np.array([told[rows].mean() for rows in members])
     middle = float(means.mean())
     if len(means) < 2:
-        return Estimate(middle, None, None, len(told), len(means))
-    half = float(t.ppf(0.5 + level / 2.0, len(means) - 1) * means.std(ddof=1) / np.sqrt(len(means)))
-    return Estimate(middle, middle - half, middle + half, len(told), len(means))
+        return _estimate(middle, None, told, members)
+    half = float(stdtrit(len(means) - 1, 0.5 + level / 2.0) * means.std(ddof=1) / np.sqrt(len(means)))
+    return _estimate(middle, (middle - half, middle + half), told, members)
 
 
-def _members(count: int, units: Sequence[Unit] | None) -> list[np.ndarray]:
-    """Rows of each unit; each row is its own where units are not told."""
-    if units is None:
-        return [np.array([row]) for row in range(count)]
+def _estimate(
+    value: float, interval: tuple[float, float] | None, told: Floats, members: list[Ints]
+) -> Estimate:
+    low, high = interval or (None, None)
+    return Estimate(value, low, high, len(told), len(members))
+
+
+def _sample(values: Sequence[float], units: Sequence[Unit] | None) -> tuple[Floats, list[Ints]]:
+    """The values, and the rows of each unit; each row is its own where units are not told."""
+    told = np.asarray(values, dtype=float)
     rows: dict[Unit, list[int]] = {}
-    for row, unit in enumerate(units):
+    for row, unit in enumerate(range(len(told)) if units is None else units):
         rows.setdefault(unit, []).append(row)
-    return [np.array(mine) for mine in rows.values()]
+    return told, [np.array(mine) for mine in rows.values()]
 
 
-def _design(told: Floats, members: list[np.ndarray]) -> float:
+def _design(told: Floats, members: list[Ints]) -> float:
     """By how much trials of one unit count less than trials of different ones."""
     n, m, p = len(told), len(members), float(told.mean())
     if m == n or m < 2:
