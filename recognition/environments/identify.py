@@ -31,6 +31,7 @@ from primitives.errors import PalpateError
 from recognition.config import ExploreOptions
 from recognition.environments.actions import SIZE, approach_of
 from recognition.environments.explore import Observation, ball_row, contact_rows, touched_share
+from recognition.identifying.hand import GuardedHand
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step
 from recognition.identifying.policies import gap_touch
 from recognition.matching.next_touch.held import UNKNOWN
@@ -86,7 +87,7 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
         self._action: np.ndarray | None = None
         config = IdentifyConfig(self._policy, _NEVER, 10 * self.max_touches)
         guard, rng = guarded(world, told, lambda guard, seen: None), np.random.default_rng(drawn)
-        self.identifier = Identifier(guard, self.library, world.box.ravel(), config, rng)
+        self.identifier = Identifier(GuardedHand(guard), self.library, world.box.ravel(), config, rng)
         self._steps: Iterator[Step] = self.identifier.run()
         step = next(self._steps, None)
         while step is not None and step.belief is None:
@@ -119,7 +120,7 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
 
     def _made(self) -> int:
         """Touches since the object was found."""
-        return self.identifier.guard.cost.touches - self._before
+        return self.identifier.hand.cost.touches - self._before
 
     def _observed(self) -> Observation:
         me, belief = self.identifier, self.identifier.belief
@@ -141,5 +142,5 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
             "decision": None if belief is None else belief.decision,
             "confidence": 0.0 if belief is None else belief.confidence,
             "met": self._met,
-            "device_seconds": self.identifier.guard.cost.seconds,
+            "device_seconds": self.identifier.hand.cost.seconds,
         }

@@ -46,12 +46,11 @@ class InformationPolicy:
         if self._sure(me):
             self._agreed = 0
             return np.array([*np.zeros(SIZE), 1.0], dtype=np.float32)
-        ball, guard = me.around(), me.guard
+        ball, hand = me.around(), me.hand
         found = None
         told = [bool(len(t.contacts)) for t in me.touches[-self.misses :]]
         if me.belief is not None and any(told):
-            limits, size = guard.stage.limits, guard.sensor.array.size
-            found = choose(me.belief, me.library, guard.world_from_sensor, ball, size, limits, self._rng)
+            found = choose(me.belief, me.library, hand.here, ball, hand.pad, hand.limits, self._rng)
         places = np.array([t.pose[:3, 3] if t.met else t.approach.start[:3, 3] for t in me.touches])
         approach = (
             found.approach if isinstance(found, Choice) else gap_touch(ball, places, len(places), self._rng)

@@ -17,6 +17,7 @@ from models.solid import Solid
 from primitives.errors import PalpateError
 from recognition.config import settings
 from recognition.identifying.answer import candidates_json, top, truth_json, why_json
+from recognition.identifying.hand import GuardedHand
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step
 from recognition.identifying.options import IdentifyOptions
 from recognition.live import so_far
@@ -47,8 +48,8 @@ def run(
     with felt_run(options, "identify", world, told) as felt:
         config = IdentifyConfig(options.policy, options.confidence, options.max_touches, options.unknown)
         rng = np.random.default_rng([options.seed, 1])
-        identifier = Identifier(felt.guard, known, felt.world.box.ravel(), config, rng, felt.announce)
-        identifier.warnings = felt.warnings
+        hand = GuardedHand(felt.guard, felt.warnings)
+        identifier = Identifier(hand, known, felt.world.box.ravel(), config, rng, felt.announce)
         history: list[dict[str, Any]] = []
 
         def page() -> RunReport:
@@ -91,15 +92,15 @@ def _separating(identifier: Identifier) -> Choice | None:
     """The touch that would settle what is left, where it is not sure."""
     if identifier.belief is None or identifier.ended == "sure":
         return None
-    guard = identifier.guard
+    hand = identifier.hand
     try:
         found = choose(
             identifier.belief,
             identifier.library,
-            guard.world_from_sensor,
+            hand.here,
             identifier.ball(),
-            guard.sensor.array.size,
-            guard.stage.limits,
+            hand.pad,
+            hand.limits,
             identifier.rng,
         )
     except PalpateError:

@@ -1,0 +1,139 @@
+"""What touches for the identifier: the pad behind its guard, or whatever stands for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from exploration.control.procedures.approach import retreat
+from exploration.devices.guard import Collision, Cost, Guard, OverPress
+from exploration.devices.protocols import StageLimits
+from exploration.planning.lone_touch import Approach, LoneTouch, touch_once
+from exploration.planning.round_ball import Ball, way_round
+from exploration.planning.search import sweeps
+from primitives.arrays import Floats
+
+
+class Hand(Protocol):
+    """Goes to where an approach begins, makes it, and comes back."""
+
+    @property
+    def cost(self) -> Cost:
+        """What touching has cost so far."""
+        ...
+
+    @property
+    def here(self) -> Floats:
+        """(4, 4) world_from_sensor."""
+        ...
+
+    @property
+    def pad(self) -> tuple[float, float]:
+        """[mm] of the skin along x and y."""
+        ...
+
+    @property
+    def limits(self) -> StageLimits:
+        """Of the stage."""
+        ...
+
+    def find(self, box: Floats) -> Iterator[LoneTouch]:
+        """Sweeps through a (6,) box [mm], from its middle outward, until one meets something."""
+        ...
+
+    def touch(self, approach: Approach, ball: Ball) -> LoneTouch | None:
+        """Round a ball to where the approach begins, and the approach; None where it could not be made."""
+        ...
+
+    def leave(self) -> None:
+        """Back to where the last approach began."""
+        ...
+
+    def reachable(self, approach: Approach) -> bool:
+        """Whether the stage gets to where it begins."""
+        ...
+
+
+@dataclass
+class GuardedHand:
+    """One array on one stage; faults become warnings."""
+
+    guard: Guard
+    warnings: list[str] = field(default_factory=list)
+    _last: LoneTouch | None = None
+
+    @property
+    def cost(self) -> Cost:
+        """Of the guard."""
+        return self.guard.cost
+
+    @property
+    def here(self) -> Floats:
+        """(4, 4) world_from_sensor."""
+        return self.guard.world_from_sensor
+
+    @property
+    def pad(self) -> tuple[float, float]:
+        """[mm] of the array in use."""
+        return self.guard.sensor.array.size
+
+    @property
+    def limits(self) -> StageLimits:
+        """Of the stage."""
+        return self.guard.stage.limits
+
+    def find(self, box: Floats) -> Iterator[LoneTouch]:
+        """Sweep until the pad meets something."""
+        for start, end in sweeps(box, self.pad):
+            try:
+                self.guard.go_to(start)
+                length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
+                made = self._last = touch_once(self.guard, Approach(start, length))
+            except (OverPress, Collision) as error:
+                self.warnings.append(str(error))
+                self.guard.go_to(start)
+                continue
+            yield made
+            if made.met and len(made.contacts):
+                return
+            self.leave()
+
+    def touch(self, approach: Approach, ball: Ball) -> LoneTouch | None:
+        """One guarded approach."""
+        try:
+            for stop in way_round(self.here, approach.start, ball):
+                self.guard.go_to(stop)
+            self._last = touch_once(self.guard, approach)
+        except (OverPress, Collision) as error:
+            self.warnings.append(str(error))
+            self.guard.cost.touches += 1
+            return None
+        return self._last
+
+    def leave(self) -> None:
+        """The way that the pad came."""
+        if self._last is None:
+            return
+        start, self._last = self._last.approach.start, None
+        try:
+            retreat(self.guard, 8.0)
+            self.guard.go_to(start)
+        except (OverPress, Collision) as error:
+            self.warnings.append(str(error))
+            self._free_itself(start)
+
+    def reachable(self, approach: Approach) -> bool:
+        """Within the guard's box."""
+        low, high = np.array(self.guard.limits.reach[:3]), np.array(self.guard.limits.reach[3:])
+        at = approach.start[:3, 3]
+        return bool((at > low).all() and (at < high).all())
+
+    def _free_itself(self, start: Floats) -> None:
+        """After a fault the guard has backed off; the way to `start` is tried once more."""
+        try:
+            self.guard.go_to(start)
+        except (OverPress, Collision) as error:
+            self.warnings.append(str(error))
