@@ -27,6 +27,7 @@ from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
 _HOMED = 5.0  # [mm, deg] that a stage may have moved while its port was away
+_ENDS = 1.0  # [s] of the machine's time for the thread to end by itself
 
 
 class GrblStage:
@@ -116,15 +117,17 @@ class GrblStage:
 
     def close(self) -> None:
         """Stop, and let go of the port."""
-        if self._thread.is_alive():
-            self.stop()
-            until = self._clock.now() + 1.0
-            while self._clock.now() < until and not self.fault and self._busy:
-                self._clock.sleep(0.005)
-        self._open = False
-        if self._thread.is_alive():
-            self._thread.join(0.5)
-        self._link.port.close()
+        try:
+            if self._thread.is_alive():
+                self.stop()
+                until = self._clock.now() + 1.0
+                while self._clock.now() < until and not self.fault and self._busy:
+                    self._clock.sleep(0.005)
+        finally:
+            self._open = False
+            if self._thread.is_alive():
+                self._thread.join(_ENDS)
+            self._link.port.close()
 
     def _run(self) -> None:
         while self._open and not self.fault:

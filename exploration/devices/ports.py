@@ -4,6 +4,7 @@ An address is a device (`/dev/ttyUSB0`, `COM3`), `socket://host:port` or `rfc221
 """
 
 import os
+import threading
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,20 +28,28 @@ class FoundPort:
 
 
 class Port:
-    """One open port; reading waits `patience` [s] at most, and whatever breaks is a `PalpateError`."""
+    """One open port; reading waits `patience` [s] at most, and whatever breaks is a `PalpateError`.
+
+    It is never closed while it is read, and never opened again once its owner has closed it: a thread that is
+    slow to end would read what another file's number brings, or take the answers of whoever opened the port next.
+    """
 
     def __init__(self, address: str, baud: int, patience: float = 0.002) -> None:
         self.address, self.baud, self._patience = address, baud, patience
+        self._busy, self._given_up = threading.Lock(), False
         self._open()
 
     def reopened(self) -> bool:
-        """Open it again after it had gone; whether it was there."""
-        self.close()
-        try:
-            self._open()
-        except PalpateError:
-            return False
-        return True
+        """Open it again after it had gone; whether it was there, and is still wanted."""
+        with self._busy:
+            self._shut()
+            if self._given_up:
+                return False
+            try:
+                self._open()
+            except PalpateError:
+                return False
+            return True
 
     def _open(self) -> None:
         address = self.address
@@ -59,13 +68,16 @@ class Port:
 
     def read(self) -> bytes:
         """What has come, at least after waiting once."""
-        try:
-            data: bytes = self._serial.read(max(1, self._serial.in_waiting))
-            if data and self.address.startswith("socket://"):  # it tells that something waits, not how much
-                data += self._serial.read(_MOST)
-        except (serial.SerialException, OSError, TypeError) as error:
-            raise self._gone() from error
-        return data
+        with self._busy:
+            try:
+                data: bytes = self._serial.read(max(1, self._serial.in_waiting))
+                if data and self.address.startswith(
+                    "socket://"
+                ):  # it tells that something waits, not how much
+                    data += self._serial.read(_MOST)
+            except (serial.SerialException, OSError, TypeError) as error:
+                raise self._gone() from error
+            return data
 
     def write(self, data: bytes) -> None:
         """Send bytes."""
@@ -75,7 +87,12 @@ class Port:
             raise self._gone() from error
 
     def close(self) -> None:
-        """Close it; a port that is gone is closed."""
+        """Close it for good; a port that is gone is closed."""
+        self._given_up = True
+        with self._busy:
+            self._shut()
+
+    def _shut(self) -> None:
         with suppress(Exception):
             self._serial.close()
 

@@ -21,6 +21,7 @@ from primitives.errors import PalpateError
 PROTOCOLS = ("dsa", "wts", "flexitac", "matrix", "lines")
 BAUDS = {"dsa": 115200, "wts": 115200, "flexitac": 2_000_000, "matrix": 2_000_000, "lines": 115200}
 _PATIENCE = 3.0  # [s] without a frame, after which reading is in vain
+_ENDS = 1.0  # [s] of the machine's time for the thread to end by itself
 
 
 @dataclass
@@ -127,7 +128,7 @@ class SerialArray:
         """Stop listening."""
         self._open = False
         if self._thread.is_alive():
-            self._thread.join(0.5)
+            self._thread.join(_ENDS)
         stop = {"dsa": weiss_dsa.configure(False), "wts": weiss_wts.stop()}.get(self._protocol)
         if stop and not self._fault:
             try:

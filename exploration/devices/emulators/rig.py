@@ -114,10 +114,9 @@ class EmulatedRig:
         while self._hands:
             self._hands.popleft()()
         now = self._tick()
-        due = (np.floor(self.stage._time / self._spec.period + 1e-6) + 1) * self._spec.period
-        if now >= due:
+        while now >= (due := self._next_frame()):  # a round may have lasted longer than a frame
             self._frame()
-        self.stage._advance(self._tick())
+        self.stage._advance(now)
         ends = [end for end in (self._stage_end, self._array_end) if end >= 0]
         for end in select.select(ends, [], [], _ROUND if now < due else 0.0)[0]:
             data = terminals.read(end)
@@ -128,6 +127,11 @@ class EmulatedRig:
             elif end == self._array_end and data:
                 self._answer(data)
         self._send_replies(self.clock.now())
+
+    def _next_frame(self) -> float:
+        """[s] when the next frame is complete."""
+        period = self._spec.period
+        return float((np.floor(self.stage._time / period + 1e-6) + 1) * period)
 
     def _tick(self) -> float:
         """The time, which stands while a driver that was there does not get to run."""
@@ -164,10 +168,14 @@ class EmulatedRig:
         self._hands.append(self._plug_in)
 
     def _pull_array(self) -> None:
-        self._array_end, self._array_held = terminals.pulled(self._array_end, self._array_held)
+        self._array_end, self._array_held = terminals.pulled(
+            self.array_path, self._array_end, self._array_held
+        )
 
     def _pull_stage(self) -> None:
-        self._stage_end, self._stage_held = terminals.pulled(self._stage_end, self._stage_held)
+        self._stage_end, self._stage_held = terminals.pulled(
+            self.stage_path, self._stage_end, self._stage_held
+        )
         self._asked = (0.0, -np.inf)
 
     def _plug_in(self) -> None:

@@ -16,8 +16,9 @@ def plugged(path: str) -> tuple[int, int]:
     return master, slave
 
 
-def pulled(*ends: int) -> tuple[int, int]:
-    """Both ends closed; what stands for them then."""
+def pulled(path: str, *ends: int) -> tuple[int, int]:
+    """Both ends closed, the name gone, which might soon lead to another's terminal; what stands for them then."""
+    Path(path).unlink(missing_ok=True)
     for end in ends:
         with contextlib.suppress(OSError):
             os.close(end)
