@@ -103,10 +103,9 @@ class GrblLink:
         if offset := grbl_text.work_offset(line):
             self._offset = offset
         if (report := grbl_text.status(line, self._offset)) is not None:
-            asked = self._asked or now
+            asked, self._asked = self._asked, 0.0
             self.deaf = 0.0
-            heard.reports.append(((asked + now) / 2, report))
-            self._asked = 0.0
+            heard.reports.append((((asked or now) + now) / 2, report))
             if report.state == "Idle" and self._sent and asked - self._sent[-1][1] > _OBEYED:
                 self.lost += len(self._sent)
                 self._sent.clear()

@@ -145,12 +145,16 @@ class JogPlan:
         if jog.of_way:
             self._way.popleft()
         self._planned, self._sent = jog.joints, jog.sent
-        self.until = max(self.until, now) + jog.seconds
+        self.until = (self.until if self.until > now else now + self._lag()) + jog.seconds
 
     def _ahead(self) -> float:
         """[s] of motion to send ahead."""
+        return self._lag() + self._config.margin
+
+    def _lag(self) -> float:
+        """[s] that gaining speed costs, and losing it: v / (2 a)."""
         speed = self._limits.speed if self.goal is not None else float(np.linalg.norm(self._twist[:3]))
-        return speed / (2.0 * self._limits.acceleration) + self._config.margin
+        return speed / (2.0 * self._limits.acceleration)
 
     def _straight(self, goal: Floats) -> deque[tuple[Floats, float]]:
         """The joint positions of a straight way from where everything sent leads."""

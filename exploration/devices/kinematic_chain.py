@@ -84,10 +84,12 @@ class KinematicChain:
         return Reached(q, float(off), float(turned))
 
     @staticmethod
-    def gantry(letters: str = "XYZABC", travel: float = 700.0, speed: float = 150.0) -> "KinematicChain":
+    def gantry(
+        letters: str = "XYZABC", travel: float = 700.0, speed: float = 150.0, turn_speed: float = 6.0
+    ) -> "KinematicChain":
         """Three linear axes carry up to three turning ones (C about z, B about y, A about x); zero looks down."""
         ways = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
         turn = {"A": ways["X"], "B": ways["Y"], "C": ways["Z"]}
         axes = [Axis(c, False, ways[c], -travel, travel, speed) for c in letters if c in ways]
-        axes += [Axis(c, True, turn[c], -_TURNS, _TURNS, 6.0) for c in "CBA" if c in letters]
+        axes += [Axis(c, True, turn[c], -_TURNS, _TURNS, turn_speed) for c in "CBA" if c in letters]
         return KinematicChain(axes, se3.pose(np.diag([1.0, -1.0, -1.0])))

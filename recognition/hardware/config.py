@@ -56,7 +56,8 @@ class StageConfig:
     def chain(self) -> KinematicChain:
         """The kinematics."""
         if isinstance(self.axes, str):
-            return KinematicChain.gantry(self.axes)
+            turning = float(np.radians(self.turn_speed_deg_s))
+            return KinematicChain.gantry(self.axes, speed=self.speed_mm_s, turn_speed=turning)
         return KinematicChain([_axis(told) for told in self.axes], se3.pose(np.diag([1.0, -1.0, -1.0])))
 
 
