@@ -1,0 +1,181 @@
+"""Five parts through emulators on pseudo-terminals, beside the simulation of the same part, pose and seed.
+
+Each run is a command in a process of its own, the emulator in another, as a person would start them.  Asked: the
+same model and decision, every extent within 0.1 mm, and an emulated controller that refused no line.
+`PALPATE_BENCH_PARTS=2` takes the first two parts, `PALPATE_BENCH_RUNS=track,explore` some of the commands.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from models.part import load_part
+from primitives import pose as se3
+from recognition.hardware.emulate import BOX
+from recognition.running.simulation import WorldConfig, random_pose
+
+PARTS = ("block", "cylinder", "disc", "wedge", "sphere")[: int(os.environ.get("PALPATE_BENCH_PARTS", "5"))]
+RUNS = tuple(os.environ.get("PALPATE_BENCH_RUNS", "track,explore,identify").split(","))
+COMMANDS = {"track": ["track", "edge"], "explore": ["explore"], "identify": ["identify"]}
+PALPATE = [sys.executable, "-m", "recognition.cli"]
+EXTENT = 0.1  # [mm] asked
+STARTS = 60.0  # [s] at most until the emulator answers
+
+
+def run() -> list[dict[str, Any]]:
+    """A row for every part and command, and what the emulators saw."""
+    rows: list[dict[str, Any]] = []
+    for seed, part in enumerate(PARTS):
+        pose = _pose(part, seed)
+        for name in RUNS:
+            with tempfile.TemporaryDirectory() as folder:
+                rows += _compared(name, part, seed, pose, Path(folder))
+                _tell(rows)
+    return rows
+
+
+def _compared(name: str, part: str, seed: int, pose: str, folder: Path) -> list[dict[str, Any]]:
+    box = ",".join(f"{x:g}" for x in BOX)
+    common = ["--seed", str(seed), "--json"]
+    told = [*COMMANDS[name], part, "--pose", pose, "--workspace", box, "--out", str(folder / "simulated")]
+    simulated = _json([*told, *common])
+    began = time.monotonic()
+    with _emulated(part, pose, seed, folder) as seen:
+        config = str(folder / "rig.toml")
+        wired = _json([*COMMANDS[name], "--device", config, "--out", str(folder / "wired"), *common])
+    rows = {"explore": _model, "identify": _decision, "track": _track}[name](simulated, wired)
+    most, hits, refused = seen
+    rows += [
+        ("refused lines", refused, "", 0),
+        ("housing hits", hits, "", None),
+        ("most force", most, "N", 60.0),
+    ]
+    rows.append(("seconds of the machine", time.monotonic() - began, "s", None))
+    return [_row(f"{name} {part}", *row) for row in rows]
+
+
+def _model(simulated: dict[str, Any], wired: dict[str, Any]) -> list[tuple[Any, ...]]:
+    """Of two explorations: whether they gave one model, and how far its extents differ."""
+    kinds = [sorted(face["shape"] for face in s["faces"]) for s in (simulated, wired)]
+    built = [sorted((p["kind"], p["operation"]) for p in s["primitives"]) for s in (simulated, wired)]
+    same = kinds[0] == kinds[1] and built[0] == built[1] and simulated["closed"] == wired["closed"]
+    off = _extents_off(simulated["faces"], wired["faces"]) if kinds[0] == kinds[1] else float("nan")
+    solid = [
+        np.sort(np.concatenate([p["extent_mm"] for p in s["primitives"]] or [[]])) for s in (simulated, wired)
+    ]
+    of_solid = float(np.abs(solid[0] - solid[1]).max(initial=0.0)) if built[0] == built[1] else float("nan")
+    return [
+        ("same model", float(same), "", 1.0),
+        ("closed, simulated", float(simulated["closed"]), "", None),
+        ("closed", float(wired["closed"]), "", None),
+        ("extents of faces off, most", off, "mm", EXTENT),
+        ("extents of primitives off, most", of_solid, "mm", EXTENT),
+        ("touches, simulated", simulated["touches"], "", None),
+        ("touches", wired["touches"], "", None),
+        ("device time", wired["device_seconds"], "s", None),
+    ]
+
+
+def _extents_off(a: list[dict[str, Any]], b: list[dict[str, Any]]) -> float:
+    """[mm] the greatest difference of an extent, each face beside the one that lies where it does."""
+    apart = np.array(
+        [[np.linalg.norm(_place(p) - _place(q)) + 1e6 * (p["shape"] != q["shape"]) for q in b] for p in a]
+    )
+    pairs = zip(*linear_sum_assignment(apart), strict=True) if a else ()
+    return float(
+        max((np.abs(np.subtract(a[i]["extent_mm"], b[j]["extent_mm"])).max() for i, j in pairs), default=0.0)
+    )
+
+
+def _place(face: dict[str, Any]) -> np.ndarray:
+    """(6,) where a face lies and how it is turned [mm], a radian as 50 mm."""
+    told = face["parameters"]
+    return np.concatenate(
+        [told.get("origin_mm", np.zeros(3)), 50.0 * np.array(told.get("axis", np.zeros(3)))]
+    )
+
+
+def _decision(simulated: dict[str, Any], wired: dict[str, Any]) -> list[tuple[Any, ...]]:
+    return [
+        ("same decision", float(simulated["decision"] == wired["decision"]), "", 1.0),
+        ("sure, simulated", float(simulated["ended"] == "sure"), "", None),
+        ("sure", float(wired["ended"] == "sure"), "", None),
+        ("touches, simulated", simulated["touches"], "", None),
+        ("touches", wired["touches"], "", None),
+        ("device time", wired["device_seconds"], "s", None),
+    ]
+
+
+def _track(simulated: dict[str, Any], wired: dict[str, Any]) -> list[tuple[Any, ...]]:
+    edges = [sorted((e["curve"], e["length_mm"]) for e in s["found"]["edges"]) for s in (simulated, wired)]
+    same = [c for c, _ in edges[0]] == [c for c, _ in edges[1]] and simulated["closed"] == wired["closed"]
+    off = max((abs(p[1] - q[1]) for p, q in zip(*edges, strict=True)), default=0.0) if same else float("nan")
+    return [
+        ("same outline", float(same), "", 1.0),
+        ("closed, simulated", float(simulated["closed"]), "", None),
+        ("closed", float(wired["closed"]), "", None),
+        ("edges", len(edges[1]), "", None),
+        ("lengths of edges off, most", off, "mm", EXTENT),
+        ("device time", wired["device_seconds"], "s", None),
+    ]
+
+
+def _pose(part: str, seed: int) -> str:
+    """X,Y,Z,QW,QX,QY,QZ as `palpate hardware emulate` draws it."""
+    box, rng = np.reshape(BOX, (2, 3)), np.random.default_rng(seed)
+    pose = random_pose(load_part(part).solid, box, rng, WorldConfig(offset=20.0))
+    return ",".join(f"{x:.9f}" for x in (*pose[:3, 3], *se3.quaternion_wxyz(pose)))
+
+
+@contextmanager
+def _emulated(part: str, pose: str, seed: int, folder: Path) -> Iterator[list[float]]:
+    """An emulator in a process of its own; afterwards greatest force [N], housing hits, refused lines."""
+    config, seen = folder / "rig.toml", [float("nan")] * 3
+    told = ["hardware", "emulate", part, "--pose", pose, "--seed", str(seed), "--config", str(config)]
+    process = subprocess.Popen([*PALPATE, *told], stderr=subprocess.PIPE, text=True)
+    try:
+        until = time.monotonic() + STARTS
+        while not config.exists() and process.poll() is None and time.monotonic() < until:
+            time.sleep(0.1)
+        yield seen
+    finally:
+        process.send_signal(signal.SIGTERM)
+        said = process.communicate(timeout=30.0)[1]
+        if found := re.search(r"most force ([\d.]+) N, housing hits (\d+), refused lines (\d+)", said):
+            seen[:] = map(float, found.groups())
+
+
+def _json(words: list[str]) -> dict[str, Any]:
+    done = subprocess.run([*PALPATE, *words], capture_output=True, text=True)
+    if not done.stdout.strip():
+        raise RuntimeError(f"palpate {' '.join(words)}: {done.stderr.strip()}")
+    return dict(json.loads(done.stdout))
+
+
+def _tell(rows: list[dict[str, Any]]) -> None:
+    last = [row for row in rows if row["method"] == rows[-1]["method"]]
+    print(
+        last[0]["method"],
+        "; ".join(f"{r['metric']} {r['value']:.4g}" for r in last),
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _row(method: str, metric: str, value: float, unit: str, asked: float | None = None) -> dict[str, Any]:
+    row = {"bench": "wired", "method": method, "metric": metric, "value": float(value), "unit": unit}
+    return row if asked is None else {**row, "asked": asked}
