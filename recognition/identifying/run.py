@@ -6,6 +6,7 @@ The identifier sees the guard and the library; the object is asked for the truth
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +59,11 @@ def run(
                 history, felt_by_now, world, felt.logbook.frames(), _model(identifier, known)
             )
 
+        told(replace(felt.stand("looking for the object"), page=page))
         for step in identifier.run():
             history.append(_entry(step))
             watch(step, identifier)
-            told(Progress("identifying", step.touch.touch, note=step.touch.note, page=page))
+            told(replace(felt.stand(step.touch.note), page=page))
         for trace in identifier.evidence.traces:
             felt.logbook.announce_trace(trace)
         felt.announce("ended", {"why": identifier.ended})

@@ -78,6 +78,7 @@ class LiveView:
     ) -> None:
         self._server.shutdown()
         self._server.server_close()
+        self._page = None  # what it draws must not outlive the run in a thread that still answers
 
     def told(self, progress: Progress) -> None:
         """Draw what there is, if somebody looks."""

@@ -143,7 +143,8 @@ def _many(count: int, noun: str, nouns: str = "") -> str:
 
 def progress_text(p: Progress) -> str:
     """Where a run stands, in one line."""
-    parts = [f"{p.phase}: {p.touches} touches, {p.frames} frames, {p.travel:.0f} mm"]
-    if p.open:
-        parts.append(f"{p.open} open")
-    return ", ".join([*parts, p.note] if p.note else parts)
+    parts = [_many(p.touches, "touch", "touches")] if p.touches or p.frames else []
+    parts += [_many(p.frames, "frame"), f"{p.travel:.0f} mm of travel"] if p.frames else []
+    parts += [f"{p.open} open"] if p.open else []
+    parts += [p.note] if p.note else []
+    return f"{p.phase}: {', '.join(parts)}" if parts else p.phase

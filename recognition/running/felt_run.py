@@ -43,6 +43,7 @@ from recognition.running.simulation import World, guarded
 from recognition.running.summary import counted
 
 Watcher = Callable[[Progress], None]
+_DOING = {"identify": "identifying", "track": "tracking", "probe": "probing"}
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,20 @@ class FeltRun:
     def announce(self, kind: str, detail: Mapping[str, object]) -> None:
         """Write an event into the recording."""
         self.logbook.announce(kind, detail)
+
+    def stand(self, note: str) -> Progress:
+        """Where it stands, with a few words of what it does."""
+        cost = self.guard.cost
+        return Progress(
+            _DOING.get(self.command, self.command),
+            cost.touches,
+            cost.strokes,
+            cost.frames,
+            cost.travel,
+            cost.seconds,
+            note=note,
+            folder=self.folder.path,
+        )
 
     def finish(self, felt: Mapping[str, Any], contacts: Contacts) -> dict[str, Any]:
         """Write `contacts.csv`, the page and `summary.json`: `felt` between what every run says."""
@@ -175,20 +190,7 @@ def _look(run: FeltRun, seen: Observation, watch: Watcher, config: FeltConfig) -
     cost = run.guard.cost
     if cost.frames % config.every == 0:
         interrupts.checkpoint()
-        note = f"{seen.force:.1f} N"
-        watch(
-            Progress(
-                run.command,
-                cost.touches,
-                cost.strokes,
-                cost.frames,
-                cost.travel,
-                cost.seconds,
-                0,
-                note,
-                run.folder.path,
-            )
-        )
+        watch(run.stand(f"{max(0.0, seen.force):.1f} N"))
 
 
 def felt_json(
