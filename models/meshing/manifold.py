@@ -4,6 +4,7 @@ A manifold remembers, for every triangle of a boolean's result, which run of tri
 tree is such a run, so that every triangle of the result knows which exact surface it stands for.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import manifold3d
@@ -13,15 +14,17 @@ from numpy.typing import ArrayLike
 from models.body import Body, LabeledSurface
 from models.csg import Csg, Difference, Intersection, Leaf, Operation, Placed
 from models.meshing.facets import facets
+from models.meshing.flat_facets import Facets
+from models.meshing.flush import below, common_frame, flush, leaf_poses
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
+from primitives.pose import inverse
 from primitives.shapes import Shape
 
 
 def body_of_tree(tree: Csg, tolerance: float) -> Body | None:
     """The body of a tree, its facets within `tolerance` [mm] of the exact surfaces; None where nothing is left."""
-    parts, surfaces, first = _made(tree, tolerance)
-    result = _evaluate(tree, iter(parts))
+    result, surfaces, first = _made(tree, tolerance)
     return _labeled(result, surfaces, first) if _whole(result) else None
 
 
@@ -47,8 +50,8 @@ def body_within(
 ) -> Body | None:
     """What of a body with (t,) labels lies in `keeper`, whose surfaces follow `surfaces`; None for nothing."""
     mine, identity = _manifold_of_labels(body.vertices, body.triangles, labels)
-    parts, others, first = _made(keeper, tolerance)
-    result = mine ^ _evaluate(keeper, iter(parts))
+    other, others, first = _made(keeper, tolerance)
+    result = mine ^ other
     if not _whole(result):
         return None
     first = {original: start + len(surfaces) for original, start in first.items()} | {identity: -1}
@@ -72,18 +75,23 @@ def _closed(result: Any) -> Any:
     return result
 
 
-def _made(tree: Csg, tolerance: float) -> tuple[list[Any], tuple[LabeledSurface, ...], dict[int, int]]:
-    """The manifold of every leaf, all their surfaces, and which is the first of each manifold's."""
+def _made(tree: Csg, tolerance: float) -> tuple[Any, tuple[LabeledSurface, ...], dict[int, int]]:
+    """The manifold of a tree, all its leaves' surfaces, and which is the first of each leaf's run."""
     first: dict[int, int] = {}
     surfaces: list[LabeledSurface] = []
     parts: list[Any] = []
-    for number, leaf in enumerate(tree.leaves()):
+    frame = common_frame(tree)
+    leaves, poses = list(tree.leaves()), list(leaf_poses(tree, inverse(frame)))
+    meshes = [facets(leaf.primitive, tolerance) for leaf in leaves]
+    for number, (leaf, mesh, vertices) in enumerate(zip(leaves, meshes, flush(meshes, poses), strict=True)):
         identity = int(manifold3d.Manifold.reserve_ids(1))
-        part, labeled = _manifold_of(leaf, number, tolerance, identity)
+        parts.append(_manifold_of(mesh, vertices, identity))
         first[identity] = len(surfaces)
-        surfaces += labeled
-        parts.append(part)
-    return parts, tuple(surfaces), first
+        surfaces += _surfaces_of(mesh, leaf, number)
+    result = _evaluate(tree, iter(parts), inverse(frame))
+    if not np.array_equal(frame, np.eye(4)):
+        result = result.transform(frame[:3])
+    return result, tuple(surfaces), first
 
 
 def _manifold_of_labels(vertices: Floats, triangles: Ints, labels: Ints) -> tuple[Any, int]:
@@ -110,22 +118,20 @@ def _labeled(result: Any, surfaces: tuple[LabeledSurface, ...], first: dict[int,
     return Body(result, vertices, triangles, labels, surfaces)
 
 
-def _manifold_of(
-    leaf: Leaf, number: int, tolerance: float, identity: int
-) -> tuple[Any, list[LabeledSurface]]:
-    made = facets(leaf.primitive, tolerance)
-    mesh = manifold3d.Mesh64(
-        vert_properties=np.array(made.vertices, order="C"),
-        tri_verts=made.triangles.astype(np.uint64),
-        run_index=np.array([0, made.triangles.size], dtype=np.uint64),
+def _manifold_of(mesh: Facets, vertices: Floats, identity: int) -> Any:
+    made = manifold3d.Mesh64(
+        vert_properties=np.array(vertices, order="C"),
+        tri_verts=mesh.triangles.astype(np.uint64),
+        run_index=np.array([0, mesh.triangles.size], dtype=np.uint64),
         run_original_id=np.array([identity], dtype=np.uint32),
-        face_id=made.surface.astype(np.uint64),
+        face_id=mesh.surface.astype(np.uint64),
     )
-    labeled = []
-    for shape in made.surfaces:
-        moved = shape.transformed(leaf.part_from_primitive)
-        labeled.append(LabeledSurface(*_outward(moved, leaf.adds), number))
-    return manifold3d.Manifold(mesh), labeled
+    return manifold3d.Manifold(made)
+
+
+def _surfaces_of(mesh: Facets, leaf: Leaf, number: int) -> list[LabeledSurface]:
+    moved = [shape.transformed(leaf.part_from_primitive) for shape in mesh.surfaces]
+    return [LabeledSurface(*_outward(shape, leaf.adds), number) for shape in moved]
 
 
 def _outward(shape: Shape, adds: bool) -> tuple[Shape, bool]:
@@ -134,12 +140,15 @@ def _outward(shape: Shape, adds: bool) -> tuple[Shape, bool]:
     return shape, adds
 
 
-def _evaluate(tree: Csg, parts: Any) -> Any:
-    if isinstance(tree, Placed):  # after what is below it, whose faces may touch exactly in their own frame
-        return _evaluate(tree.child, parts).transform(tree.pose[:3])
+def _evaluate(tree: Csg, parts: Iterator[Any], frame_from_tree: Floats) -> Any:
+    """The manifold of a tree in the frame above, from those of its leaves, each in its own frame."""
+    if isinstance(tree, Placed):
+        inside, frame = below(tree, frame_from_tree)
+        result = _evaluate(tree.child, parts, inside)
+        return result if frame is None else result.transform(frame[:3])
     if not isinstance(tree, Operation):
         return next(parts)
-    operands = [_evaluate(child, parts) for child in tree.children]
+    operands = [_evaluate(child, parts, frame_from_tree) for child in tree.children]
     operation = manifold3d.OpType.Add
     if isinstance(tree, Intersection):
         operation = manifold3d.OpType.Intersect

@@ -1,7 +1,8 @@
 """OpenSCAD's transformations as (4, 4) matrices, and what of one is a rigid motion.
 
 A linear part L with orthogonal columns is Q diag(d): Q a rotation, d the columns' lengths, one of them negative
-where L mirrors.  OpenSCAD writes six digits, so Q is taken to be the rotation nearest to them (Higham 1986).
+where L mirrors.  OpenSCAD writes six digits, so Q is taken to be the rotation nearest to them (Higham 1986), and
+the length of a slanting column the one of five digits that they come from.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from primitives.pose import hat, pose
 SIX_DIGITS = (
     4e-6  # [1] how far from orthogonal columns of unit length may be that were written with six digits
 )
+_EXACT_DIGITS = 12  # of a length that was computed
 
 
 class Split(NamedTuple):
@@ -30,9 +32,7 @@ class Split(NamedTuple):
 
 def split(matrix: Floats) -> Split | None:
     """A (4, 4) matrix taken apart; None where it shears."""
-    stretch = np.linalg.norm(matrix[:3, :3], axis=0)
-    near = np.array([float(f"{s:.5g}") for s in stretch])
-    stretch = np.where(np.abs(stretch - near) <= SIX_DIGITS * near, near, stretch)
+    stretch = _rounded(np.linalg.norm(matrix[:3, :3], axis=0), _EXACT_DIGITS)
     turn = matrix[:3, :3] / stretch
     if np.abs(turn.T @ turn - np.eye(3)).max() > SIX_DIGITS:
         return None
@@ -78,7 +78,23 @@ def _multmatrix(shape: Shape) -> Floats:
         out[i, : len(row)] = row
     if not np.array_equal(out[3], [0, 0, 0, 1]):
         raise shape.error("multmatrix's last row must be [0, 0, 0, 1]")
+    if np.array_equal(out[:3, :3], _rounded(out[:3, :3], 6)):
+        out[:3, :3] = _as_meant(out[:3, :3])
     return out
+
+
+def _as_meant(linear: Floats) -> Floats:
+    """A matrix of six digits with the lengths that its slanting columns were rounded from."""
+    length = np.linalg.norm(linear, axis=0)
+    near = _rounded(length, 5)
+    meant = (np.count_nonzero(linear, axis=0) > 1) & (np.abs(length - near) <= SIX_DIGITS * near)
+    scaled: Floats = linear * np.divide(near, length, out=np.ones(3), where=meant)
+    return scaled
+
+
+def _rounded(values: Floats, digits: int) -> Floats:
+    short: Floats = np.array([float(f"{v:.{digits}g}") for v in values.flat]).reshape(values.shape)
+    return short
 
 
 def _translate(shape: Shape) -> Floats:

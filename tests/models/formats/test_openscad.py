@@ -110,3 +110,24 @@ def test_the_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
     assert [f.name for f in tmp_path.iterdir()] == ["block.csg"]
     with pytest.raises(PalpateError, match="cannot write"):
         openscad.write(parts.build("block"), tmp_path / "gone" / "block.csg")
+
+
+@pytest.mark.parametrize(
+    "scale", [0.001, 1 / 25.4, 0.2353191876, 0.9998369552449521, 3.565590880990549, 25.4]
+)
+def test_a_tree_comes_back_at_any_scale(scale: float) -> None:
+    tree = Cylinder(20, 40).turned("x", 0.7).at(1, 2, 3) - Sphere(5).at(0, 0, 20) | Torus(30, 4).turned(
+        "y", 1
+    )
+    back = openscad.read_text(openscad.text(tree), scale=scale).tree
+    radii = [leaf.primitive.support(np.eye(3))[0] for leaf in back.leaves()]
+    assert radii == pytest.approx([scale * 20, scale * 5, scale * 34], rel=1e-11)
+    drawn = openscad.read_text(f"scale({scale!r}) {{\n{openscad.text(tree)}}}").tree
+    assert same_tree(drawn, back, 1e-9 * scale)
+
+
+def test_six_digits_of_a_turned_and_stretched_bar_give_its_size() -> None:
+    c, s = 3 * np.cos(0.5), 3 * np.sin(0.5)
+    rows = f"[[{c:.6g}, 0, {s:.6g}, 0], [0, 3, 0, 0], [{-s:.6g}, 0, {c:.6g}, 0], [0, 0, 0, 1]]"
+    tree = openscad.read_text(f"multmatrix({rows}) cylinder(r = 2, h = 7, center = true);").tree
+    assert next(tree.leaves()).primitive == Cylinder(6.0, 21.0)
