@@ -7,9 +7,11 @@ taxels can show.
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +25,7 @@ from primitives import pose as se3
 
 TOP = 20.0  # [mm] height of the block's face
 LTS = load_sensor("lts210")
+_ANSWERS = 120.0  # [s] of the machine's time, with what the process needs to start
 ACCELERATION = 2000.0  # [mm/s^2] of the emulated stage
 
 _CONFIG = """
@@ -96,7 +99,7 @@ class JudgedRig:
             target=_serve, args=(theirs, height, seed, pace, protocol), daemon=True
         )
         self._process.start()
-        ports = self._pipe.recv()
+        ports = self._told()
         self.config = folder / "rig.toml"
         self.config.write_text(_CONFIG.format(force=force, protocol=protocol, **ports))
 
@@ -104,8 +107,9 @@ class JudgedRig:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pipe.send((0.0, "end", None))
-        self._process.join(5.0)
+        with contextlib.suppress(OSError):  # it has ended by itself
+            self._pipe.send((0.0, "end", None))
+        self._process.join(30.0)
         if self._process.is_alive():
             self._process.kill()
 
@@ -116,6 +120,11 @@ class JudgedRig:
     def truth(self) -> Truth:
         """Everything until now."""
         self.order(0.0, "tell")
+        return self._told()
+
+    def _told(self) -> Any:
+        if not self._pipe.poll(_ANSWERS):
+            raise RuntimeError(f"the emulated rig did not answer within {_ANSWERS:.0f} s")
         return self._pipe.recv()
 
 

@@ -11,7 +11,7 @@ from recognition.frames.run import run as frames
 from recognition.hardware.check import check
 from recognition.hardware.config import load_device
 from recognition.hardware.jog import jog
-from recognition.hardware.listen import listen
+from recognition.hardware.listen import REST, listen
 from recognition.hardware.rehearse import rehearsed
 
 BENCH = Path(__file__).parents[2] / "bench"
@@ -50,7 +50,7 @@ def test_frames_come_live_and_are_perceived(rig):
     shown = []
     recording, calibration = listen(rig.config, 0.4, lambda felt, _: shown.append(felt))
     seen = frames(FramesOptions(str(rig.config)), recording, calibration=calibration)
-    assert len(seen.rows) > 40
+    assert len(seen.rows) > REST
     assert {row["kind"] for row in seen.rows} == {"nothing"}
     assert shown
 
