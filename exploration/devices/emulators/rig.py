@@ -114,19 +114,25 @@ class EmulatedRig:
         while self._hands:
             self._hands.popleft()()
         now = self._tick()
-        while now >= (due := self._next_frame()):  # a round may have lasted longer than a frame
-            self._frame()
-        self.stage._advance(now)
+        self._live_until(now)
         ends = [end for end in (self._stage_end, self._array_end) if end >= 0]
-        for end in select.select(ends, [], [], _ROUND if now < due else 0.0)[0]:
+        wait = min(_ROUND, max(self._next_frame() - now, 0.0))
+        for end in select.select(ends, [], [], wait)[0]:
             data = terminals.read(end)
             if end == self._stage_end and data and not self.faults.deaf:
                 self._asked = (self.clock.now(), time.monotonic())
-                self.stage._advance(self._tick())
+                self._live_until(self._tick())
                 self.machine.receive(data)
             elif end == self._array_end and data:
                 self._answer(data)
         self._send_replies(self.clock.now())
+
+    def _live_until(self, now: float) -> None:
+        """Move on, with every frame that is complete by then: a round may last longer than a frame."""
+        while (due := self._next_frame()) <= now:
+            self._frame()
+            self.stage._advance(due)
+        self.stage._advance(now)
 
     def _next_frame(self) -> float:
         """[s] when the next frame is complete."""
