@@ -3,8 +3,8 @@
 Noise is 0.3 mm a coordinate and 3 degrees on normals.  Beside each score stands the limit: the same belief with
 the true object started at its true pose as well: what the search loses is told from what the evidence lacks.
 Shares have their 95 % interval (Wilson) in the metric's name.  PALPATE_BENCH_QUERIES sets the queries a row (500
-are asked, 60 by default), PALPATE_BENCH_PPF those of PPF, which takes seconds each; it is left out where the
-contrib modules of OpenCV are missing.
+are asked, 60 by default), PALPATE_BENCH_RIVALS those of the rivals, which take seconds each: point pair features,
+Scaling Series and ICP from many starts.  The first is left out where the contrib modules of OpenCV are missing.
 """
 
 from __future__ import annotations
@@ -12,23 +12,28 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from recognizing.multi_start import MultiStart
 from recognizing.objects import library, twins
 from recognizing.ppf import Ppf
+from recognizing.scaling_series import ScalingSeries
 from recognizing.trials import Trial, add_s, trial
 
 from models.library import Entry, Library
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
 from recognition.matching import Belief, Evidence, match
 from recognition.matching.belief import UNKNOWN
 
 QUERIES = int(os.environ.get("PALPATE_BENCH_QUERIES", "60"))
-PPF_QUERIES = int(os.environ.get("PALPATE_BENCH_PPF", "12"))
+RIVAL_QUERIES = int(os.environ.get("PALPATE_BENCH_RIVALS", "8"))
 OBJECTS = int(os.environ.get("PALPATE_BENCH_OBJECTS", "50"))
 ASKED = {(12, 0): (97, 95), (20, 0): (99, 98), (50, 0): (100, 100),
          (12, 1): (88, 84), (20, 1): (95, 93), (50, 1): (99, 98)}  # fmt: skip
+Rival = Callable[[Contacts], tuple[str, Floats]]  # name and world_from_object
 POSED = 0.02  # of the diagonal: ADD-S of a pose that is right
 
 
@@ -58,15 +63,15 @@ def run() -> list[dict[str, Any]]:
     for entry in known.values():
         _ = entry.samples, entry.field, entry.symmetry, entry.pairs
     match(Evidence(trial(next(iter(known.values())), 12, False, np.random.default_rng(0)).contacts), known)
+    rivals: dict[str, Rival] = {"Scaling Series": ScalingSeries(known), "multi-start ICP": MultiStart(known)}
     try:
-        ppf = Ppf(known)
+        rivals["OpenCV PPF + ICP"] = Ppf(known)
     except (ImportError, AttributeError):
         print("recognize: no OpenCV with contrib modules; PPF is left out", file=sys.stderr)
-        ppf = None
     for (count, one_sided), asked in ASKED.items():
-        passive(table, known, count, bool(one_sided), asked, ppf)
+        passive(table, known, count, bool(one_sided), asked, rivals)
     for count in (12, 20, 50):
-        passive(table, known, count, False, None, None, normals=False)
+        passive(table, known, count, False, None, {}, normals=False)
     for count in (12, 20, 50):
         held_out(table, known, count)
     near_duplicates(table)
@@ -74,7 +79,7 @@ def run() -> list[dict[str, Any]]:
 
 
 def passive(table: Table, known: Library, count: int, one_sided: bool, asked: tuple[int, int] | None,
-            ppf: Ppf | None, normals: bool = True) -> None:  # fmt: skip
+            rivals: Mapping[str, Rival], normals: bool = True) -> None:  # fmt: skip
     """Names and poses of known objects."""
     where = f"{count} contacts, {'one side' if one_sided else 'all round'}{'' if normals else ', no normals'}"
     trials = _trials(known, QUERIES, count, one_sided, normals)
@@ -105,17 +110,16 @@ def passive(table: Table, known: Library, count: int, one_sided: bool, asked: tu
         "<= 0.03",
     )
     table.add("palpate", f"query, median, {where}", float(np.median(seconds)), "s", "<= 0.3")
-    if ppf is None:
-        return
-    told, seconds = [], []
-    for t in trials[:PPF_QUERIES]:
-        began = time.perf_counter()
-        told.append((t, *ppf(t.contacts)))
-        seconds.append(time.perf_counter() - began)
-    table.share("OpenCV PPF + ICP", f"top-1, {where}", [name == t.name for t, name, _ in told])
-    placed = [name == t.name and add_s(known[name], pose, t.world) < POSED for t, name, pose in told]
-    table.share("OpenCV PPF + ICP", f"pose, {where}", placed)
-    table.add("OpenCV PPF + ICP", f"query, median, {where}", float(np.median(seconds)), "s")
+    for method, rival in rivals.items():
+        told, seconds = [], []
+        for t in trials[:RIVAL_QUERIES]:
+            began = time.perf_counter()
+            told.append((t, *rival(t.contacts)))
+            seconds.append(time.perf_counter() - began)
+        table.share(method, f"top-1, {where}", [name == t.name for t, name, _ in told])
+        placed = [name == t.name and add_s(known[name], pose, t.world) < POSED for t, name, pose in told]
+        table.share(method, f"pose, {where}", placed)
+        table.add(method, f"query, median, {where}", float(np.median(seconds)), "s")
 
 
 def held_out(table: Table, known: Library, count: int) -> None:

@@ -10,17 +10,15 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from recognizing.residual import by_residual
 
 from models.library import Entry
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.pose import inverse, pose
-from recognition.matching.align import refine
-from recognition.matching.facets import facets_of
+from primitives.pose import inverse
 
 _POSES = 8  # of an object that are refined
 _MODEL = 350  # samples of an object
-_FAR = 5.0  # [mm] a residual counts no more
 
 
 class Ppf:
@@ -50,18 +48,6 @@ class Ppf:
                 continue
             starts = [inverse(np.asarray(f.pose, dtype=float).reshape(4, 4))[:3] for f in found]
             if starts:
-                residual, at = self._refined(name, contacts, np.stack(starts))
+                residual, at = by_residual(self._library[name], contacts, np.stack(starts))
                 best = min(best, (residual, name, at), key=lambda b: b[0])
         return best[1], best[2]
-
-    def _refined(self, name: str, contacts: Contacts, starts: Floats) -> tuple[float, Floats]:
-        felt = contacts.has_normal
-        done = refine(
-            np.ascontiguousarray(starts), np.ascontiguousarray(contacts.points),
-            np.ascontiguousarray(contacts.normals), felt, np.array(contacts.sigma),
-            np.array(contacts.normal_sigma), np.ones(len(contacts)),
-            facets_of(self._library[name].solid.body), 8.0,
-        )  # fmt: skip
-        off = np.minimum(done.distances, _FAR).mean(axis=1)
-        k = int(np.argmin(off))
-        return float(off[k]), inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
