@@ -22,11 +22,13 @@ from exploration.sensing.kinds import KINDS, only, probabilities
 from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.hough import voted_lines
 from exploration.sensing.lines.line import Line
+from exploration.sensing.lines.line_fit import softened
 from exploration.sensing.lines.outline import Outline, find_outline, outline_of
 from exploration.sensing.lines.region_fit import RegionFit
 from exploration.sensing.lines.single_edge import NOTHING as NO_EDGE
 from exploration.sensing.lines.single_edge import first_look
 from exploration.sensing.response import response_of
+from exploration.sensing.surfaces.flank import DOUBTED, flank_of
 from exploration.sensing.surfaces.footprint import PLANE, Footprint, fit_footprint
 from exploration.sensing.surfaces.local_surface import (
     LocalSurface,
@@ -37,15 +39,15 @@ from exploration.sensing.surfaces.local_surface import (
 )
 from exploration.sensing.surfaces.lone_noise import unexplained
 from exploration.sensing.surfaces.order import Ordered, order_contact
-from exploration.sensing.surfaces.ridge_ends import DOUBTED, as_flank, cut_at_ends
 from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, held, smooth_contact
 from primitives.arrays import frozen
 
 UNREADABLE = "the frame holds values that are not finite, or no living taxel"
 BLOCK, ALIKE, PLAIN = 2.6, 0.0, 0.5  # [sigma] of blocks, of neighbors and of chi2, that a plain dome leaves
 LIKELY = 0.95  # probability of a reading from which its lines are told
-STRIP = 9.0  # [chi2] that a flat strip must gain on a ridge cut at its ends, which claims less,
-ROUND = 2.0  # and chi2 per degree of freedom of that ridge, up to which a cone's flank may be felt
+SHARPENS = 9.0  # [chi2] that a ridge which sharpens toward an apex must gain on one that does not
+UNKNOWN = 5.0  # [chi2] that each unknown more must gain: log of the number of taxels
+STRIP = 9.0  # [chi2] that a flat strip must gain on a flank, which claims less
 UNEXPLAINED = 3.0  # [standard deviations of chi2] of misfit from which the whole outline is looked for
 
 
@@ -93,9 +95,9 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
     if readings and kinds["edge"] + kinds["corner"] >= 0.5:
         return _with_outline(image, max_lines, contact, dome, ordered, smooth, readings)
     if stands is not None and stands.fit is not None and kinds[stands.kind] > LIKELY:
-        lines = outline_of(image, stands.fit).lines
-        return _touch(image, contact, kinds, lines, _flat_face(image, contact, stands.fit))
-    return _touch(image, contact, kinds, (), smooth)
+        return _strip_or_flank(image, contact, kinds, outline_of(image, stands.fit), smooth)
+    flank = flank_of(image, smooth, smooth.chi2 - SHARPENS)
+    return _touch(image, contact, kinds, (), smooth if flank is None else flank)
 
 
 def _with_outline(
@@ -115,17 +117,33 @@ def _with_outline(
         )
         if stands is None:
             return _touch(image, contact, kinds, (), smooth)
-        flank = as_flank(image, smooth, outline.lines, len(outline.arcs))
-        if flank is not None and flank.chi2 < max(outline.chi2 + STRIP, ROUND * flank.dof):
-            share = 1.0 / (1.0 + exp(min(0.5 * (flank.chi2 - outline.chi2), 50.0)))
-            kinds = {k: (1.0 - share) * v for k, v in kinds.items()}
-            kinds["curved"] += share
-            return _touch(image, contact, kinds, outline.lines if share < 0.5 else (), flank)
-        face = _flat_face(image, contact, outline.fit)
-        return _touch(image, contact, kinds, outline.lines, face, outline.arcs)
+        return _strip_or_flank(image, contact, kinds, outline, smooth)
     if _explained(smooth):
         return _touch(image, contact, probabilities(contact, ordered, smooth, rivals_)[0], (), smooth)
     return _as_far_as_explained(image, max_lines, contact, ordered, smooth, outline)
+
+
+def _strip_or_flank(
+    image: TactileImage,
+    contact: SmoothContact,
+    kinds: dict[str, float],
+    outline: Outline,
+    smooth: LocalSurface,
+) -> Touch:
+    """A flat face in its outline, or the flank that is felt nearly like it."""
+    assert outline.fit is not None
+    flank = None
+    if len(outline.lines) > 1:
+        limit = outline.chi2 + STRIP + UNKNOWN * (contact.depth.size - outline.dof)
+        felt = softened(image) if outline.fit.region.signs else image  # what the outline was fitted to
+        flank = flank_of(felt, smooth, limit, outline.lines, len(outline.arcs))
+    if flank is None or flank.chi2 > outline.chi2 + STRIP + UNKNOWN * (flank.dof - outline.dof):
+        face = _flat_face(image, contact, outline.fit)
+        return _touch(image, contact, kinds, outline.lines, face, outline.arcs)
+    share = 1.0 / (1.0 + exp(min(0.5 * (flank.chi2 - outline.chi2), 50.0)))
+    kinds = {k: (1.0 - share) * v for k, v in kinds.items()}
+    kinds["curved"] += share
+    return _touch(image, contact, kinds, outline.lines if share < 0.5 else (), flank)
 
 
 def _as_far_as_explained(
@@ -138,7 +156,6 @@ def _as_far_as_explained(
 ) -> Touch:
     """A frame that neither a smooth surface nor a flat face explains: edges of curved faces, or worse."""
     surface, lines = smooth, voted_lines(image, max_lines)
-    arcs: tuple[Arc, ...] = ()
     readings: list[Reading] = []
     if lines:
         surface, cut = _cut(image, contact, lines, smooth)
@@ -147,17 +164,19 @@ def _as_far_as_explained(
         wall = as_wall(image, ordered)
         readings = [] if wall is None else [wall]
     if surface.chi2 > DOUBTED * surface.dof:
-        ended = cut_at_ends(image, smooth)
-        if ended.chi2 < surface.chi2 and ended is not smooth:
-            lines, surface = (), ended
-    if outline.fit is not None and outline and outline.chi2 < surface.chi2:
-        lines, arcs = outline.lines, outline.arcs
+        flank = flank_of(image, smooth, surface.chi2)
+        if flank is not None:
+            lines, surface = (), flank
+    flat = bool(outline.fit and outline) and outline.chi2 < surface.chi2
+    if flat:
         readings += readings_of_outline(image, outline)
-        surface = _flat_face(image, contact, outline.fit)
     kinds, _ = probabilities(contact, ordered, smooth, readings)
-    if (lines or arcs) and max(kinds, key=lambda name: kinds[name]) in ("flat", "curved"):
-        lines, arcs, surface = (), (), smooth
-    return _touch(image, contact, kinds, lines, surface, arcs)
+    edged = max(kinds, key=lambda name: kinds[name]) not in ("flat", "curved")
+    if flat and edged:
+        return _strip_or_flank(image, contact, kinds, outline, smooth)
+    if flat or (lines and not edged):
+        lines, surface = (), smooth
+    return _touch(image, contact, kinds, lines, surface)
 
 
 def _flat_face(image: TactileImage, contact: SmoothContact, fit: RegionFit) -> LocalSurface:

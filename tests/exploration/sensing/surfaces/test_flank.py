@@ -1,10 +1,10 @@
-"""Curved contacts that end in edges across their ridge."""
+"""Flanks of cylinders and cones, cut by edges across them."""
 
 import numpy as np
 import pytest
 
+from exploration.sensing.surfaces.flank import flank_of
 from exploration.sensing.surfaces.local_surface import fit_surface
-from exploration.sensing.surfaces.ridge_ends import cut_at_ends
 from exploration.sensing.touch import perceive
 
 RADIUS, ANGLE = 35.0, 0.3
@@ -32,7 +32,7 @@ def test_ends_in_the_model_take_the_lift_out_of_a_low_cylinder(sharp):
     rng = np.random.default_rng(0)
     images = [sharp(flank(sharp), rng) for _ in range(20)]
     smooth = [fit_surface(image) for image in images]
-    ended = [cut_at_ends(image, surface) for image, surface in zip(images, smooth, strict=True)]
+    ended = [flank_of(image, surface, surface.chi2) for image, surface in zip(images, smooth, strict=True)]
     assert np.mean([s.chi2 / s.dof for s in smooth]) > 1.5
     assert np.mean([s.chi2 / s.dof for s in ended]) < 1.2
     assert abs(np.mean([top(s) for s in ended]) - 0.5) < 0.5 * abs(np.mean([top(s) for s in smooth]) - 0.5)
@@ -41,17 +41,24 @@ def test_ends_in_the_model_take_the_lift_out_of_a_low_cylinder(sharp):
 
 def test_one_end_is_enough_where_the_pad_sees_one(sharp):
     image = sharp(flank(sharp, high=40.0), np.random.default_rng(1))
-    ended = cut_at_ends(image, fit_surface(image))
+    ended = flank_of(image, fit_surface(image), np.inf)
     assert ended.chi2 < 1.3 * ended.dof
     assert top(ended) == pytest.approx(0.5, abs=0.03)
 
 
-def test_a_cylinder_that_goes_on_is_left_as_it_is(sharp):
+def test_a_cylinder_that_goes_on_keeps_its_place_and_curvature(sharp):
     rng = np.random.default_rng(2)
     for _ in range(10):
         image = sharp(sharp.cylinder(RADIUS, ANGLE, 0.0), rng)
-        surface = fit_surface(image)
-        assert cut_at_ends(image, surface) is surface
+        smooth = fit_surface(image)
+        surface = flank_of(image, smooth, np.inf)
+        assert top(surface) == pytest.approx(top(smooth), abs=0.02)
+        assert surface.principal[0][0] == pytest.approx(1 / RADIUS, rel=0.1)
+
+
+def test_a_ball_has_no_flank(sharp):
+    image = sharp(sharp.sphere(20.0), np.random.default_rng(4))
+    assert flank_of(image, fit_surface(image), np.inf) is None
 
 
 def test_a_touch_on_a_low_cylinder_is_read_with_its_ends(sharp):
