@@ -33,6 +33,7 @@ ONE_THREAD = {
 }
 _LOOK = 0.25  # [s] between two looks at clocks and memory
 _GRACE = 5.0  # [s] past its limit, in which a worker may end its trial by itself
+_TAIL, _LINE = 4096, 200  # characters of what a worker wrote that are read, and told
 _ROOM = 1.25  # times the memory limit, at which a worker that does not notice is killed
 
 
@@ -44,6 +45,7 @@ class Worker:
     limits: Limits
     scratch: Path
     process: subprocess.Popen[str] | None = None
+    said: IO[str] | None = None  # what it and its libraries write on their standard error
     began: float = 0.0  # 0: idle
     floor: int = 0  # [bytes] resident before its first trial
     killed: str = ""  # for which reason
@@ -65,14 +67,14 @@ class Worker:
             if row["outcome"] == MEMORY:
                 self.end()
             return row
-        code = process.wait()
+        code, last = process.wait(), self._last_word()
         self.end()
         if self.killed == TIMEOUT:
             return carried.timeout(trial, self.limits, took)
         if self.killed == MEMORY:
             return carried.memory(trial, self.limits, took)
         how = f"by signal {-code}" if code < 0 else f"with exit code {code}"
-        return trial.row(LOST, f"its worker ended {how}", None, took)
+        return trial.row(LOST, f"its worker ended {how}{last and f' ({last})'}", None, took)
 
     def look(self) -> None:
         """Kill it if it is past its limits."""
@@ -96,33 +98,38 @@ class Worker:
                 if pipe is not None:
                     with suppress(OSError):
                         pipe.close()
+        if self.said is not None:
+            self.said.close()
+            self.said = None
         shutil.rmtree(self.scratch, ignore_errors=True)
 
     def _running(self) -> subprocess.Popen[str]:
         if self.process is not None and self.process.poll() is None:
             return self.process
         self.end()
-        command = [sys.executable, "-m", "recognition.experiments.worker", str(self.scratch)]
-        with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said:
-            return self._started(command, said)
-
-    def _started(self, command: Sequence[str], said: IO[str]) -> subprocess.Popen[str]:
+        self.said = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115  until end
         self.process = subprocess.Popen(
-            command,
+            [sys.executable, "-m", "recognition.experiments.worker", str(self.scratch)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=said,
+            stderr=self.said,
             text=True,
             encoding="utf-8",
             env={**os.environ, **ONE_THREAD, "PYTHONHASHSEED": "0"},
             start_new_session=True,
         )
         if not _exchange(self.process, {"kinds": list(self.kinds)}):
-            said.seek(0)
-            last = (said.read().strip().splitlines() or ["it said nothing"])[-1]
+            last = self._last_word() or "it said nothing"
             raise PalpateError(f"a worker does not start ({last}); `palpate doctor` says what is missing")
         self.floor = _resident(self.process.pid)
         return self.process
+
+    def _last_word(self) -> str:
+        """The last line that it wrote on its standard error."""
+        if self.said is None:
+            return ""
+        self.said.seek(max(0, self.said.seek(0, os.SEEK_END) - _TAIL))
+        return (self.said.read().strip().splitlines() or [""])[-1][:_LINE]
 
 
 class Crew:
