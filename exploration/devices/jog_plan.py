@@ -8,6 +8,7 @@ not add up.
 
 from collections import deque
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 
@@ -58,7 +59,7 @@ class JogPlan:
         self._letters = "".join(axis.letter for axis in chain.axes)
         self._planned: Floats = np.zeros(len(chain.axes))
         self._sent = self._planned
-        self._twist, self._since = np.zeros(6), 0.0
+        self._twist, self._speed, self._since = np.zeros(6), 0.0, 0.0  # the speed [mm/s]
         self._way: deque[tuple[Floats, float]] = deque()  # joint positions, and seconds to them
         self.goal: Floats | None = None
         self.until = 0.0  # [s] when what was sent will have been done
@@ -76,7 +77,7 @@ class JogPlan:
     def follow(self, twist: Floats, now: float) -> None:
         """Wish for a (6,) twist in the flange frame."""
         self.drop()
-        self._twist, self._since = twist, now
+        self._twist, self._speed, self._since = twist, hypot(*twist[:3].tolist()), now
 
     def head_for(self, goal: Floats) -> None:
         """Wish for a straight move; one that the axes cannot take is refused, and the wish stays as it was."""
@@ -121,13 +122,14 @@ class JogPlan:
     def due(self, now: float, here: Floats) -> Jog | None:
         """What to send now, the stage being at `here`; None while enough is on its way."""
         ahead = self._ahead()
-        behind = float((np.abs(self._planned - here) / self._chain.speed).max())
-        if self.until - now >= ahead or behind >= ahead + _LAG:
+        if self.until - now >= ahead or not (self._way or self._twist.any()):
+            return None
+        if float((np.abs(self._planned - here) / self._chain.speed).max()) >= ahead + _LAG:
             return None
         of_way = bool(self._way)
         if of_way:
             joints, seconds = self._way[0]
-        elif self._twist.any() and now - self._since < self._config.stale:
+        elif now - self._since < self._config.stale:
             seconds = self._config.shortest
             goal = self._chain.pose(self._planned) @ se3.exp(self._twist * seconds)
             joints = self._chain.reach(goal, self._planned, 6).q
@@ -153,7 +155,7 @@ class JogPlan:
 
     def _lag(self) -> float:
         """[s] that gaining speed costs, and losing it: v / (2 a)."""
-        speed = self._limits.speed if self.goal is not None else float(np.linalg.norm(self._twist[:3]))
+        speed = self._limits.speed if self.goal is not None else self._speed
         return speed / (2.0 * self._limits.acceleration)
 
     def _straight(self, goal: Floats) -> deque[tuple[Floats, float]]:

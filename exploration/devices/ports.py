@@ -70,11 +70,10 @@ class Port:
         """What has come, at least after waiting once."""
         with self._busy:
             try:
-                data: bytes = self._serial.read(max(1, self._serial.in_waiting))
-                if data and self.address.startswith(
-                    "socket://"
-                ):  # it tells that something waits, not how much
-                    data += self._serial.read(_MOST)
+                data: bytes = self._serial.read(1)
+                if data and (waiting := self._serial.in_waiting):
+                    # a socket tells that something waits, not how much
+                    data += self._serial.read(_MOST if self.address.startswith("socket://") else waiting)
             except (serial.SerialException, OSError, TypeError) as error:
                 raise self._gone() from error
             return data

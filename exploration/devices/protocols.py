@@ -5,6 +5,7 @@ moves meanwhile as it was last told.  A control loop is ``frame = sensor.read();
 """
 
 from dataclasses import dataclass
+from math import hypot
 from typing import Protocol
 
 import numpy as np
@@ -25,9 +26,10 @@ class StageLimits:
 
     def shortened(self, twist: Floats) -> Floats:
         """A (6,) twist no faster than the speeds allow."""
-        linear = self.speed / max(float(np.linalg.norm(twist[:3])), self.speed)
-        turning = self.turn_speed / max(float(np.linalg.norm(twist[3:])), self.turn_speed)
-        return np.concatenate([linear * twist[:3], turning * twist[3:]])
+        x, y, z, a, b, c = map(float, twist)
+        linear = self.speed / max(hypot(x, y, z), self.speed)
+        turning = self.turn_speed / max(hypot(a, b, c), self.turn_speed)
+        return np.array([linear * x, linear * y, linear * z, turning * a, turning * b, turning * c])
 
 
 def checked_twist(twist: Floats) -> Floats:

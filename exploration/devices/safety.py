@@ -61,6 +61,10 @@ class Safety:
     ) -> None:
         self._calibration, self._area, self.limits, self._clock = calibration, area, limits, clock
         self._mount = np.eye(4) if flange_from_sensor is None else flange_from_sensor
+        way, arm = self._mount[:3, 2], self._mount[:3, 3]
+        self._onward = np.concatenate(
+            [way, np.cross(arm, way)]
+        )  # of a (6,) twist, what goes toward the object
         self._silence = 1.5 * period + limits.patience
         self._heard = clock.now()
         self._ceiling = limits.force
@@ -103,8 +107,7 @@ class Safety:
 
     def shortened(self, twist: Floats, acceleration: float) -> Floats:
         """A (6,) flange twist that presses the pad on no faster than it may run blind into a flat."""
-        sensor, arm = self._mount[:3, 2], self._mount[:3, 3]
-        toward = float(sensor @ (twist[:3] + np.cross(twist[3:], arm)))
+        toward = float(self._onward @ twist)
         depth = self.limits.force / self._stiffness
         late = self._silence + self.limits.lead + self.limits.ahead
         blind = acceleration * (np.sqrt(late**2 + 2.0 * depth / acceleration) - late)
