@@ -89,7 +89,7 @@ def test_the_stage_of_the_page_goes_where_it_is_told(arm):
     time.sleep(0.1)
     assert np.allclose(arm.pose()[:3, 3], goal[:3, 3], atol=0.1)
     assert np.allclose(arm.pose()[:3, :3], goal[:3, :3], atol=2e-3)
-    assert sum(bool(line.strip()) for line in block("python").splitlines()) <= 42
+    assert sum(bool(line.strip()) for line in block("python").splitlines()) <= 30
 
 
 def test_the_stage_of_the_page_is_watched_by_the_same_limits(arm):

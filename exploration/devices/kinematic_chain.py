@@ -20,6 +20,7 @@ from primitives.arrays import Floats
 _ARM = 50.0  # [mm] that one radian counts as
 _DAMPING = 1e-3
 _TURNS = 100.0  # [rad] that a gantry's turning axes may wind up, where nobody told their limits
+_WAYS = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
 @dataclass(frozen=True)
@@ -84,12 +85,22 @@ class KinematicChain:
         return Reached(q, float(off), float(turned))
 
     @staticmethod
+    def arm(ways: str, lengths: Sequence[float], most: float = 3.0, speed: float = 2.0) -> "KinematicChain":
+        """Turning joints 1, 2, ... one above the other: the way of each, X, Y or Z, its length over the last [mm].
+
+        All turn by `most` [rad] either way at most, at `speed` [rad/s]; at zero the arm stands upright.
+        """
+        joints = enumerate(zip(ways, lengths, strict=True), 1)
+        return KinematicChain(
+            [Axis(str(k), True, _WAYS[way], -most, most, speed, (0.0, 0.0, up)) for k, (way, up) in joints]
+        )
+
+    @staticmethod
     def gantry(
         letters: str = "XYZABC", travel: float = 700.0, speed: float = 150.0, turn_speed: float = 6.0
     ) -> "KinematicChain":
         """Three linear axes carry up to three turning ones (C about z, B about y, A about x); zero looks down."""
-        ways = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
-        turn = {"A": ways["X"], "B": ways["Y"], "C": ways["Z"]}
-        axes = [Axis(c, False, ways[c], -travel, travel, speed) for c in letters if c in ways]
+        turn = {"A": _WAYS["X"], "B": _WAYS["Y"], "C": _WAYS["Z"]}
+        axes = [Axis(c, False, _WAYS[c], -travel, travel, speed) for c in letters if c in _WAYS]
         axes += [Axis(c, True, turn[c], -_TURNS, _TURNS, turn_speed) for c in "CBA" if c in letters]
         return KinematicChain(axes, se3.pose(np.diag([1.0, -1.0, -1.0])))

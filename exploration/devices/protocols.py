@@ -74,7 +74,7 @@ class TactileSensor(Protocol):
 
 
 class MotionStage(Protocol):
-    """Something that moves an array about."""
+    """Something that moves an array about; a class of one's own that names it as its base tells of no events."""
 
     @property
     def limits(self) -> StageLimits:
@@ -104,4 +104,4 @@ class MotionStage(Protocol):
 
     def events(self) -> tuple[StageEvent, ...]:
         """What its drives have noticed since last asked; empty when all is well."""
-        ...
+        return ()
