@@ -1,7 +1,7 @@
 """What touches tell together: one `Evidence`, and the belief that follows from it.
 
-Contacts and the space swept while the object stood still are matched; places of the skin that felt nothing beside
-others that did, and approaches that met nothing, then weigh the poses found.
+Contacts, the space swept while the object stood still, places of the skin that felt nothing beside others that
+did, and approaches that met nothing are matched at once.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from exploration.planning.lone_touch import LoneTouch, joined
 from models.library import Library
 from primitives.arrays import frozen
 from primitives.evidence import Contacts
-from recognition.identifying.untouched import swept, weighed
 from recognition.matching import Belief, Evidence, Prior, match
 
 
@@ -41,7 +40,13 @@ def evidence_of(touches: Sequence[LoneTouch], config: LearnConfig | None = None)
     )
     traces = tuple(trace for t in met for trace in t.edges)
     held_still = sum(bool(t.contacts.has_normal.any()) for t in met) >= config.bounding
-    return Evidence(contacts, traces, joined([t.free for t in touches]) if held_still else None)
+    return Evidence(
+        contacts,
+        traces,
+        joined([t.free for t in touches]) if held_still else None,
+        untouched=np.concatenate([np.empty((0, 3)), *(t.untouched for t in touches)]),
+        missed=joined([t.free for t in touches if not t.met]),
+    )
 
 
 def learned(
@@ -58,6 +63,4 @@ def learned(
     if not len(evidence.contacts):
         return before
     starts = [] if before is None else [(h.name, h.pose) for h in before.hypotheses]
-    belief = match(evidence, library, prior, unknown, starts[: config.starts])
-    belief = weighed(belief, library, np.concatenate([t.untouched for t in touches]))
-    return swept(belief, library, joined([t.free for t in touches if not t.met]))
+    return match(evidence, library, prior, unknown, starts[: config.starts])

@@ -1,21 +1,25 @@
 """What touch has given, and what was known before: the input of matching.
 
-n contacts of one touch whose errors correlate by r are worth n / (1 + r (n - 1)) of independent ones (Kish 1965).
+n contacts whose errors correlate by r are worth n / (1 + r (n - 1)) of independent ones (Kish 1965).  Those of one
+touch share its pose's error; those of different touches, the closer they lie the more, what the surface there
+differs from the model, so that n - 1 is, for each, the sum of exp(-d^2 / 2 l^2) over the others (our derivation).
 
 Contacts may carry normals or not, and free space bounds where material can be.  Lengths are in mm.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace, FreeSpace
 
 ALIKE = 0.1  # share of the error's variance that contacts of one touch have in common
+BESIDE = 6.0  # [mm] over which the surface's own departure from the model is much the same
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,11 @@ class Evidence:
     free: FreeSpace | None = None
     scale_known: bool = True  # whether the contacts' sigma is theirs; else it is estimated with the pose
     normal_scale_known: bool = True  # the same of their normals
+    untouched: Floats = field(
+        default_factory=lambda: np.empty((0, 3))
+    )  # (m, 3) [mm] of the pressed skin, that
+    # felt nothing
+    missed: FreeSpace | None = None  # what approaches swept that met nothing
     covers: tuple[FreeSpace, ...] = ()  # bodies in the way: what touched them says nothing of the object
 
     def checked(self) -> Evidence:
@@ -47,11 +56,13 @@ class Evidence:
 
     @property
     def shares(self) -> Floats:
-        """(n,) what each contact counts for: those of one touch share its pose's error and speak as fewer."""
-        _, of, many = np.unique(self.contacts.touch, return_inverse=True, return_counts=True)
-        if len(many) < 2:
-            return np.ones(len(self.contacts))
-        return np.asarray(1.0 / (1.0 + ALIKE * (many[of] - 1.0)))
+        """(n,) what each contact counts for: those that share an error speak as fewer."""
+        c = self.contacts
+        apart = cdist(c.points, c.points, "sqeuclidean")
+        alike = np.exp(-np.minimum(apart / (2.0 * BESIDE**2), 700.0))
+        if len(np.unique(c.touch)) > 1:
+            alike[c.touch[:, None] == c.touch] = 1.0
+        return np.asarray(1.0 / (1.0 + ALIKE * (alike.sum(axis=1) - 1.0)))
 
     @property
     def lacking(self) -> int:

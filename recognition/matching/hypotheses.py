@@ -32,6 +32,7 @@ class SearchConfig:
     kept_blind: int = 160  # without: distances alone rank poses badly
     turns: int = 30  # tried about a line
     starts: int = 400  # turns all round, where no normals were felt
+    seed: int = 0  # of these turns
     most: int = 1500  # pairs of samples tried for a pair of contacts without normals
     scored: int = 16  # contacts that score a pose first; more are thinned
     judged: int = 64  # contacts that score it at last
@@ -107,7 +108,7 @@ def _all_round(begun: Begun, target: Target, config: SearchConfig, wide: float, 
     """(k, 3, 4) poses that even turns lead to, the contacts' middle on the object's: for want of normals."""
     if len(begun.points) < 4:
         return np.empty((0, 3, 4))
-    turns = Rotation.random(config.starts, random_state=0).as_matrix()
+    turns = Rotation.random(config.starts, random_state=config.seed).as_matrix()
     shift = target.center - turns @ begun.points.mean(axis=0)
     poses = np.ascontiguousarray(np.concatenate([turns, shift[:, :, None]], axis=2))
     field = (target.values, target.origin, target.spacing, target.step)

@@ -1,18 +1,18 @@
 """How probable contacts are on an object at a pose, and on an object that is in no library.
 
-A contact is a uniform sample of a surface of area A, seen with noise, or with probability w anywhere in a ball of
-volume V::
+A contact lies somewhere along a surface with the density a of `places`, seen with noise, or with probability w
+anywhere within the object's size s of it::
 
-    p(z | object, pose) = (1 - w) / A  N(d; sigma) ((1 - t) N2(angle; tau) + t / (4 pi)) + w / V / (4 pi)
+    p(z | object, pose) = a ((1 - w) N(d; sigma) ((1 - t) N2(angle; tau) + t / (4 pi)) + w / s / (4 pi))
 
 with N2 over the sphere of normals, left out where none was felt, and t the share of pads that lay on an edge,
-with any normal (Thrun, Burgard and Fox 2005, section 6.3, has the mixture; the area, which keeps a larger model
-from winning for its size, is our derivation).  An object in no library is like one of it with a share f of its
-contacts off, half of these by some millimeters and half anywhere; nobody knows f, so it is integrated out::
+with any normal (Thrun, Burgard and Fox 2005, section 6.3, has the mixture).  An object in no library is like one
+of it with a share f of its contacts off, half of these by some millimeters and half anywhere; nobody knows f, so
+it is integrated out::
 
     p(Z | unknown) = integral over f in [0, 1] of  product over contacts of
                      (1 - f) p(z | object, pose) + f p(z | off)
-    p(z | off) = 1/2 / V / (4 pi) + 1/2 / A  exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi))
+    p(z | off) = a (1/2 / s / (4 pi) + 1/2 exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi)))
 
 which costs an object of the library that fits about a factor of the number of contacts (our derivation).
 
@@ -42,22 +42,21 @@ class NoiseConfig:
     loosest: float = 8.0  # up to which factor noise that nobody told may be more or less
 
 
-def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Floats, tau: Floats, area: float,
-                    size: float, volume: float, config: NoiseConfig,
-                    absolute: bool = False) -> tuple[Floats, Floats]:  # fmt: skip
-    """(k, n) logarithms of p(z | object, pose) and of p(z | off)."""
+def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Floats, tau: Floats, size: float,
+                    config: NoiseConfig, absolute: bool = False) -> tuple[Floats, Floats]:  # fmt: skip
+    """(k, n) logarithms of p(z | object, pose) / a and of p(z | off) / a."""
     d2, a2 = (distances / sigma) ** 2, (angles / tau) ** 2
     turned = np.where(felt, np.exp(-0.5 * np.minimum(a2, 700)) / (2 * np.pi * tau**2), 1.0)
     everywhere = np.where(felt, 1.0 / (4 * np.pi), 1.0)
     near = np.exp(-0.5 * np.minimum(d2, 700)) / (np.sqrt(2 * np.pi) * sigma)
     if absolute:
         near = np.exp(-np.sqrt(np.minimum(d2, 5e5))) / (2 * sigma)
-    stray = everywhere / volume
+    stray = everywhere / size
     facing = (1 - TILTED) * turned + TILTED * everywhere
-    known = (1 - config.outliers) / area * near * facing + config.outliers * stray
+    known = (1 - config.outliers) * near * facing + config.outliers * stray
     b = config.broad * size
     off = np.where(np.isfinite(distances), distances, 4.0 * b)
-    loose = np.exp(-off / b) / (2 * b) * (0.5 * turned + 0.5 * everywhere) / area
+    loose = np.exp(-off / b) / (2 * b) * (0.5 * turned + 0.5 * everywhere)
     return np.log(known), np.log(0.5 * loose + 0.5 * stray)
 
 

@@ -49,7 +49,8 @@ class MatchConfig:
     in_all: int = 40  # poses of all objects that are refined, at least; more while contacts are few
     steps: int = 4000  # contacts times poses that are refined, at least
     behind: float = 12.0  # of log likelihood on the field, by which a pose may be behind; and, a contact,
-    behind_each: float = 0.6
+    behind_each: float = 1.0
+    foremost: int = 3  # poses of each object that are refined however far behind: beside edges the field errs
     polished: int = 24  # of these, refined again to the least mean distance
     most: int = 400  # contacts that are weighed; more are thinned evenly
     told: int = 64  # hypotheses in the belief
@@ -114,11 +115,13 @@ def _modes(found: Mapping[str, Found], library: Mapping[str, Entry], evidence: E
     if not names:
         return []
     rows = np.concatenate([np.arange(min(len(f.costs), each)) for f in found.values()])
-    area = np.array([target_of(library[name]).area for name in names])
-    scores = np.concatenate([-0.5 * f.costs[:each] for f in found.values()]) - n * np.log(area)
+    there = {name: seen.places.log_density(target_of(library[name]).area, seen.shares) for name in found}
+    scores = np.concatenate([there[name] - 0.5 * f.costs[:each] for name, f in found.items()])
     limit = max(config.in_all, config.steps // n, each)
-    order = np.argsort(-scores, kind="stable")[:limit]
-    order = order[scores[order] >= scores[order[0]] - config.behind - config.behind_each * n]
+    order = np.argsort(-scores, kind="stable")
+    near = scores[order] >= scores[order[0]] - config.behind - config.behind_each * n
+    near[limit:] = False
+    order = order[near | (rows[order] < config.foremost)]
     taken: dict[str, list[int]] = {}
     for k in order:
         taken.setdefault(names[k], []).append(int(rows[k]))

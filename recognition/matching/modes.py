@@ -17,16 +17,20 @@ import numpy as np
 from models.library import Entry
 from models.symmetry import nearest_pose
 from primitives.arrays import Bools, Floats, frozen
-from primitives.pose import hat, inverse, pose
+from primitives.pose import hat, inverse, log, pose
 from recognition.matching.align import Aligned, refine
 from recognition.matching.belief import Hypothesis
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
 from recognition.matching.likelihood import NoiseConfig, log_likelihoods, log_unlike
+from recognition.matching.places import Places, places_of
 from recognition.matching.target import Target, gap, target_of
+from recognition.matching.untouched import log_untouched
 
 _ROTATIONS = np.log(8 * np.pi**2)
 _FREE_TURN = 1.71  # [rad] sigma of a direction of turning that nothing bounds: its cube gives all of SO(3)
+_SPANNED = 9.0  # squared sigmas of a mode's covariance, within which a pose is of that mode
+_MERGED = 0.005, 0.01  # of the size, and [rad]: poses closer than that are one, however sharp they are
 _SWEPT = -4.6  # log likelihood of a sample of the object in space that was swept
 
 
@@ -49,6 +53,7 @@ class Felt:
     sigma: Floats  # (n,) [mm]
     tau: Floats  # (n,) [rad]
     shares: Floats  # (n,) what each counts for
+    places: Places
 
     @staticmethod
     def of(evidence: Evidence) -> Felt:
@@ -57,7 +62,7 @@ class Felt:
         felt = c.has_normal
         normals = np.ascontiguousarray(np.where(felt[:, None], c.normals, 0.0))
         return Felt(np.ascontiguousarray(c.points), normals, felt, np.array(c.sigma),
-                    np.maximum(c.normal_sigma, 1e-4), evidence.shares)  # fmt: skip
+                    np.maximum(c.normal_sigma, 1e-4), evidence.shares, places_of(c.points))  # fmt: skip
 
 
 def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
@@ -65,11 +70,11 @@ def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior:
     """The modes that (k, 3, 4) poses lead to, each symmetric pose once, likeliest first."""
     target, absolute = target_of(entry), not evidence.scale_known
     done = _refined(entry, target, poses, seen, absolute, polished)
-    volume = 4.0 / 3.0 * np.pi * (0.5 * target.size) ** 3
-    scale, turn = _scales(done, seen, evidence, target, volume, noise)
+    scale, turn = _scales(done, seen, evidence, target, noise)
     like, off = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * scale, seen.tau * turn,
-                                target.area, target.size, volume, noise, absolute)  # fmt: skip
-    total, unlike = like @ seen.shares, log_unlike(like, off, seen.shares)
+                                target.size, noise, absolute)  # fmt: skip
+    there = seen.places.log_density(target.area, seen.shares)
+    total, unlike = there + like @ seen.shares, there + log_unlike(like, off, seen.shares)
     modes: list[Mode] = []
     for k in np.argsort(-total, kind="stable"):
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
@@ -83,6 +88,7 @@ def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior:
         at = log_volume + _copies(entry) - np.log(prior.volume) - _ROTATIONS
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
         bound = _free(evidence, target, world, float(np.median(seen.sigma)))
+        bound += log_untouched(made, entry, evidence)
         modes.append(Mode(made, float(total[k] + at + bound), float(unlike[k] + at)))
     return modes
 
@@ -112,16 +118,16 @@ def _copies(entry: Entry) -> float:
     return float(np.log(max(entry.symmetry.order, 1.0))) if np.isfinite(entry.symmetry.order) else 0.0
 
 
-def _scales(done: Aligned, seen: Felt, evidence: Evidence, target: Target, volume: float,
-            noise: NoiseConfig) -> tuple[float, float]:  # fmt: skip
+def _scales(
+    done: Aligned, seen: Felt, evidence: Evidence, target: Target, noise: NoiseConfig
+) -> tuple[float, float]:
     """Factors on sigma and tau that suit the likeliest pose, where nobody told the noise."""
     grid = np.geomspace(1 / noise.loosest, noise.loosest, 13)
     best = (-np.inf, 1.0, 1.0)
     for s in grid if not evidence.scale_known else (1.0,):
         for t in grid if not evidence.normal_scale_known and seen.felt.any() else (1.0,):
             like, _ = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * s, seen.tau * t,
-                                      target.area, target.size, volume, noise,
-                                      not evidence.scale_known)  # fmt: skip
+                                      target.size, noise, not evidence.scale_known)  # fmt: skip
             best = max(best, (float((like @ seen.shares).max()), float(s), float(t)))
     return best[1], best[2]
 
@@ -141,11 +147,11 @@ def _same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
     """Whether a pose is one that is there already, up to symmetry and to what the covariance spans."""
     near = nearest_pose(entry.symmetry, world, h.pose)
     turn = h.pose[:3, :3].T @ near[:3, :3]
-    angle = np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))
     shift = (near - h.pose)[:3, :3] @ target.center + (near - h.pose)[:3, 3]
-    far = np.sqrt(max(np.trace(h.covariance[:3, :3]), 1e-6))
-    wide = np.sqrt(max(np.trace(h.covariance[3:, 3:]), 1e-8))
-    return bool(angle <= max(2 * wide, 0.01) and np.linalg.norm(shift) <= max(2 * far, 0.005 * target.size))
+    least = np.array([_MERGED[0] * target.size] * 3 + [_MERGED[1]] * 3) ** 2
+    spans = h.covariance + np.diag(least) / _SPANNED
+    between = log(pose(turn, h.pose[:3, :3].T @ shift))
+    return bool(between @ np.linalg.solve(spans, between) <= _SPANNED)
 
 
 def _free(evidence: Evidence, target: Target, world: Floats, sigma: float) -> float:

@@ -36,8 +36,15 @@ def test_nine_exact_contacts_without_normals_find_a_tetrahedron(tetrahedron, see
 
 
 def test_contacts_of_one_touch_speak_as_fewer():
-    points = np.random.default_rng(0).normal(size=(12, 3))
+    points = 300.0 * np.random.default_rng(0).normal(size=(12, 3))
     alone = Evidence(Contacts.of(points, None, 0.1, touch=np.arange(12))).shares
     together = Evidence(Contacts.of(points, None, 0.1, touch=np.repeat([0, 1], 6))).shares
     assert alone.sum() == pytest.approx(12.0)
     assert 4.0 < together.sum() < 10.0
+
+
+def test_contacts_close_together_speak_as_fewer():
+    row = np.column_stack([np.arange(20.0), np.zeros((20, 2))])
+    crowded, apart = (Evidence(Contacts.of(row * d, None, 0.1)).shares.sum() for d in (0.5, 60.0))
+    assert apart == pytest.approx(20.0)
+    assert crowded < 10.0

@@ -1,7 +1,7 @@
 """The choice of the next touch on objects whose difference is known."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,6 +21,7 @@ class _Posed:
     name: str
     pose: np.ndarray
     log_weight: float
+    covariance: np.ndarray = field(default_factory=lambda: 1e-6 * np.eye(6))
 
 
 @dataclass(frozen=True)
