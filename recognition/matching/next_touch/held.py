@@ -12,6 +12,7 @@ from models.library import Library
 from models.solid import Solid
 from primitives.arrays import Floats, Ints, frozen
 from primitives.pose import transform_points
+from recognition.matching.next_touch.loose import sigma_points
 
 UNKNOWN = "unknown"  # none of the library's objects
 
@@ -32,6 +33,11 @@ class Posed(Protocol):
     @property
     def log_weight(self) -> float:
         """Up to a constant."""
+        ...
+
+    @property
+    def covariance(self) -> Floats:
+        """(6, 6) of (v [mm], w [rad]) in the object's frame, about the middle of its box."""
         ...
 
 
@@ -56,6 +62,7 @@ class HeldConfig:
     most: int = 28  # hypotheses
     each: int = 8  # of one name
     least: float = 2e-3  # probability of a name, below which it is left out
+    spread: int = 6  # hypotheses, likeliest first, that stand for all poses that their covariance spans
 
 
 @dataclass(frozen=True)
@@ -92,12 +99,18 @@ def held(belief: Believed, library: Library, config: HeldConfig | None = None) -
             kept += [(float(chance * s / shares.sum()), h) for s, h in zip(shares, own, strict=True)]
     kept = sorted(kept, key=lambda pair: -pair[0])[: config.most]
     unknown = float(belief.probabilities.get(UNKNOWN, 0.0))
-    weights = np.array([w for w, _ in kept])
+    spread = [
+        (weight / len(poses), h.name, pose)
+        for k, (weight, h) in enumerate(kept)
+        for poses in [sigma_points(h.pose, h.covariance, library[h.name]) if k < config.spread else [h.pose]]
+        for pose in poses
+    ]
+    weights = np.array([weight for weight, _, _ in spread])
     weights = weights * (1.0 - unknown) / max(float(weights.sum()), 1e-12)
-    solids = tuple(library[h.name].solid.placed(h.pose) for _, h in kept)
+    solids = tuple(library[name].solid.placed(pose) for _, name, pose in spread)
     balls = [_ball(solid) for solid in solids]
     return Held(
-        tuple(h.name for _, h in kept),
+        tuple(name for _, name, _ in spread),
         solids,
         frozen(weights),
         frozen(np.array([b[0] for b in balls]).reshape(-1, 3)),
