@@ -44,7 +44,7 @@ def locate(
         center = (
             None if prior_center is None else parse_numbers(prior_center, 3, "--prior-center", "X,Y,Z in mm")
         )
-        asked = Asked(contacts, parse_sigma(contact_sigma), center, prior_radius)
+        asked = Asked(contacts, parse_sigma(contact_sigma), center, prior_radius, seed)
     with one_line_errors():
         look_at_file(model)
         with interrupts.held():

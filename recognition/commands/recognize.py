@@ -37,7 +37,7 @@ def recognize(
             from recognition.reconstructing.options import parse_sigma
 
         checked_flags(units, scale)
-        asked = Asked(source, parse_sigma(contact_sigma))
+        asked = Asked(source, parse_sigma(contact_sigma), seed=seed)
     with one_line_errors():
         with interrupts.held():
             from recognition.recognizing.run import recognize as run

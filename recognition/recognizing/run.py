@@ -13,11 +13,14 @@ import numpy as np
 from models.formats.units import Units
 from models.library import Library
 from recognition.matching import Evidence, Prior, match
+from recognition.matching.hypotheses import SearchConfig
+from recognition.matching.match import MatchConfig
 from recognition.recognizing.answer import modes, objects, warnings_of, why
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
 from recognition.sources import read_source
 
+_MADE = 0.02  # [mm] by which an object differs from its model, at least
 _NORMAL_SIGMA = 0.037  # [rad] where nobody told: 3 degrees in total; its scale is then estimated
 
 
@@ -29,15 +32,23 @@ class Asked:
     sigma: float | None = None  # [mm] of contacts; None: as the file says, else estimated
     center: Sequence[float] | None = None  # (3,) [mm] of the prior
     radius: float = 200.0  # [mm]
+    seed: int = 0  # of the turns that the search begins with where no normals were felt
+
+    @property
+    def matching(self) -> MatchConfig:
+        """How it is searched."""
+        return MatchConfig(search=SearchConfig(seed=self.seed))
 
 
 def evidence_of(asked: Asked) -> tuple[Evidence, list[str]]:
-    """The contacts of a source, their noise as told or to be estimated."""
+    """The contacts of a source and what it swept, their noise as told or to be estimated."""
     source = read_source(asked.source)
     told = source.measured_sigma or asked.sigma is not None
     contacts = source.with_sigma(asked.sigma).contacts
-    contacts = replace(contacts, normal_sigma=np.full(len(contacts), _NORMAL_SIGMA))
-    return Evidence(contacts, scale_known=told, normal_scale_known=False), list(source.warnings)
+    sigma = np.hypot(contacts.sigma, _MADE) if told else contacts.sigma
+    contacts = replace(contacts, sigma=sigma, normal_sigma=np.full(len(contacts), _NORMAL_SIGMA))
+    free = None if source.sweep is None else source.sweep()
+    return Evidence(contacts, (), free, told, normal_scale_known=False), list(source.warnings)
 
 
 def prior_of(asked: Asked, evidence: Evidence) -> Prior:
@@ -54,7 +65,7 @@ def locate(asked: Asked, model: str, units: Units, scale: float, body: int | Non
     library = Library({entry.name: lambda: entry})
     _ = entry.samples, entry.field, entry.symmetry  # the model's own preparation is start-up
     began = time.perf_counter()
-    belief = match(evidence, library, prior_of(asked, evidence), unknown=0.0)
+    belief = match(evidence, library, prior_of(asked, evidence), unknown=0.0, config=asked.matching)
     told = modes(belief, entry)
     return {
         "command": "locate",
@@ -74,7 +85,7 @@ def recognize(asked: Asked, folder: Path, units: Units, scale: float) -> dict[st
     evidence, said = evidence_of(asked)
     library = Library.open(folder, units, scale)
     began = time.perf_counter()
-    belief = match(evidence, library, prior_of(asked, evidence))
+    belief = match(evidence, library, prior_of(asked, evidence), config=asked.matching)
     return {
         "command": "recognize",
         "decision": belief.decision,
