@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from recognizing.multi_start import MultiStart
-from recognizing.objects import library, twins
+from recognizing.objects import library
 from recognizing.ppf import Ppf
 from recognizing.scaling_series import ScalingSeries
 from recognizing.trials import Trial, add_s, trial
@@ -40,7 +40,8 @@ POSED = 0.02  # of the diagonal: ADD-S of a pose that is right
 class Table:
     """Rows as they come."""
 
-    def __init__(self) -> None:
+    def __init__(self, bench: str = "recognize") -> None:
+        self.bench = bench
         self.rows: list[dict[str, Any]] = []
 
     def share(self, method: str, what: str, hits: list[bool], asked: str | None = None) -> None:
@@ -52,7 +53,7 @@ class Table:
 
     def add(self, method: str, metric: str, value: float, unit: str, asked: str | None = None) -> None:
         """One number."""
-        row = {"bench": "recognize", "method": method, "metric": metric, "value": value, "unit": unit}
+        row = {"bench": self.bench, "method": method, "metric": metric, "value": value, "unit": unit}
         self.rows.append(row | ({} if asked is None else {"asked": asked}))
 
 
@@ -74,7 +75,6 @@ def run() -> list[dict[str, Any]]:
         passive(table, known, count, False, None, {}, normals=False)
     for count in (12, 20, 50):
         held_out(table, known, count)
-    near_duplicates(table)
     return table.rows
 
 
@@ -82,7 +82,7 @@ def passive(table: Table, known: Library, count: int, one_sided: bool, asked: tu
             rivals: Mapping[str, Rival], normals: bool = True) -> None:  # fmt: skip
     """Names and poses of known objects."""
     where = f"{count} contacts, {'one side' if one_sided else 'all round'}{'' if normals else ', no normals'}"
-    trials = _trials(known, QUERIES, count, one_sided, normals)
+    trials = trials_of(known, QUERIES, count, one_sided, normals)
     beliefs, seconds = [], []
     for t in trials:
         began = time.perf_counter()
@@ -125,29 +125,10 @@ def passive(table: Table, known: Library, count: int, one_sided: bool, asked: tu
 def held_out(table: Table, known: Library, count: int) -> None:
     """Each object touched while it is not in the library."""
     called = []
-    for t in _trials(known, QUERIES, count, False, True):
+    for t in trials_of(known, QUERIES, count, False, True):
         others = {name: known[name] for name in known if name != t.name}
         called.append(match(Evidence(t.contacts), others).decision == UNKNOWN)
     table.share("palpate", f"unknown called unknown, {count} contacts", called, ">= 95")
-
-
-def near_duplicates(table: Table) -> None:
-    """Pairs that differ in one hole, radius or length, alone in their library."""
-    for kind, pair in twins().items():
-        known = Library.of(dict(zip(("first", "second"), pair, strict=True)))
-        trials = _trials(known, QUERIES, 20, False, True)
-        for method, starts in (("palpate", False), ("limit", True)):
-            beliefs = [
-                match(Evidence(t.contacts), known, starts=[(t.name, t.world)] if starts else ())
-                for t in trials
-            ]
-            right = [b.decision == t.name for b, t in zip(beliefs, trials, strict=True)]
-            table.share(method, f"twins in a {kind}, 20 contacts", right)
-        sure = [b for b in beliefs if b.confidence > 0.95]
-        wrong = sum(b.decision != t.name for b, t in zip(beliefs, trials, strict=True) if b in sure)
-        table.add(
-            "palpate", f"sure and wrong, twins in a {kind}", wrong / max(len(sure), 1), "share", "<= 0.05"
-        )
 
 
 def calibration(confidence: list[float], right: list[bool], bins: int = 10) -> float:
@@ -165,7 +146,9 @@ def wilson(hits: int, count: int, z: float = 1.96) -> tuple[float, float]:
     return (p + square / 2 - half) / (1 + square), (p + square / 2 + half) / (1 + square)
 
 
-def _trials(known: Mapping[str, Entry], many: int, count: int, one_sided: bool, normals: bool) -> list[Trial]:
+def trials_of(
+    known: Mapping[str, Entry], many: int, count: int, one_sided: bool, normals: bool
+) -> list[Trial]:
     rng = np.random.default_rng([count, one_sided])
     names = list(known)
     order = [names[k % len(names)] for k in range(many)]

@@ -137,6 +137,7 @@ class RayHand:
             values, vectors = np.linalg.eigh(np.cov(local.T))
             arms = np.sqrt(2.0 * np.maximum(values, 0.1)) * vectors
             at = local.mean(axis=0) + np.concatenate([arms.T, -arms.T])
+            at = local[np.linalg.norm(at[:, None] - local, axis=2).argmin(axis=1)]
             middle = self.here[:3, 3] + self.here[:3, :2] @ local.mean(axis=0)
             places = self.here[:3, 3] + at @ self.here[:3, :2].T + float(gap[touched].mean()) * way
             places = middle + (places - middle) @ tilt.T

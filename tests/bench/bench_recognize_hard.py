@@ -1,0 +1,121 @@
+"""Recognizing where it is hard: twins that differ in one place, a half that is covered, poses that look alike.
+
+Twins stand alone in their library; beside their score is the limit, with the true object started at its true pose,
+and how often the touch that is proposed to tell them apart meets what differs.  PALPATE_BENCH_QUERIES sets the
+queries a row.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from bench_recognize import QUERIES, Table, trials_of
+from recognizing.objects import library, twins
+from recognizing.trials import NOISE, TURN, Trial, on_surface
+
+from exploration.devices.protocols import StageLimits
+from exploration.planning.round_ball import Ball
+from models.library import Library
+from models.solid import Solid
+from models.symmetry import pose_error
+from primitives.evidence import Contacts
+from primitives.pose import pose, random_rotation, rotate, transform_points
+from recognition.matching import Evidence, Prior, match
+from recognition.matching.next_touch import Choice, choose
+from recognition.matching.next_touch.information import TouchNoise, squared_distances
+from recognition.matching.next_touch.outcomes import foresee
+
+PAD = (28.8, 18.0)  # [mm]
+TOLD_APART = 9.0  # squared distance between two outcomes, in standard deviations
+CORNERS = np.array([[0, 0, 0], [100, 0, 0], [30, 80, 0], [35, 25, 70.0]])
+FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+
+
+def run() -> list[dict[str, Any]]:
+    """Rows of the table."""
+    table = Table("recognize, hard")
+    near_duplicates(table)
+    covered(table)
+    tetrahedron(table)
+    return table.rows
+
+
+def near_duplicates(table: Table) -> None:
+    """Pairs that differ in one hole, radius or length, alone in their library."""
+    for kind, pair in twins().items():
+        known = Library.of(dict(zip(("first", "second"), pair, strict=True)))
+        trials = trials_of(known, QUERIES, 20, False, True)
+        for method, starts in (("palpate", False), ("limit", True)):
+            beliefs = [
+                match(Evidence(t.contacts), known, starts=[(t.name, t.world)] if starts else ())
+                for t in trials
+            ]
+            right = [b.decision == t.name for b, t in zip(beliefs, trials, strict=True)]
+            table.share(method, f"twins in a {kind}, 20 contacts", right)
+        sure = [(b, t) for b, t in zip(beliefs, trials, strict=True) if b.confidence > 0.95]
+        wrong = sum(b.decision != t.name for b, t in sure) / max(len(sure), 1)
+        table.add("palpate", f"sure and wrong, twins in a {kind}", wrong, "share", "<= 0.05")
+        open_still = [(b, t) for b, t in zip(beliefs, trials, strict=True) if b.confidence <= 0.95]
+        both = [min(b.probabilities[name] for name in known) > 0.02 for b, _ in open_still]
+        if both:
+            table.share("palpate", f"both named where open, twins in a {kind}", both)
+        hits = [_separated(b, t, known, k) for k, (b, t) in enumerate(open_still)]
+        if hits:
+            table.share("palpate", f"separating touch hits what differs, twins in a {kind}", hits, ">= 95")
+
+
+def _separated(belief: Any, t: Trial, known: Library, seed: int) -> bool:
+    """Whether the touch proposed would feel unlike on the two, both where the true one is."""
+    middle = transform_points(t.world, np.asarray(known[t.name].samples.points)).mean(axis=0)
+    here = pose(np.diag([1.0, -1.0, -1.0]), [*middle[:2], middle[2] + 150.0])
+    limits, rng = StageLimits(), np.random.default_rng(seed)
+    found = choose(belief, known, here, Ball(middle, 90.0), PAD, limits, rng)
+    if not isinstance(found, Choice):
+        return False
+    solids = tuple(entry.solid.placed(t.world) for entry in known.values())
+    apart = squared_distances(foresee([found.approach], solids, PAD), TouchNoise())
+    return bool(apart[0, 0, 1] > TOLD_APART)
+
+
+def covered(table: Table) -> None:
+    """Half of the object out of reach, at twice the contacts, beside the whole of it."""
+    known = library()
+    names = list(known)
+    for count in (12, 20):
+        rng = np.random.default_rng(count)
+        whole, half = [], []
+        for k in range(QUERIES):
+            entry = known[names[k % len(names)]]
+            for hits, hidden, many in ((whole, False, count), (half, True, 2 * count)):
+                points, facing = on_surface(entry.solid, 40 * many, False, rng)
+                side = (points - points.mean(axis=0)) @ random_rotation(rng)[:, 2]
+                rows = rng.permutation(np.flatnonzero(side > 0.0) if hidden else np.arange(len(points)))[
+                    :many
+                ]
+                world = pose(random_rotation(rng), rng.uniform(-60.0, 60.0, 3))
+                noisy = facing[rows] + TURN * rng.standard_normal((many, 3))
+                noisy = rotate(world, noisy / np.linalg.norm(noisy, axis=1, keepdims=True))
+                felt = transform_points(world, points[rows]) + NOISE * rng.standard_normal((many, 3))
+                belief = match(Evidence(Contacts.of(felt, noisy, NOISE, TURN)), known)
+                hits.append(belief.decision == entry.name)
+        table.share("palpate", f"top-1, {count} contacts on the whole", whole)
+        wanted = f">= {95.0 * float(np.mean(whole)):.0f}"
+        table.share("palpate", f"top-1, {2 * count} contacts on one half", half, wanted)
+
+
+def tetrahedron(table: Table) -> None:
+    """Nine exact contacts without normals, 25 poses: the right basin first, others below it."""
+    known = Library.of({"tetrahedron": Solid.from_mesh(CORNERS, FACES)})
+    entry, hits, others = known["tetrahedron"], [], []
+    for seed in range(25):
+        rng = np.random.default_rng(seed)
+        places = np.array([rng.dirichlet([1, 1, 1]) @ CORNERS[FACES[k % 4]] for k in range(9)])
+        world = pose(random_rotation(rng), rng.uniform(-100, 100, 3))
+        evidence = Evidence(Contacts.of(transform_points(world, places), None, 0.05))
+        belief = match(evidence, known, Prior(np.zeros(3), 200.0), unknown=0.0)
+        error = pose_error(entry.symmetry, belief.hypotheses[0].pose, world)
+        hits.append(error.distance < 2.0 and error.angle < 0.05)
+        others.append(len(belief.hypotheses) - 1)
+    table.share("palpate", "tetrahedron, 9 exact contacts, right basin", hits, "25 of 25")
+    table.add("palpate", "tetrahedron, other modes told, mean", float(np.mean(others)), "")
