@@ -6,6 +6,7 @@ from pathlib import Path
 from exploration.recordings.csv_stack import read_csv
 from exploration.recordings.dsa import read_dsa
 from exploration.recordings.episode import read_episode
+from exploration.recordings.flexitac_log import read_flexitac
 from exploration.recordings.intake import opened, refuse_other_content
 from exploration.recordings.numpy_stack import read_npy, read_npz
 from exploration.recordings.recording import Recording
@@ -18,6 +19,7 @@ READERS: dict[str, Callable[[Path, SensorSpec | None], Recording]] = {
     ".csv": read_csv,
     ".npy": read_npy,
     ".npz": read_npz,
+    ".bin": read_flexitac,
 }
 
 

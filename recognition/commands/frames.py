@@ -12,7 +12,9 @@ from recognition.commands.answering import Json, one_line_errors, print_json
 
 
 def frames(
-    file: Annotated[str, typer.Argument(help="A recording: .mcap, .dsa, .csv, .npy or .npz.")] = "",
+    file: Annotated[
+        str, typer.Argument(metavar="FILE", help="A recording: .mcap, .dsa, .csv, .npy, .npz or .bin.")
+    ] = "",
     device: Annotated[
         str | None,
         typer.Option(metavar="CONFIG.toml", help="Live from an array, in FILE's place.", show_default=False),
@@ -40,11 +42,14 @@ def frames(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Show what each frame of a recording, or of an array on a port, felt: kind of contact, lines, curvature."""
+    """Show what each frame of a recording or an array felt.
+
+    The kind of contact, lines, arcs, curvature and force.
+    """
     with one_line_errors(exit_code=2):
         if not (file or device):
             raise PalpateError(
-                "frames needs a recording: .mcap, .dsa, .csv, .npy or .npz; or --device CONFIG"
+                "frames needs a recording: .mcap, .dsa, .csv, .npy, .npz or .bin; or --device CONFIG"
             )
         if file and device:
             raise PalpateError("frames shows a recording or a device, not both; leave one out")

@@ -1,5 +1,7 @@
 """Every protocol of arrays: published vectors, frames there and back, and frames found in damaged streams."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from wire_soak import PROTOCOLS, mutated_streams
@@ -9,6 +11,7 @@ from exploration.devices.wire.stream import Stream
 from exploration.devices.wire.weiss_packets import crc16
 
 HEX = bytes.fromhex
+STREAMS, FRAMES = 100, 100  # 10,000 frames of every protocol
 
 
 def test_weiss_crc_has_its_published_value_and_vanishes_over_data_and_crc():
@@ -42,16 +45,14 @@ def test_a_published_frame_is_read():
 @pytest.mark.parametrize("name", PROTOCOLS)
 def test_random_frames_come_back_whatever_pieces_they_arrive_in(name):
     protocol, rng = PROTOCOLS[name], np.random.default_rng(1)
-    for _ in range(200):
-        frames = [protocol.random(rng) for _ in range(3)]
+    for _ in range(STREAMS):
+        frames = [protocol.random(rng) for _ in range(FRAMES)]
         data = b"".join(protocol.encode(f, i) for i, f in enumerate(frames))
         stream, got = Stream(protocol.cut), []
         stream.gap()  # a reader knows where the line was silent
-        at = 0
-        while at < len(data):
-            step = int(rng.integers(1, 40))
-            got += stream.feed(data[at : at + step])
-            at += step
+        cuts = [0, *np.cumsum(rng.integers(1, 200, len(data) // 100)).tolist(), len(data)]
+        for begin, end in pairwise(cuts):
+            got += stream.feed(data[begin:end])
         assert [np.ravel(g.counts).tolist() for g in got] == [f.tolist() for f in frames]
         assert stream.skipped == 0
 
