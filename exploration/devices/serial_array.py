@@ -21,6 +21,7 @@ from primitives.errors import PalpateError
 PROTOCOLS = ("dsa", "wts", "flexitac", "matrix", "lines")
 BAUDS = {"dsa": 115200, "wts": 115200, "flexitac": 2_000_000, "matrix": 2_000_000, "lines": 115200}
 _PATIENCE = 3.0  # [s] without a frame, after which reading is in vain
+_RESTARTED = 10_000  # frames that are missing at once mean an array that began to count anew
 _ENDS = 1.0  # [s] of the machine's time for the thread to end by itself
 
 
@@ -31,8 +32,21 @@ class FrameCounts:
     read: int = 0
     missed: int = 0  # came while the loop was busy
     late: int = 0  # more than half a period after they were due
+    lost: int = 0  # never came, as the array's own count of them says
     skipped_bytes: int = 0  # belonged to no frame
     reconnects: int = 0  # of a port that had gone
+
+    @property
+    def remark(self) -> str:
+        """What did not go well on the wire, in one line; empty where all did."""
+        told = {
+            "came late": self.late,
+            "never came": self.lost,
+            "bytes belonged to none": self.skipped_bytes,
+            "times its port had gone": self.reconnects,
+        }
+        said = ", ".join(f"{count} {what}" for what, count in told.items() if count)
+        return f"of {self.read} frames of the array {said}" if said else ""
 
 
 def cutter(protocol: str, shape: tuple[int, int]) -> Cutter:
@@ -72,6 +86,7 @@ class SerialArray:
         self._fault = ""
         self._open = True
         self._index = 0
+        self._sequence = -1  # of the newest frame, as the array counts
         self._strange = 0  # bytes of no frame before the newest frame
         self._last = self._clock.now()
         self.counts = FrameCounts()
@@ -189,6 +204,10 @@ class SerialArray:
         frame = TaxelFrame(frozen(np.reshape(raw.counts, self._array.shape)), now, self._index)
         self.counts.read += 1
         self.counts.late += bool(self._index and now - self._last > 1.5 * self._period)
+        if raw.sequence is not None:
+            ahead = raw.sequence - self._sequence - 1
+            self.counts.lost += ahead if self._sequence >= 0 and 0 < ahead < _RESTARTED else 0
+            self._sequence = raw.sequence
         self._index += 1
         self._last, self._strange = now, self._stream.skipped
         self.watch(frame)

@@ -52,6 +52,7 @@ def check(path: Path) -> dict[str, Any]:
         "zero_counts": float(air.zero.mean()),
         "restless_taxels": int(air.restless.sum()),
         "late_frames": array.counts.late,
+        "lost_frames": array.counts.lost,
         "skipped_bytes": array.counts.skipped_bytes,
         "flange_mm": None if where is None else np.round(where[:3, 3], 3).tolist(),
         "wrong": wrong,
@@ -72,8 +73,8 @@ def check_text(told: dict[str, Any]) -> str:
     lines = [
         f"array   {told['rate_hz']:.0f} frames/s, zero {told['zero_counts']:.1f}, "
         f"noise {told['noise_counts']:.2f} counts",
-        f"        {told['late_frames']} late frames, {told['skipped_bytes']} bytes of no frame, "
-        f"{told['restless_taxels']} restless taxels",
+        f"        {told['late_frames']} late, {told['lost_frames']} lost frames, "
+        f"{told['skipped_bytes']} bytes of no frame, {told['restless_taxels']} restless taxels",
         f"stage   flange at {told['flange_mm']} mm" if told["flange_mm"] else "stage   none in the config",
     ]
     return "\n".join(

@@ -55,6 +55,14 @@ class DeviceRig:
             self.array.close()
         atexit.unregister(self.close)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What did not go well on the wires, in lines for whoever reads the summary."""
+        held = f"the stage was held {self.safety.holds} times for want of frames" * bool(self.safety.holds)
+        again = getattr(self.stage, "reconnects", 0)
+        gone = f"the stage's port had gone, and came again, {again} times" * bool(again)
+        return tuple(line for line in (self.array.counts.remark, held, gone) if line)
+
     def _back_off(self) -> None:
         pressed = self.safety.force(self.array.read()) > _CONTACT * self.safety.limits.force
         if self.stage.fault or not pressed:

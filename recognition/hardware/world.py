@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
@@ -37,7 +37,12 @@ class WiredDevice:
     @property
     def part(self) -> Part:
         """What stands for the part, which nobody knows."""
-        return cast(Part, _Unknown(self.config.path.stem))
+        return cast(Part, _Unknown(self.config.path.stem, self))
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What did not go well on the wires."""
+        return self.rig.remarks if self.rig is not None else ()
 
     def guarded(self, observer: Callable[[Guard, Observation], None]) -> Guard:
         """The array on its stage, behind a guard."""
@@ -59,9 +64,14 @@ class _Unknown:
     """What stands for the part: nobody knows it."""
 
     name: str
-    warnings: tuple[str, ...] = ()
+    device: WiredDevice
     csg: None = None
-    solid: None = field(default=None)
+    solid: None = None
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Those of the devices that touch it."""
+        return self.device.remarks
 
 
 def wired(path: str) -> WiredDevice:
