@@ -30,6 +30,11 @@ class TrustConfig:
     curved_misfit: float = 4.0  # of a curved one
     area: float = 15.0  # [response widths^2] in contact
     flat_area: float = 38.0  # [response widths^2] in contact, where the surface is taken for flat
+    slender: float = 4.0  # [response widths] across, a flat face may be an edge of two faces that fall off
+    slanting: tuple[float, float] = (
+        0.08,
+        5.0,
+    )  # [rad, response widths] the same of a pad that has not settled
     curvature: float = 0.4  # [1/mm] beyond which the rubber blurs too much
     sure: float = 0.08  # of a curvature beyond `narrow`, its greatest relative deviation
     doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
@@ -75,6 +80,8 @@ def keep(
             strip = what.kinds["curved"] < trust.round and bool(what.kinds["corner"] + what.kinds["ridge"])
             if strip or float(surface.principal[0][0]) > trust.narrow:
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
+        elif _width(surface, seen.image) < trust.slender:
+            floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
         found = _patch(seen, where, trust)
     if len(found):
@@ -113,7 +120,17 @@ def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> 
         room = np.array([image.array.x[-1] - trust.border * px, image.array.y[-1] - trust.border * py])
         inside = bool((np.abs(surface.point[:2]) < room).all())
         return inside and not sharp and _misfit(surface) < trust.curved_misfit and area >= trust.area
-    return _misfit(surface) < trust.misfit and area >= trust.flat_area
+    tilt, slender = trust.slanting
+    slanting = float(np.hypot(*surface.normal[:2])) > tilt and _width(surface, image) < slender
+    return _misfit(surface) < trust.misfit and area >= trust.flat_area and not slanting
+
+
+def _width(surface: LocalSurface, image: TactileImage) -> float:
+    """[response widths] of what is touched, across its longer extent."""
+    rows, columns = np.nonzero(surface.mask)
+    places = np.stack([image.array.x[columns], image.array.y[rows]])
+    width = np.sqrt(12.0 * np.linalg.eigvalsh(np.cov(places))[0])
+    return float(width / np.sqrt(_taxels_of_a_width(image) * np.prod(image.array.pitch)))
 
 
 def _taxels_of_a_width(image: TactileImage) -> float:

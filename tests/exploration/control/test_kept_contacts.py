@@ -11,7 +11,7 @@ from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Csg, Cube, Cylinder
+from models.csg import Csg, Cube, Cylinder, Prism
 from models.solid import Solid
 from primitives import pose as se3
 
@@ -50,3 +50,12 @@ def test_a_strip_that_ends_under_the_pad_is_still_flat():
     off, sigma, counts = errors(Cube((20.0, 9.0, 30.0)).at(0.0, 0.0, -15.0), 0.0, 8)
     assert np.mean(np.array(counts) == 4) > 0.7
     assert np.sqrt(np.mean((off / sigma) ** 2)) < 1.5
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.1, 0.2])
+def test_a_blunt_edge_is_hardly_trusted_as_a_narrow_face(lean):
+    """A pad on an edge of 135 degrees, where it is balanced, or has not settled yet."""
+    gable = ((-30.0, -40.0), (30.0, -40.0), (30.0, -12.43), (0.0, 0.0), (-30.0, -12.43))
+    roof = Prism(gable, 60.0).turned("x", np.pi / 2).turned("z", np.pi / 2).turned("x", lean)
+    off, sigma, _ = errors(roof, 0.0, 8)
+    assert np.sqrt(np.mean((off / sigma) ** 2)) < 1.3
