@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from primitives.arrays import Ints, frozen
+from primitives.arrays import Floats, Ints, frozen
 from primitives.evidence import Contacts
-from primitives.fit import Fit, refit
+from primitives.fit import Fit
 from primitives.segmentation.faces import Search
 from primitives.segmentation.normals import with_normals
 from primitives.segmentation.parts import PartOptions, density, parts
@@ -37,13 +37,19 @@ class Segment:
     rows: Ints  # (n,)
 
 
-def segment(contacts: Contacts, options: SegmentOptions | None = None) -> tuple[Segment, ...]:
-    """Faces, largest first."""
+def segment(
+    contacts: Contacts, options: SegmentOptions | None = None, among: Floats | None = None
+) -> tuple[Segment, ...]:
+    """Faces, largest first.
+
+    Where no normal was felt, neighbors give one: of `among` (m, 3), these contacts' points first and then
+    others of the same cloud; None for these alone.
+    """
     options = options or SegmentOptions()
     if len(contacts) < _LEAST:
         return ()
-    oriented = with_normals(contacts)
-    search = Search(oriented, options.faces)
+    oriented = with_normals(contacts, among)
+    search = Search(contacts, oriented, options.faces)
     models, label = search.run()
     rho = density(contacts.points)
     found: list[Segment] = []
@@ -58,12 +64,4 @@ def segment(contacts: Contacts, options: SegmentOptions | None = None) -> tuple[
             for made, rows in zip(fits, several, strict=True)
             if made is not None
         ]
-    if not contacts.has_normal.all():
-        found = [_as_felt(one, contacts) for one in found]
     return tuple(sorted(found, key=lambda s: len(s.rows), reverse=True))
-
-
-def _as_felt(one: Segment, contacts: Contacts) -> Segment:
-    """Fitted without the normals that nobody felt, where the points alone determine it."""
-    again = refit(one.fit.shape, one.fit.convex, contacts.select(one.rows))
-    return Segment(again, one.rows) if isinstance(again, Fit) else one

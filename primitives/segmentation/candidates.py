@@ -57,7 +57,9 @@ def candidates(
         points, normals = table.points[rows], table.normals[rows]
         for made in proposals(points, normals, sigma, turn):
             g = made.group
-            own = made.misfit(points[g], normals[g], felt.weight[rows][g], felt.turn_weight[rows][g])
+            own = made.misfit(
+                points[g], normals[g], felt.weight[rows][g], felt.turn_weight[rows][g], felt.felt[rows][g]
+            )
             score = np.where(np.isfinite(own).all(axis=1), own.mean(axis=1), np.inf)
             good = score < 3.0 * options.agreeing
             kept.append((made.select(good), score[good] / rows.shape[1]))
@@ -91,7 +93,7 @@ def _evaluated(kept: list[tuple[Proposals, Floats]], felt: Oriented, options: Ca
         some = made.select(score <= bound)
         for begin in range(0, len(some), step):
             part = some.select(np.arange(begin, min(begin + step, len(some))))
-            cost = part.misfit(table.points, table.normals, felt.weight, felt.turn_weight)
+            cost = part.misfit(table.points, table.normals, felt.weight, felt.turn_weight, felt.felt)
             costs.append(np.minimum(cost, _FAR).astype(np.float32))
         chosen += [(some, k) for k in range(len(some))]
         kinds += [some.kind] * len(some)

@@ -31,6 +31,11 @@ def alone(sigma: float, normal_sigma: float, extent: float) -> float:
     )
 
 
+def alone_without_normal(sigma: float, extent: float) -> float:
+    """[nats] of a contact anywhere, of which no normal was felt."""
+    return float(np.log(extent / (np.sqrt(2 * np.pi) * min(sigma, extent))) + np.log(1 / PRIOR["plane"]))
+
+
 def price(found: Fit, extent: float, center: Floats) -> float:
     """[nats] of a face beside the chi2 / 2 of its contacts, whose middle is `center` (3,) [mm]."""
     shape = found.shape

@@ -29,8 +29,8 @@ _QUICK = ("plane", "sphere", "cylinder", "cone")
 class Search(Terms):
     """The moves that lower the energy."""
 
-    def __init__(self, contacts: Contacts, options: FacesOptions | None = None) -> None:
-        super().__init__(contacts, options)
+    def __init__(self, contacts: Contacts, oriented: Contacts, options: FacesOptions | None = None) -> None:
+        super().__init__(contacts, oriented, options)
         self.found = candidates(self.felt, self.apart, np.random.default_rng(0), self.options.candidates)
 
     def run(self) -> tuple[list[Model], Ints]:
@@ -55,8 +55,8 @@ class Search(Terms):
     def chosen(self, free: Bools) -> list[Model]:
         """Greedily, the candidates that explain most of the free contacts, until none pays."""
         free = free.copy()
-        worth = np.maximum(np.float32(self.single) - np.float32(0.5) * self.found.chi2, 0)
-        prices = np.array([rough_price(kind, self.single) for kind in self.found.kinds])
+        worth = np.maximum(self.single.astype(np.float32) - np.float32(0.5) * self.found.chi2, 0)
+        prices = np.array([rough_price(kind, self.start) for kind in self.found.kinds])
         models: list[Model] = []
         while free.any() and len(models) < self.options.most and len(worth):
             gains = worth @ free.astype(np.float32) - prices
@@ -91,7 +91,7 @@ class Search(Terms):
         mine = self._explained(cost, free)
         if model is None or len(mine) < 2:
             return None
-        return float((self.single - cost[mine]).sum()) - model.price, model, mine
+        return float((self.single - cost)[mine].sum()) - model.price, model, mine
 
     def _explained(self, cost: Floats, free: Bools) -> Ints:
         good = free & (cost < self.single)

@@ -1,57 +1,46 @@
-"""Normals where none were felt: of the plane through a contact's neighbors, turned outward together.
+"""Normals where none were felt: those of the likeliest local pieces, turned alike from neighbor to neighbor.
 
-The sense goes from contact to contact along the tree of neighbors whose planes agree most, from the outermost one,
-which looks away from the rest (Hoppe et al. 1992).  How far off such a normal is, its neighbors tell: scattered by
-a variance e^2 across the plane, and with a sum of squares S along its narrower direction, sigma = e / sqrt(S).
+The sense goes along the tree of neighbors whose planes agree most (Hoppe et al. 1992), so that it is one within a
+smooth face; on which side the material is, `senses` tells once the faces are known.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
-from primitives.arrays import Bools, Floats, Ints
+from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import Contacts
+from primitives.segmentation.local_fits import local_normals
 from primitives.segmentation.neighbors import nearest
 
 _NEIGHBORS = 8
-_LEAST, _MOST = 0.01, 0.5  # [rad] sigma of a normal that was not felt
+_LEAST, _MOST = 0.02, 1.0  # [rad] sigma of a normal that was not felt
 
 
-def with_normals(contacts: Contacts) -> Contacts:
-    """The same contacts, those without a normal with the one that their neighbors give."""
+def with_normals(contacts: Contacts, among: Floats | None = None) -> Contacts:
+    """The same contacts, those without a normal with the one that their neighbors give.
+
+    `among` (m, 3) are the points that neighbors are taken from, these contacts' first; None for these alone.
+    """
     felt = contacts.has_normal
     if felt.all():
         return contacts
-    near = nearest(contacts.points, min(_NEIGHBORS + 1, len(contacts)))[1]
-    normals, sigma = _planes(contacts, near)
-    normals[felt] = contacts.normals[felt]
-    normals = _turned(contacts.points, normals, near, felt)
-    return Contacts.of(
-        contacts.points,
-        normals,
-        contacts.sigma,
-        np.where(felt, contacts.normal_sigma, sigma),
-        contacts.touch,
-        contacts.stroke,
-        contacts.sensor,
-        contacts.body,
-    )
+    bare = np.flatnonzero(~felt)
+    points = contacts.points if among is None else among
+    found, spread = local_normals(points, bare, float(np.median(contacts.sigma)))
+    normals, sigma = np.array(contacts.normals), np.array(contacts.normal_sigma)
+    normals[bare], sigma[bare] = found, np.clip(spread, _LEAST, _MOST)
+    normals = _alike(contacts.points, normals, felt)
+    return replace(contacts, normals=frozen(normals), normal_sigma=frozen(sigma))
 
 
-def _planes(contacts: Contacts, near: Ints) -> tuple[Floats, Floats]:
-    """(n, 3) normals and their (n,) sigma [rad]."""
-    groups = contacts.points[near]
-    arms = groups - groups.mean(axis=1, keepdims=True)
-    values, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", arms, arms))
-    across = np.maximum(values[:, 0] / max(near.shape[1] - 3, 1), np.median(contacts.sigma) ** 2)
-    sigma = np.sqrt(across / np.maximum(values[:, 1], 1e-12))
-    return np.array(axes[:, :, 0]), np.clip(sigma, _LEAST, _MOST)
-
-
-def _turned(points: Floats, normals: Floats, near: Ints, felt: Bools) -> Floats:
-    """All to one side: felt ones stand, others follow their neighbors."""
+def _alike(points: Floats, normals: Floats, felt: Bools) -> Floats:
+    """Felt ones stand, others follow their neighbors."""
+    near = nearest(points, min(_NEIGHBORS + 1, len(points)))[1]
     n, k = near.shape
     rows, columns = np.repeat(np.arange(n), k - 1), near[:, 1:].ravel()
     agree = np.abs((normals[rows] * normals[columns]).sum(axis=1))
@@ -61,13 +50,9 @@ def _turned(points: Floats, normals: Floats, near: Ints, felt: Bools) -> Floats:
     tree = minimum_spanning_tree(graph)
     tree = csr_array(tree + tree.T)
     out = normals.copy()
-    middle = points.mean(axis=0)
     for part in range(count):
         mine = np.flatnonzero(label == part)
-        out_of = points[mine] - middle
-        root = int(mine[np.argmax((out_of**2).sum(axis=1))])
-        if out[root] @ (points[root] - middle) < 0 and not felt[root]:
-            out[root] *= -1.0
+        root = int(mine[np.argmax(felt[mine])])
         order, before = breadth_first_order(tree, root, directed=False)
         for i in order[1:]:
             if out[i] @ out[before[i]] < 0 and not felt[i]:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from primitives.arrays import Bools, Floats, Ints
+from primitives.segmentation.misfit import turned
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere
 
 _LEAST_ANGLE, _LARGEST_ANGLE = 0.05, 1.45  # [rad] semi-angles between which a cone is proposed
@@ -57,7 +58,9 @@ class Proposals:
             made = Cone(anchor, axis, size)
         return made, float(self.sign[row])
 
-    def misfit(self, points: Floats, normals: Floats, weight: Floats, turn_weight: Floats) -> Floats:
+    def misfit(
+        self, points: Floats, normals: Floats, weight: Floats, turn_weight: Floats, felt: Bools
+    ) -> Floats:
         """(g, n) chi2 of each contact; points (n, 3) for all, or (g, n, 3) for each its own."""
         offset = points - self.anchor[:, None]
         along = np.einsum("gnj,gj->gn", offset, self.axis)
@@ -81,8 +84,7 @@ class Proposals:
         cosine = self.sign[:, None] * np.einsum(
             "gnj,gnj->gn", outward, np.broadcast_to(normals, outward.shape)
         )
-        turned: Floats = np.arccos(np.clip(cosine, -1.0, 1.0))
-        return np.asarray((distance * weight) ** 2 + (turned * turn_weight) ** 2)
+        return np.asarray((distance * weight) ** 2 + turned(cosine, turn_weight, felt))
 
 
 def proposals(points: Floats, normals: Floats, sigma: float, normal_sigma: float) -> Iterator[Proposals]:

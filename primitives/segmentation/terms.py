@@ -13,12 +13,14 @@ from primitives.classify import RankOptions
 from primitives.evidence import Contacts
 from primitives.fit import Fit, FitOptions, fit, refit
 from primitives.segmentation.candidates import CandidateOptions
-from primitives.segmentation.evidence import alone, price
+from primitives.segmentation.evidence import alone, alone_without_normal, price
 from primitives.segmentation.labels import LabelOptions
 from primitives.segmentation.misfit import Oriented
 from primitives.segmentation.neighbors import lifted, linked, nearest
 from primitives.segmentation.proposals import proposals
 from primitives.shapes import Cone, Cylinder, Shape, Sphere, Torus
+
+_UNFELT = 0.05  # [rad] to which a face's direction is known, roughly, where no normal is felt
 
 
 @dataclass(frozen=True)
@@ -44,11 +46,7 @@ class Model:
 
     fit: Fit
     price: float  # [nats]
-
-    @property
-    def cost(self) -> float:
-        """[nats] with that of its contacts."""
-        return 0.5 * self.fit.chi2 + self.price
+    cost: float  # [nats] with that of the contacts that it was fitted to
 
     @property
     def sign(self) -> float:
@@ -59,15 +57,17 @@ class Model:
 class Terms:
     """The energy of one cloud."""
 
-    def __init__(self, contacts: Contacts, options: FacesOptions | None = None) -> None:
+    def __init__(self, contacts: Contacts, oriented: Contacts, options: FacesOptions | None = None) -> None:
+        """Contacts as felt, and the same with a normal each."""
         self.options = options or FacesOptions()
-        self.felt = Oriented.of(contacts)
+        felt = contacts.has_normal
+        self.felt = Oriented.of(oriented, felt)
         self.contacts = contacts
         self.extent = max(float(np.linalg.norm(np.ptp(contacts.points, axis=0))), 1e-6)
-        self.single = alone(
-            float(np.median(contacts.sigma)), float(np.median(contacts.normal_sigma)), self.extent
-        )
-        apart = lifted(contacts.points, contacts.normals)
+        sigma, turn = float(np.median(contacts.sigma)), contacts.normal_sigma[felt]
+        self.start = alone(sigma, float(np.median(turn)) if len(turn) else _UNFELT, self.extent)
+        self.single: Floats = np.where(felt, self.start, alone_without_normal(sigma, self.extent))
+        apart = lifted(oriented.points, oriented.normals)
         count = min(self.options.links + 1, len(contacts))
         self.links: csr_array = linked(nearest(apart, count)[1])
         self.apart = apart
@@ -82,11 +82,12 @@ class Terms:
     def unary(self, models: list[Model]) -> Floats:
         """(faces + 1, n) nats of each contact on each face, the last for standing alone."""
         rows = [0.5 * self.felt.chi2(m.fit.shape, m.sign) for m in models]
-        return np.stack([*rows, np.full(len(self.contacts), self.single)])
+        return np.stack([*rows, self.single])
 
     def model(self, found: Fit, mine: Ints) -> Model:
         """A fit to some contacts, with its price."""
-        return Model(found, price(found, self.extent, self.contacts.points[mine].mean(axis=0)))
+        said = price(found, self.extent, self.contacts.points[mine].mean(axis=0))
+        return Model(found, said, 0.5 * self._misfit(found.shape, found.convex, mine) + said)
 
     def usable(self, shape: Shape) -> bool:
         """Whether a shape is not in truth a simpler one."""
@@ -94,8 +95,8 @@ class Terms:
             return shape.radius < self.options.largest * self.extent
         return not isinstance(shape, Cone) or shape.semi_angle > self.options.rank.least_angle
 
-    def _misfit(self, model: Model, mine: Ints) -> float:
-        return float(self.felt.chi2(model.fit.shape, model.sign)[mine].sum())
+    def _misfit(self, shape: Shape, convex: bool, mine: Ints) -> float:
+        return float(self.felt.chi2(shape, 1.0 if convex else -1.0)[mine].sum())
 
     def best(
         self, mine: Ints, near: list[Model], kinds: Sequence[str], bound: float = np.inf
@@ -105,13 +106,17 @@ class Terms:
         Looked for from faces that are near it, and from what a closed form of each kind gives.
         """
         table = self.contacts.select(mine)
-        worst = self.options.hopeless * (min(bound, self.single * len(mine)))
-        starts = [(m.fit.shape, m.sign) for m in near if 0.5 * self._misfit(m, mine) < worst]
-        group = table.points[None], table.normals[None]
+        worst = self.options.hopeless * (min(bound, float(self.single[mine].sum())))
+        starts = [
+            (m.fit.shape, m.sign) for m in near if 0.5 * self._misfit(m.fit.shape, m.fit.convex, mine) < worst
+        ]
+        group = table.points[None], self.felt.contacts.normals[mine][None]
         for made in proposals(*group, float(np.median(table.sigma)), float(np.median(table.normal_sigma))):
             if made.kind not in kinds or not len(made) or not np.isfinite(made.anchor).all():
                 continue
-            off = made.misfit(*group, self.felt.weight[mine], self.felt.turn_weight[mine])
+            off = made.misfit(
+                *group, self.felt.weight[mine], self.felt.turn_weight[mine], self.felt.felt[mine]
+            )
             if 0.5 * float(off.sum()) < worst:
                 starts.append(made.shape(0))
         fits = [refit(shape, sign > 0, table, self.options.fit) for shape, sign in starts]

@@ -3,6 +3,7 @@
 Looking for shapes takes more than linear time, so it is done on a bounded choice of the contacts; all others then
 join the face that explains them best, and what no face explains is looked at again, until nothing new is found.
 How far off normals are no table says: the faces that were found tell it, and are looked for again with it.
+Without normals a contact joins only faces that contacts near it lie on, and the faces tell each other's senses.
 """
 
 from __future__ import annotations
@@ -10,12 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from primitives.arrays import Floats, Ints, frozen
 from primitives.evidence import Contacts
 from primitives.fit import Fit, FitOptions, NoFit, refit, squares
 from primitives.patch_graph import Face, PatchGraph
 from primitives.segment import Segment, segment
+from recognition.reconstructing.sides import turned_out
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,8 @@ class SurfaceOptions:
 
     chosen: int = 1000  # contacts among which shapes are looked for
     sounded: int = 300  # contacts that tell how far off normals are
+    among: int = 20_000  # contacts from which neighbors are taken where no normal was felt
+    near: int = 8  # labeled neighbors whose faces a contact without a normal may join
     fitted: int = 1500  # contacts of a face to which it is fitted
     rounds: int = 3  # times that unexplained contacts are looked at again
     least: float = 0.002  # of all contacts: fewer that are left unexplained are strays
@@ -38,36 +43,43 @@ def surfaces(contacts: Contacts, options: SurfaceOptions | None = None) -> Patch
     """The faces; contacts that lie on none are the last, without a fit."""
     options = options or SurfaceOptions()
     order = np.random.default_rng(0).permutation(len(contacts))
-    picked, few = np.sort(order[: options.chosen]), np.sort(order[: options.sounded])
-    found = list(segment(contacts.select(few)))
-    sigma = _normal_sigma(contacts.select(few), found, options)
-    if sigma is not None:
-        contacts = replace(contacts, normal_sigma=frozen(np.full(len(contacts), sigma)))
-    if sigma is not None or len(few) < len(picked):
-        found = list(segment(contacts.select(picked)))
-    if len(contacts) <= options.chosen:
-        faces = [Face(i, one.fit, contacts.select(one.rows)) for i, one in enumerate(found)]
-        held = np.concatenate([np.empty(0, dtype=np.int64), *(one.rows for one in found)])
-        return _with_rest(faces, contacts, np.setdiff1d(np.arange(len(contacts)), held))
-    fits = [one.fit for one in found]
-    for _ in range(options.rounds):
-        owner = _owners(contacts, fits, options)
+    contacts = _with_normal_sigma(contacts, order, options)
+    rest, fits = order, list[Fit]()
+    owner = np.full(len(contacts), -1, dtype=np.int64)
+    for _ in range(options.rounds + 1):
+        rows = rest[: options.chosen]
+        found = segment(contacts.select(rows), among=contacts.points[rest[: options.among]])
+        if not found:
+            break
+        for k, one in enumerate(found, len(fits)):
+            owner[rows[one.rows]] = k
+        fits += [one.fit for one in found]
+        if len(contacts) <= options.chosen:
+            break
+        owner = _owners(contacts, fits, owner, options)
         rest = order[owner[order] < 0]
         if len(rest) < max(5, options.least * len(contacts)):
             break
-        more = [one.fit for one in segment(contacts.select(np.sort(rest[: options.chosen])))]
-        if not more:
-            break
-        fits += more
-    owner = _owners(contacts, fits, options)
     faces, kept = _faces(contacts, fits, owner, order, options)
-    return _with_rest(faces, contacts, np.flatnonzero(~np.isin(owner, kept)))
+    graph = _with_rest(faces, contacts, np.flatnonzero(~np.isin(owner, kept)))
+    return graph if contacts.has_normal.all() else turned_out(graph)
 
 
 def _with_rest(faces: list[Face], contacts: Contacts, rest: Ints) -> PatchGraph:
     """The faces, and at the end what lies on none."""
     alone = (Face(len(faces), NoFit("no face explains these contacts"), contacts.select(rest)),)
     return PatchGraph((*faces, *(alone if len(rest) else ())))
+
+
+def _with_normal_sigma(contacts: Contacts, order: Ints, options: SurfaceOptions) -> Contacts:
+    """With normals as sure as a few contacts' faces say, where that is not what was said."""
+    few = contacts.select(np.sort(order[: options.sounded]))
+    if not few.has_normal.any():
+        return contacts
+    sigma = _normal_sigma(few, list(segment(few)), options)
+    if sigma is None:
+        return contacts
+    return replace(contacts, normal_sigma=frozen(np.full(len(contacts), sigma)))
 
 
 def _normal_sigma(contacts: Contacts, found: list[Segment], options: SurfaceOptions) -> float | None:
@@ -100,20 +112,29 @@ def _faces(
     kept: list[int] = []
     for i, near in enumerate(fits):
         mine = order[owner[order] == i]
-        if len(mine) < 5:
+        whole = len(contacts) <= options.chosen
+        if len(mine) < 5 and not whole:
             continue
         some = contacts.select(np.sort(mine[: options.fitted]))
-        again = refit(near.shape, near.convex, some, options.fit)
+        again = near if whole else refit(near.shape, near.convex, some, options.fit)
         out.append(Face(len(out), again if isinstance(again, Fit) else near, contacts.select(np.sort(mine))))
         kept.append(i)
     return out, kept
 
 
-def _owners(contacts: Contacts, fits: list[Fit], options: SurfaceOptions) -> Ints:
+def _owners(contacts: Contacts, fits: list[Fit], before: Ints, options: SurfaceOptions) -> Ints:
     """(n,) the face that explains each contact best; -1 where none does."""
-    if not fits:
-        return np.full(len(contacts), -1, dtype=np.int64)
-    bound = options.slack**2 * np.where(contacts.has_normal, options.outlier_chi2[1], options.outlier_chi2[0])
+    felt = contacts.has_normal
+    bound = options.slack**2 * np.where(felt, options.outlier_chi2[1], options.outlier_chi2[0])
     costs = np.stack([squares(fit, contacts) for fit in fits])
+    labeled = np.flatnonzero(before >= 0)
+    if not felt.all() and len(labeled):
+        bare = np.flatnonzero(~felt)
+        near = cKDTree(contacts.points[labeled]).query(
+            contacts.points[bare], k=min(options.near, len(labeled))
+        )[1]
+        allowed = np.zeros((len(fits), len(bare)), dtype=bool)
+        allowed[before[labeled[near.reshape(len(bare), -1)]].T, np.arange(len(bare))] = True
+        costs[:, bare] = np.where(allowed, costs[:, bare], np.inf)
     best = costs.argmin(axis=0)
     return np.where(costs.min(axis=0) < bound, best, -1).astype(np.int64)

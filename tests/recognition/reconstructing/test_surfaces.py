@@ -38,3 +38,20 @@ def test_a_cloud_becomes_a_run_folder_with_one_cube(tmp_path):
     assert told["csg"] == {"leaves": 1}
     assert abs(told["volume_mm3"] - 60 * 40 * 12) < 1.0
     assert {"summary.json", "model.csg", "model.stl", "report.html"} <= {p.name for p in out.iterdir()}
+
+
+@pytest.mark.slow
+def test_a_cloud_without_normals_knows_its_faces_and_their_sides():
+    points, normals = on_a_block(500)
+    rng = np.random.default_rng(1)
+    noisy = points + 0.1 * rng.standard_normal(points.shape)
+    graph = surfaces(Contacts.of(noisy, None, 0.1))
+    faces = [face for face in graph.faces if face.fit]
+    assert [face.fit.kind for face in faces] == ["plane"] * 6
+    row = {tuple(point): k for k, point in enumerate(noisy)}
+    agree = [
+        normals[row[tuple(p)]] @ n
+        for face in faces
+        for p, n in zip(face.contacts.points, face.contacts.normals, strict=True)
+    ]
+    assert np.mean(np.array(agree) > 0.9) > 0.97
