@@ -12,8 +12,8 @@ import numpy as np
 from numba import njit
 
 from primitives.arrays import Bools, Floats
-from recognition.matching.facets import Facets, likeliest, tilt_bound
-from recognition.matching.steps import add_distance, add_normal, moved, rotated, solved, turn
+from recognition.matching.facets import Facets, bent, likeliest, tilt_bound
+from recognition.matching.steps import add_bent_normal, add_distance, moved, rotated, solved, turn
 
 
 class Aligned(NamedTuple):
@@ -32,7 +32,7 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
     poses = poses.copy()
     distances, angles = np.full((count, n), np.inf), np.full((count, n), np.inf)
     information = np.zeros((count, 6, 6))
-    stack, reach, found = np.empty(64, dtype=np.int64), np.empty(64), np.empty(6)
+    stack, reach, found = np.empty(64, dtype=np.int64), np.empty(64), np.empty(7)
     h, b, j, x = np.empty((6, 6)), np.empty(6), np.empty(6), np.empty(6)
     q, m, r, u, center, middle = (np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3),
                                   np.zeros(3))  # fmt: skip
@@ -40,6 +40,7 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
         for k in range(3):
             middle[k] += points[i, k] / n
     least = 1e-3 * n / np.median(sigma) ** 2
+    corners, normals_of, k_of = mesh[0], mesh[2], np.empty((3, 3))
     for row in range(count):
         pose = poses[row]
         step = -1
@@ -81,7 +82,9 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
                         / (a * a)
                         / (1.0 + np.exp(0.5 * (min(turned / (a * a), 200.0) - tilt_bound(a))))
                     )
-                    add_normal(h, b, m, found[3:], w)
+                    t = int(found[6])
+                    bent(corners[t], normals_of[t], k_of)
+                    add_bent_normal(h, b, m, found[3:6], k_of, r, w, j)
             if step == rounds:
                 for p in range(6):
                     for o in range(6):

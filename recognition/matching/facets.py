@@ -95,7 +95,7 @@ def _corner_normals(triangles, flat, area, around, first, crease):  # type: igno
 def likeliest(p, m, felt, sigma, tau, cap, mesh, stack, reach, found):  # type: ignore[no-untyped-def]
     """The least cost, or infinity where all cost more than `cap` and the bound.
 
-    `found` becomes (s, n), the surface point and its normal.
+    `found` becomes (s, n, t): the surface point, its normal, and the number of its triangle.
 
     `m` counts only where `felt`.  `stack` and `reach` are scratch of at least 64.
     """
@@ -149,8 +149,24 @@ def likeliest(p, m, felt, sigma, tau, cap, mesh, stack, reach, found):  # type: 
                 for axis in range(3):
                     a = corners[t, 0, axis]
                     found[axis] = a + u * (corners[t, 1, axis] - a) + v * (corners[t, 2, axis] - a)
-                found[3], found[4], found[5] = nx, ny, nz
+                found[3], found[4], found[5], found[6] = nx, ny, nz, t
     return best if best < most else np.inf
+
+
+@njit(cache=True, nogil=True)
+def bent(corners, normals, k):  # type: ignore[no-untyped-def]
+    """Into k (3, 3): by how much the normal turns along a triangle [1/mm], k e = n' - n over its two sides e."""
+    uu, uv, vv = 0.0, 0.0, 0.0
+    for a in range(3):
+        u, v = corners[1, a] - corners[0, a], corners[2, a] - corners[0, a]
+        uu, uv, vv = uu + u * u, uv + u * v, vv + v * v
+    over = uu * vv - uv * uv
+    over = 1.0 / over if over > 1e-12 * uu * vv else 0.0
+    for b in range(3):
+        u, v = corners[1, b] - corners[0, b], corners[2, b] - corners[0, b]
+        du, dv = (vv * u - uv * v) * over, (uu * v - uv * u) * over
+        for a in range(3):
+            k[a, b] = (normals[1, a] - normals[0, a]) * du + (normals[2, a] - normals[0, a]) * dv
 
 
 @njit(cache=True, inline="always")

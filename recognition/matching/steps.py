@@ -1,8 +1,9 @@
 """Compiled: Gauss-Newton on a pose without allocating; a pose is object_from_world, a (3, 4) array.
 
 For a point q that moves by v + w x (q - c), a distance d along the unit u changes by u . v + (r x u) . w with
-r = q - c; for a normal m that turns by w x m, the residual m - n has the squared gradient I - m m^T in w and the
-slope m x (m - n) (our derivation; n held).
+r = q - c.  A normal m turns by w x m; the surface's own normal n, where it curves, goes along with the point by
+k (v + w x r), with k the shape operator, so that m - n changes by w x m - k (v + w x r).  On a plane k is 0 and
+the squared gradient I - m m^T in w, the slope m x (m - n) (our derivation).
 """
 
 import numpy as np
@@ -44,6 +45,24 @@ def add_normal(h, b, m, n, weight):  # type: ignore[no-untyped-def]
     for p in range(3):
         for o in range(p + 1):
             h[p + 3, o + 3] += weight * ((1.0 if p == o else 0.0) - m[p] * m[o])
+
+
+@njit(cache=True, nogil=True)
+def add_bent_normal(h, b, m, n, k, r, weight, j):  # type: ignore[no-untyped-def]
+    """Into h and b: a felt normal m that should be n at r, where the surface bends by k (3, 3) [1/mm]."""
+    for a in range(3):
+        off = m[a] - n[a]
+        c, d = (a + 1) % 3, (a + 2) % 3
+        j[0], j[1], j[2] = -k[a, 0], -k[a, 1], -k[a, 2]
+        j[3] = k[a, 1] * r[2] - k[a, 2] * r[1]
+        j[4] = k[a, 2] * r[0] - k[a, 0] * r[2]
+        j[5] = k[a, 0] * r[1] - k[a, 1] * r[0]
+        j[3 + c] += m[d]
+        j[3 + d] -= m[c]
+        for p in range(6):
+            b[p] -= weight * off * j[p]
+            for o in range(p + 1):
+                h[p, o] += weight * j[p] * j[o]
 
 
 @njit(cache=True, nogil=True)

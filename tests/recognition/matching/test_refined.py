@@ -1,0 +1,69 @@
+"""Poses refined on curved surfaces: felt normals go along with the surface that bends."""
+
+import numpy as np
+
+from models.csg import Cylinder
+from models.library import Library
+from models.solid import Solid
+from primitives.pose import exp, inverse, pose, rotation_exp
+from recognition.matching.align import refine
+from recognition.matching.facets import bent, facets_of
+from recognition.matching.steps import add_bent_normal
+
+ROD = Library.of({"rod": Solid.from_csg(Cylinder(15.0, 60.0))})["rod"]
+
+
+def _felt(count):
+    rng = np.random.default_rng(0)
+    turn, z = rng.uniform(0.0, 2.0, count), rng.uniform(-25.0, 25.0, count)
+    normals = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    return 15.0 * normals + z[:, None] * [0.0, 0.0, 1.0], normals
+
+
+def _refined(start, rounds):
+    points, normals = _felt(12)
+    each = np.ones(12)
+    return refine(
+        start[:3][None].copy(), points, normals, each > 0, 0.1 * each, 0.02 * each, each,
+        facets_of(ROD.solid.body), 1.0, rounds,
+    )  # fmt: skip
+
+
+def test_a_turn_about_its_own_axis_is_free_on_a_cylinder():
+    found = _refined(np.eye(4), 0)
+    middle = _felt(12)[0].mean(axis=0)
+    about = np.concatenate([np.cross([0.0, 0.0, 1.0], middle), [0.0, 0.0, 1.0]])
+    across = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
+    free, held = about @ found.information[0] @ about, across @ found.information[0] @ across
+    assert free < 0.02 * held
+
+
+def test_a_pose_that_is_off_comes_back_within_few_rounds():
+    off = exp(np.array([0.6, -0.4, 0.0, 0.03, -0.05, 0.0])) @ pose(rotation_exp([0.0, 0.0, 0.3]))
+    found = _refined(off, 6)
+    assert found.distances.max() < 0.02  # of facets' sagitta
+    assert found.angles.max() < 0.01
+    axis = inverse(pose(found.poses[0][:, :3]))[:3, 2]
+    assert abs(axis[2]) > np.cos(0.005)
+
+
+def test_the_slope_of_a_bent_normal_is_that_of_differences():
+    rng = np.random.default_rng(1)
+    m, n, r, k = rng.normal(size=3), rng.normal(size=3), rng.normal(size=3), rng.normal(size=(3, 3))
+    h, b = np.zeros((6, 6)), np.zeros(6)
+    add_bent_normal(h, b, m, n, k, r, 1.0, np.empty(6))
+
+    def square(x):
+        change = np.cross(x[3:], m) - k @ (x[:3] + np.cross(x[3:], r))
+        return 0.5 * float(((m - n + change) ** 2).sum())
+
+    slope = [(square(1e-5 * e) - square(-1e-5 * e)) / 2e-5 for e in np.eye(6)]
+    assert np.allclose(-b, slope, atol=1e-6)
+
+
+def test_facets_of_a_cylinder_bend_by_one_over_its_radius():
+    mesh, k = facets_of(ROD.solid.body), np.empty((3, 3))
+    side = int(np.argmax(np.abs(mesh.flat[:, 2]) < 0.1))
+    bent(mesh.corners[side], mesh.normals[side], k)
+    values = np.sort(np.abs(np.linalg.eigvals(k)))
+    assert np.allclose(values, [0.0, 0.0, 1 / 15.0], atol=2e-3)
