@@ -10,7 +10,7 @@ object's symmetry are this one, so that symmetric poses are one mode and none is
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from recognition.matching.belief import Hypothesis
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
 from recognition.matching.likelihood import NoiseConfig, log_likelihoods, log_unlike
+from recognition.matching.loose import LooseConfig, sigma_points
 from recognition.matching.places import Places, places_of
 from recognition.matching.target import Target, gap, target_of
 from recognition.matching.untouched import log_untouched
@@ -31,6 +32,7 @@ _ROTATIONS = np.log(8 * np.pi**2)
 _FREE_TURN = 1.71  # [rad] sigma of a direction of turning that nothing bounds: its cube gives all of SO(3)
 _SPANNED = 9.0  # squared sigmas of a mode's covariance, within which a pose is of that mode
 _MERGED = 0.005, 0.01  # of the size, and [rad]: poses closer than that are one, however sharp they are
+_TRIED = LooseConfig(sigmas=(0.6, 1.2))  # poses that a loose mode stands for
 _SWEPT = -4.6  # log likelihood of a sample of the object in space that was swept
 
 
@@ -87,8 +89,7 @@ def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior:
             continue
         at = log_volume + _copies(entry) - np.log(prior.volume) - _ROTATIONS
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
-        bound = _free(evidence, target, world, float(np.median(seen.sigma)))
-        bound += log_untouched(made, entry, evidence)
+        made, bound = _let_in(made, entry, target, evidence)
         modes.append(Mode(made, float(total[k] + at + bound), float(unlike[k] + at)))
     return modes
 
@@ -139,8 +140,10 @@ def _spread_of(information: Floats, found: Floats, points: Floats, target: Targe
     shift[:3, 3:] = hat(middle - target.center).T
     about = shift.T @ information @ shift
     bound = np.diag([(3.0 / target.size) ** 2] * 3 + [1 / _FREE_TURN**2] * 3)
-    whole = about + bound
-    return np.asarray(np.linalg.inv(whole)), float(3 * np.log(2 * np.pi) - 0.5 * np.linalg.slogdet(whole)[1])
+    values, axes = np.linalg.eigh(about + bound)
+    values = np.maximum(values, 1e-14 * values[-1])
+    log_volume = 3 * np.log(2 * np.pi) - 0.5 * np.log(values).sum()
+    return np.asarray((axes / values) @ axes.T), float(log_volume)
 
 
 def _same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
@@ -152,6 +155,20 @@ def _same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
     spans = h.covariance + np.diag(least) / _SPANNED
     between = log(pose(turn, h.pose[:3, :3].T @ shift))
     return bool(between @ np.linalg.solve(spans, between) <= _SPANNED)
+
+
+def _let_in(made: Hypothesis, entry: Entry, target: Target, evidence: Evidence) -> tuple[Hypothesis, float]:
+    """The hypothesis where space that was felt empty lets it be, of all poses it stands for, and what is left."""
+    if evidence.free is None and evidence.missed is None and not len(evidence.untouched):
+        return made, 0.0
+    sigma, best = float(np.median(evidence.contacts.sigma)), (-np.inf, made)
+    for at in sigma_points(made.pose, made.covariance, entry, _TRIED):
+        there = replace(made, pose=frozen(at))
+        left = _free(evidence, target, at, sigma) + log_untouched(there, entry, evidence)
+        best = max(best, (left, there), key=lambda option: option[0])
+        if left == 0.0:
+            break
+    return best[1], best[0]
 
 
 def _free(evidence: Evidence, target: Target, world: Floats, sigma: float) -> float:

@@ -45,7 +45,7 @@ def evidence_of(asked: Asked) -> tuple[Evidence, list[str]]:
     source = read_source(asked.source)
     told = source.measured_sigma or asked.sigma is not None
     contacts = source.with_sigma(asked.sigma).contacts
-    sigma = np.hypot(contacts.sigma, _MADE) if told else contacts.sigma
+    sigma = np.hypot(contacts.sigma, _MADE)
     contacts = replace(contacts, sigma=sigma, normal_sigma=np.full(len(contacts), _NORMAL_SIGMA))
     free = None if source.sweep is None else source.sweep()
     return Evidence(contacts, (), free, told, normal_scale_known=False), list(source.warnings)
@@ -96,5 +96,5 @@ def recognize(asked: Asked, folder: Path, units: Units, scale: float) -> dict[st
         "candidates": objects(belief, library),
         "why": why(belief),
         "truth": truth_of(asked.source, belief, library),
-        "warnings": [*said, *warnings_of(belief, evidence)],
+        "warnings": [*said, *library.warnings, *warnings_of(belief, evidence)],
     }

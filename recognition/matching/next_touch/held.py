@@ -12,7 +12,7 @@ from models.library import Library
 from models.solid import Solid
 from primitives.arrays import Floats, Ints, frozen
 from primitives.pose import transform_points
-from recognition.matching.next_touch.loose import sigma_points
+from recognition.matching.loose import sigma_points
 
 UNKNOWN = "unknown"  # none of the library's objects
 

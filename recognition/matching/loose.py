@@ -22,7 +22,7 @@ class LooseConfig:
 
     axes: int = 3  # at most
     moved: float = 0.4  # [mm] mean distance of the surface from itself, from which poses differ
-    sigmas: float = 1.2
+    sigmas: tuple[float, ...] = (1.2,)  # to both sides of the middle
     turned: float = 0.6  # [rad] of a sigma point, at most
     shifted: float = 0.35  # of the object's size, likewise
     samples: int = 60  # of the surface, that are asked
@@ -44,13 +44,14 @@ def sigma_points(
     few, solid = points[: config.samples], entry.solid.placed(np.eye(4))
     found = [at]
     for k in np.argsort(-values)[: 2 * config.axes]:
-        if len(found) > 2 * config.axes or values[k] < config.moved**2:
+        if len(found) > 2 * config.axes * len(config.sigmas) or values[k] < config.moved**2:
             break
-        step = config.sigmas * np.sqrt(values[k]) * axes[:, k] / scale
+        step = max(config.sigmas) * np.sqrt(values[k]) * axes[:, k] / scale
         step *= min(1.0, config.turned / max(float(np.linalg.norm(step[3:])), 1e-9))
         step *= min(1.0, config.shifted * size / max(float(np.linalg.norm(step[:3])), 1e-9))
-        both = [pose(np.eye(3), middle) @ exp(way * step) @ pose(np.eye(3), -middle) for way in (1.0, -1.0)]
-        moved = few @ both[0][:3, :3].T + both[0][:3, 3]
+        shares = [way * s / max(config.sigmas) for s in config.sigmas for way in (1.0, -1.0)]
+        beside = [pose(np.eye(3), middle) @ exp(share * step) @ pose(np.eye(3), -middle) for share in shares]
+        moved = few @ beside[-1][:3, :3].T + beside[-1][:3, 3]
         if float(np.abs(solid.signed_distance(moved)).mean()) > config.moved:
-            found += [at @ beside for beside in both]
+            found += [at @ b for b in beside]
     return found

@@ -7,7 +7,7 @@ from models.csg import Cube, Cylinder
 from models.library import Library
 from models.solid import Solid
 from primitives.pose import pose, rotation_exp
-from recognition.matching.next_touch.loose import sigma_points
+from recognition.matching.loose import sigma_points
 
 LIBRARY = Library.of(
     {"bar": Solid.from_csg(Cube((80.0, 30.0, 20.0))), "rod": Solid.from_csg(Cylinder(10.0, 60.0))}
