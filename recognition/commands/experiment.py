@@ -36,7 +36,9 @@ def experiment(
     overwrite: flags.Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Run a suite of trials: results.parquet, summary.json and report.html.
+    """Run a suite of trials: a table, a summary and a page.
+
+    They are results.parquet, summary.json and report.html; docs/suites has suites to begin with.
 
     Exit code 0: every trial has its row, failed ones with the reason.
     """

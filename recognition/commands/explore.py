@@ -34,7 +34,9 @@ def explore(
     told: RunFlags,
     as_json: Json = False,
 ) -> None:
-    """Explore an object of unknown shape and pose by touch, and reconstruct it.
+    """Explore an object by touch, and reconstruct it as CSG.
+
+    Its shape is unknown to the explorer, and so is where it lies: anywhere in the workspace.
 
     Exit code 0: the run is whole, and its summary says how it ended. 1: it could not begin, or a fault ended it.
     """

@@ -16,7 +16,9 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
 )
-Config = Annotated[Path, typer.Argument(help="The set-up's TOML file (palpate hardware scan --out FILE).")]
+Config = Annotated[
+    Path, typer.Argument(metavar="CONFIG", help="The set-up's TOML file (palpate hardware scan --out FILE).")
+]
 
 
 @app.command()
@@ -41,7 +43,10 @@ def scan(
 
 @app.command()
 def check(config: Config, as_json: Json = False) -> None:
-    """Listen to the array at rest and ask the stage where it is; nothing moves."""
+    """Listen to the array, and ask the stage where it is.
+
+    Nothing moves.
+    """
     with one_line_errors():
         from recognition.hardware.check import check as checked
         from recognition.hardware.check import check_text
@@ -114,7 +119,9 @@ def jog(
 
 @app.command()
 def emulate(
-    part: Annotated[str, typer.Argument(help="A built-in part (palpate parts) or a CAD file.")] = "block",
+    part: Annotated[
+        str, typer.Argument(metavar="PART", help="A built-in part (palpate parts) or a CAD file.")
+    ] = "block",
     protocol: Annotated[
         str, typer.Option(help="Of the array: dsa, wts, flexitac, matrix or lines.")
     ] = "flexitac",
@@ -129,7 +136,10 @@ def emulate(
         float, typer.Option(help="Of its clock; below 1 on a busy machine, and all is as much slower.")
     ] = 1.0,
 ) -> None:
-    """Serve a virtual array and a virtual Grbl stage over a part, on pseudo-terminals."""
+    """Serve a virtual array and stage over a part.
+
+    A sensor's protocol and a Grbl controller, on pseudo-terminals.
+    """
     with one_line_errors():
         from recognition.config import ExploreOptions, parse_numbers, parse_pose
         from recognition.hardware.emulate import serve

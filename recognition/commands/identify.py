@@ -33,7 +33,9 @@ def identify(
     told: RunFlags,
     as_json: Json = False,
 ) -> None:
-    """Touch an object until it is sure which one of a library it is, and where.
+    """Touch an object until sure which one of a library it is.
+
+    Each touch is chosen for what it is expected to tell of the name and of the pose.
 
     Exit code 0: the run is whole, and its summary says what was decided. 1: it could not begin.
     """

@@ -29,7 +29,9 @@ def library_build(
     workers: Workers = None,
     as_json: Json = False,
 ) -> None:
-    """Index a folder of CAD files: what is new or changed is made, the rest is kept.
+    """Index a folder of CAD files.
+
+    What is new or changed is made, the rest is kept.
 
     Exit code 0: whatever can be read is indexed; files that cannot are named.  1: nothing could be.
     """
@@ -78,7 +80,9 @@ def library_show(
             metavar="FILE|DIR", help="A CAD file, a built-in part (palpate parts), or a library's folder."
         ),
     ],
-    name: Annotated[str, typer.Argument(help="Which object of the folder.", show_default=False)] = "",
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Which object of the folder.", show_default=False)
+    ] = "",
     units: flags.Units = "auto",
     scale: flags.Scale = 1.0,
     body: flags.Body = None,
@@ -88,7 +92,10 @@ def library_show(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Draw one model's boundary: faces by shape, edges by kind, which face meets which."""
+    """Draw one model's boundary, in the terminal and as a page.
+
+    Faces by shape, edges by kind, and which face meets which.
+    """
     _checked(units, scale)
     with one_line_errors():
         of_folder = bool(name) or Path(file).is_dir()
@@ -131,7 +138,9 @@ def library_confusable(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Say which objects this sensor cannot tell apart, and the touches that tell the others.
+    """Say which objects this sensor cannot tell apart.
+
+    And, of the others, which touches tell them.
 
     A pair's probability is that of naming the wrong one of the two after the best touches: 0.5 for equal objects.
     """

@@ -14,9 +14,14 @@ from recognition.console import interrupts
 
 def locate(
     contacts: Annotated[
-        str, typer.Argument(help="Contacts (.csv, .ply: x,y,z[,nx,ny,nz[,sigma]] in mm), or a run.")
+        str,
+        typer.Argument(
+            metavar="CONTACTS", help="Contacts (.csv, .ply: x,y,z[,nx,ny,nz[,sigma]] in mm), or a run."
+        ),
     ],
-    model: Annotated[str, typer.Argument(help="A CAD file, or a built-in part (palpate parts).")],
+    model: Annotated[
+        str, typer.Argument(metavar="MODEL", help="A CAD file, or a built-in part (palpate parts).")
+    ],
     units: flags.Units = "auto",
     scale: flags.Scale = 1.0,
     body: flags.Body = None,
@@ -31,7 +36,10 @@ def locate(
     seed: flags.Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Find the pose of one known model from contacts: every mode, with its probability."""
+    """Find the pose of one known model from contacts.
+
+    Every pose that explains them is told, with its probability.
+    """
     with one_line_errors(exit_code=2):
         with interrupts.held():
             from models.formats.units import Units as UnitName

@@ -16,7 +16,8 @@ from recognition.console import interrupts
 def probe(
     part: Part = "",
     procedure: Annotated[
-        str, typer.Argument(help="What to do there; without one, all procedures are listed.")
+        str,
+        typer.Argument(metavar="PROCEDURE", help="What to do there; without one, all procedures are listed."),
     ] = "",
     force_n: Annotated[float, typer.Option(help="Of an approach, and of compliance [N].")] = 20.0,
     stiffness: Annotated[
@@ -36,7 +37,9 @@ def probe(
     told: RunFlags,
     as_json: Json = False,
 ) -> None:
-    """Carry one exploratory procedure out on an object: what it felt.
+    """Carry one exploratory procedure out on an object.
+
+    It finds the object, lies on it, and says what it felt.
 
     Exit code 0: the run is whole. 1: it could not begin, or the procedure could not be carried out.
     """

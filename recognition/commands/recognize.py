@@ -28,7 +28,10 @@ def recognize(
     seed: flags.Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Say which object of a library was touched, and where it is, from evidence that exists."""
+    """Say which object of a library was touched, and where it is.
+
+    From evidence that exists: nothing is touched.
+    """
     with one_line_errors(exit_code=2):
         with interrupts.held():
             from models.formats.units import Units as UnitName

@@ -31,7 +31,9 @@ def reconstruct(
     overwrite: flags.Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Reconstruct an object as CSG from evidence that exists: a run, a recording, or any cloud of contacts.
+    """Reconstruct an object as CSG from evidence that exists.
+
+    A run, a recording, or any cloud of contacts.
 
     Exit code 0: the model is written, or the summary says why there is none. 1: the source could not be read.
     """

@@ -16,7 +16,10 @@ def replay(
     port: Annotated[int, typer.Option(min=0, max=65535, help="0: any that is free.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open it there.")] = True,
 ) -> None:
-    """Watch a run in the browser until Ctrl-C, one that goes on as far as it is recorded."""
+    """Watch a run in the browser.
+
+    Until Ctrl-C; one that still goes on is shown as far as it is recorded.
+    """
     with one_line_errors():
         from recognition.live.replay import replay as show
 

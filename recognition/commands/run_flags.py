@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from recognition.config import ExploreOptions
 
 EVERYWHERE = "-300,-300,-300,300,300,300"
-Part = Annotated[str, typer.Argument(help="A built-in part (palpate parts) or a CAD file.")]
+Part = Annotated[str, typer.Argument(metavar="PART", help="A built-in part (palpate parts) or a CAD file.")]
 Latency = Annotated[
     float, typer.Option(help="By which the simulated stage obeys late [s]; measured, never told.")
 ]

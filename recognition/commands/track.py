@@ -16,7 +16,7 @@ from recognition.console import interrupts
 
 @spread
 def track(
-    what: Annotated[str, typer.Argument(help="What to follow: edge or surface.")],
+    what: Annotated[str, typer.Argument(metavar="WHAT", help="What to follow: edge or surface.")],
     part: Part = "",
     device: flags.Device = None,
     speed_mm_s: Annotated[float, typer.Option(help="Along the edge, or over the surface [mm/s].")] = 20.0,
@@ -25,7 +25,9 @@ def track(
     told: RunFlags,
     as_json: Json = False,
 ) -> None:
-    """Follow an edge or a surface of an object, from a contact that it finds.
+    """Follow an edge or a surface of an object.
+
+    It begins at a contact that it finds.
 
     Exit code 0: the run is whole, and its summary says how it ended. 1: it could not begin, or followed nothing.
     """
