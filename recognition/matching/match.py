@@ -5,7 +5,8 @@
     refine      those poses of all objects that may still be the best, on the exact surface (`modes`)
     weigh       names, poses and "unknown" against each other
 
-Where the belief is not settled by the first objects of the shortlist, the next ones are searched too.
+Where the belief is not settled by the first objects of the shortlist, the next ones are searched too; and more of
+them, before it is called unknown.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ class MatchConfig:
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     first: int = 12  # objects of the shortlist that are searched at once
     most_objects: int = 48  # that are searched where these settle nothing
+    most_strange: int = 160  # that are searched before it is called unknown
     telling: int = 4  # contacts from which on their pairs rank objects
     most_untold: int = 500  # objects that are searched where they do not
     settled: float = 0.98  # probability of a name from which on the first are enough
@@ -77,16 +79,20 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     begun = begin(
         evidence.contacts, config.search, float(np.median(evidence.contacts.sigma)), evidence.scale_known
     )
-    most = config.most_objects if len(evidence.contacts) >= config.telling else config.most_untold
-    names = shortlist(evidence.contacts, library, most, tuple(known))
+    told = len(evidence.contacts) >= config.telling
+    most = config.most_strange if told else config.most_untold
+    likely = [name for name in known if name in library][: config.first // 2]
+    ranked = shortlist(evidence.contacts, library, most, tuple(known))
+    names = [*likely, *(name for name in ranked if name not in likely)]
     found: dict[str, Found] = {}
     belief = Belief((), {})
-    for count in sorted({min(config.first, len(names)), len(names)}):
+    for count in sorted({min(k, len(names)) for k in (config.first, config.most_objects, len(names))}):
         for name in names[len(found) : count]:
             found[name] = _searched(library[name], begun, known.get(name, []), config)
         modes = _modes(found, library, evidence, prior, config)
         belief = _weighed(modes, library, evidence, prior, unknown, config)
-        if belief.decision != UNKNOWN and belief.confidence > config.settled:
+        enough = told and count >= config.most_objects
+        if belief.decision != UNKNOWN and (enough or belief.confidence > config.settled):
             break
     return belief
 
