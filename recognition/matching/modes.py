@@ -17,7 +17,7 @@ import numpy as np
 from models.library import Entry
 from models.symmetry import nearest_pose
 from primitives.arrays import Bools, Floats, frozen
-from primitives.pose import hat, inverse, log, pose
+from primitives.pose import hat, inverse, pose, rotation_log
 from recognition.matching.align import Aligned, refine
 from recognition.matching.belief import Hypothesis
 from recognition.matching.evidence import Evidence, Prior
@@ -33,6 +33,7 @@ _FREE_TURN = 1.71  # [rad] sigma of a direction of turning that nothing bounds: 
 _SPANNED = 9.0  # squared sigmas of a mode's covariance, within which a pose is of that mode
 _MERGED = 0.005, 0.01  # of the size, and [rad]: poses closer than that are one, however sharp they are
 _TRIED = LooseConfig(sigmas=(0.6, 1.2))  # poses that a loose mode stands for
+_EXACT = 0.005, 0.002  # [mm], [rad]: no contact is surer, for no mesh is
 _SWEPT = -4.6  # log likelihood of a sample of the object in space that was swept
 
 
@@ -63,8 +64,8 @@ class Felt:
         c = evidence.contacts
         felt = c.has_normal
         normals = np.ascontiguousarray(np.where(felt[:, None], c.normals, 0.0))
-        return Felt(np.ascontiguousarray(c.points), normals, felt, np.array(c.sigma),
-                    np.maximum(c.normal_sigma, 1e-4), evidence.shares, places_of(c.points))  # fmt: skip
+        return Felt(np.ascontiguousarray(c.points), normals, felt, np.maximum(c.sigma, _EXACT[0]),
+                    np.maximum(c.normal_sigma, _EXACT[1]), evidence.shares, places_of(c.points))  # fmt: skip
 
 
 def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
@@ -153,8 +154,18 @@ def _same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
     shift = (near - h.pose)[:3, :3] @ target.center + (near - h.pose)[:3, 3]
     least = np.array([_MERGED[0] * target.size] * 3 + [_MERGED[1]] * 3) ** 2
     spans = h.covariance + np.diag(least) / _SPANNED
-    between = log(pose(turn, h.pose[:3, :3].T @ shift))
+    between = np.concatenate([h.pose[:3, :3].T @ shift, _axis(turn)])
     return bool(between @ np.linalg.solve(spans, between) <= _SPANNED)
+
+
+def _axis(turn: Floats) -> Floats:
+    """(3,) rotation vector [rad]; `rotation_log` where it is near a half turn, which takes longer."""
+    cosine = 0.5 * float(turn[0, 0] + turn[1, 1] + turn[2, 2] - 1.0)
+    if cosine < -0.95:
+        return rotation_log(turn)
+    twice = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    angle = float(np.arccos(min(cosine, 1.0)))
+    return np.asarray(0.5 * twice / max(float(np.sinc(angle / np.pi)), 1e-9))
 
 
 def _let_in(made: Hypothesis, entry: Entry, target: Target, evidence: Evidence) -> tuple[Hypothesis, float]:

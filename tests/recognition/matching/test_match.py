@@ -84,6 +84,14 @@ def test_one_contact_tells_little(library):
     assert belief.hypotheses[0].rotation_sigma > 0.5
 
 
+@pytest.mark.parametrize("many", [1, 20])
+def test_one_place_felt_exactly_is_answered_however_often_it_was_felt(library, many):
+    contacts = Contacts.of([[1.0, 2.0, 3.0]] * many, [[0, 0, 1.0]] * many, 1e-5, 1e-3)
+    belief = match(Evidence(contacts, scale_known=False), library)
+    assert np.isfinite(belief.hypotheses[0].covariance).all()
+    assert belief.confidence < 0.9
+
+
 def test_contacts_far_from_the_prior_are_one_clear_line(library):
     rng = np.random.default_rng(5)
     contacts = felt(library["wedge"], pose(np.eye(3), [900.0, 0, 0]), 12, rng)
