@@ -11,6 +11,7 @@ from rich.text import Text
 
 from recognition.identifying.answer import reason_in_words, top
 from recognition.identifying.identify import Identifier, Step
+from recognition.report.ended import ended_words
 from recognition.running.progress import Progress
 
 _BAR = 14  # characters of a sure name
@@ -60,7 +61,7 @@ def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
     lines = [
         f"{s['part']}: {reason_in_words(s)}",
         f"{touches}, {s['travel_mm']:.0f} mm of travel in {s['device_seconds']:.1f} s on the device, "
-        f"{s['wall_seconds']:.1f} s here; ended: {s['ended']}",
+        f"{s['wall_seconds']:.1f} s here; ended: {ended_words(s['ended'])}",
     ]
     pose = next((c for c in s["candidates"] if c["pose"] is not None and c["name"] == s["decision"]), None)
     if pose is not None:

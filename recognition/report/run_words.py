@@ -8,6 +8,7 @@ from html import escape
 from typing import Any
 
 from recognition.report import tables
+from recognition.report.ended import ended_words
 from recognition.report.tables import Column, Json
 
 Cells = Iterable[tuple[str, Any, str]]  # name, value, unit
@@ -45,7 +46,7 @@ def _boundary_lede(s: Json) -> str:
     """How it ended, and why there is no body where there is none."""
     state = "closed" if s.get("closed") else "open"
     ended = str(s.get("ended") or state)
-    tail = "" if ended == state else f" It ended: {escape(ended)}."
+    tail = "" if ended == state else f" It ended: {escape(ended_words(ended))}."
     if tables.without_body(s):
         told = [str(w) for w in s.get("warnings") or [] if str(w).startswith("no closed body")]
         tail += "".join(f" There is {escape(text)}." for text in told[:1])
@@ -89,7 +90,7 @@ def _identified_lede(s: Json) -> str:
     else:
         told = f"It is <strong>{escape(str(decision))}</strong>, {share:.1%} sure, among {objects} objects"
     ended = str(s.get("ended") or "")
-    tail = "" if ended in ("", "sure") else f" It ended: {escape(ended)}."
+    tail = "" if ended in ("", "sure") else f" It ended: {escape(ended_words(ended))}."
     return f"{told}, {_felt_with(s)}.{verdict}{tail}"
 
 

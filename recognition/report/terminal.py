@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from recognition.report.ended import ended_words
 from recognition.running.progress import Progress
 
 _TRUTH = (
@@ -51,7 +52,7 @@ def watching(quiet: bool = False) -> Iterator[Watch]:
 def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
     """What `explore` prints: how it ended, what it found, how true that is, where the report lies."""
     s = summary
-    ended = "closed" if s["closed"] else f"not closed ({s.get('ended') or 'open'})"
+    ended = "closed" if s["closed"] else f"not closed ({ended_words(str(s.get('ended') or 'open'))})"
     lines = [
         f"{s['part']}: {ended} after {_many(s['touches'], 'touch', 'touches')}, "
         f"{_many(s.get('strokes', 0), 'stroke')}, {_many(s['frames'], 'frame')}",
