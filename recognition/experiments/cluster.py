@@ -16,7 +16,7 @@ from typing import Any
 from primitives.errors import PalpateError
 from recognition.experiments.crew import Worker
 from recognition.experiments.suite import Limits
-from recognition.experiments.trial import LOST, Row, Trial
+from recognition.experiments.trial import LOST, ROOM, Row, Trial
 
 _mine = threading.local()
 _WAIT = 30.0  # [s] for a scheduler to answer
@@ -52,7 +52,7 @@ def on_cluster(address: str, trials: Sequence[Trial], kinds: Sequence[str], limi
 def _carry(told: Mapping[str, Any], kinds: Sequence[str], limits: Mapping[str, float]) -> Row:
     worker: Worker | None = getattr(_mine, "worker", None)
     if worker is None:
-        scratch = Path(tempfile.mkdtemp(prefix="palpate-suite-"))
+        scratch = Path(tempfile.mkdtemp(prefix=ROOM))
         worker = _mine.worker = Worker(tuple(kinds), Limits(**limits), scratch)
     worker.limits = Limits(**limits)
     ended = threading.Event()

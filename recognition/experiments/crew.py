@@ -25,7 +25,7 @@ from typing import IO
 from primitives.errors import PalpateError
 from recognition.experiments import carried
 from recognition.experiments.suite import Limits
-from recognition.experiments.trial import LOST, MEMORY, TIMEOUT, Row, Trial
+from recognition.experiments.trial import LOST, MEMORY, ROOM, TIMEOUT, Row, Trial
 
 ONE_THREAD = {
     f"{library}_NUM_THREADS": "1"
@@ -136,7 +136,7 @@ class Crew:
     """So many workers; a context manager that ends them."""
 
     def __init__(self, count: int, kinds: Sequence[str], limits: Limits, keep: Path | None = None) -> None:
-        self._room = Path(tempfile.mkdtemp(prefix="palpate-suite-"))
+        self._room = Path(tempfile.mkdtemp(prefix=ROOM))
         self._keep = keep
         self._workers = [Worker(kinds, limits, self._room / str(k)) for k in range(count)]
         self._rows: queue.Queue[Row | Exception] = queue.Queue()

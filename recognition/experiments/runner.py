@@ -22,7 +22,7 @@ from recognition.experiments.folder import SuiteFolder
 from recognition.experiments.log import Log, rows_of
 from recognition.experiments.suite import Suite, load_suite
 from recognition.experiments.table import write_table
-from recognition.experiments.trial import Row, Trial
+from recognition.experiments.trial import ROOM, Row, Trial
 
 Told = Callable[[int, int, int], object]  # rows there are, of how many, how many of them not done
 
@@ -102,7 +102,7 @@ def _rows(trials: list[Trial], suite: Suite, options: ExperimentOptions, keep: P
     elif not trials:
         return
     elif options.workers == 0:
-        with tempfile.TemporaryDirectory(prefix="palpate-suite-") as room:
+        with tempfile.TemporaryDirectory(prefix=ROOM) as room:
             for trial in trials:
                 kept = keep / f"{trial.number:06d}" if keep else None
                 yield carried(trial, Path(room) / "trial", suite.limits, kept)

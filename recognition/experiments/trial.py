@@ -12,6 +12,7 @@ from recognition.experiments.settings import Value
 DONE, FAILED, TIMEOUT, MEMORY, LOST = "done", "failed", "timeout", "memory", "lost"
 OUTCOMES = (DONE, FAILED, TIMEOUT, MEMORY, LOST)
 Row = dict[str, Value]
+ROOM = "palpate-suite-"  # what folders begin with that trials are done in
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,14 @@ import shutil
 import signal
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
 from recognition.experiments.carried import carried
 from recognition.experiments.kinds import KINDS
 from recognition.experiments.suite import Limits
-from recognition.experiments.trial import MEMORY, Trial
+from recognition.experiments.trial import MEMORY, ROOM, Trial
 
 
 def main(scratch: Path) -> None:
@@ -46,6 +47,9 @@ def _listen(source: TextIO, orders: queue.Queue[dict[str, Any]], scratch: Path) 
     for line in source:
         orders.put(json.loads(line))
     shutil.rmtree(scratch, ignore_errors=True)
+    if scratch.parent.name.startswith(ROOM):  # a crew's, which was killed where it could not clear up itself
+        with suppress(OSError):
+            scratch.parent.rmdir()
     os._exit(0)
 
 
