@@ -17,7 +17,9 @@ from scipy.sparse.csgraph import connected_components
 from models.body import Body, LabeledSurface
 from models.boundaries.curves import Chain, chains, edge_between, handles, loops, refined
 from models.boundaries.extents import anchored
+from models.boundaries.short_edges import without_short_edges
 from models.boundaries.tangent import absorbed, forward, on_tangents
+from models.boundaries.topology import count_shells, genus
 from models.brep import Brep, Edge, Face
 from models.recovery import Recovered, recover
 from models.solid import Solid
@@ -31,6 +33,7 @@ class BoundaryConfig:
 
     same_surface: float = 1e-6  # [mm] between surfaces that are one; and [rad] between their axes
     sliver: float = 1e-6  # [mm^2] faces below this are the facets' fault and join a neighbor
+    short: float = 1e-4  # [mm] edges no longer are a vertex
     smooth: float = 1.0  # [deg] between normals below which an edge is smooth
     on_curve: float = 2e-3  # [mm] from a line or circle that an edge may be and still be called so
     parallel: float = 1e-2  # [1] ratio of singular values at which surfaces that meet count as tangent
@@ -82,6 +85,8 @@ def _boundary(body: Body, tolerances: BoundaryConfig) -> tuple[Brep, Ints]:
     edges = tuple(
         _edge(i, piece, exact, number, surfaces, body, tolerances) for i, piece in enumerate(pieces)
     )
+    meetings = exact[corners.astype(np.int64)].reshape(-1, 3)
+    edges, runs, meetings = without_short_edges(edges, runs, meetings, tolerances.short)
     of_face: list[list[Edge]] = [[] for _ in surfaces]
     for edge in edges:
         for f in edge.faces:
@@ -96,9 +101,8 @@ def _boundary(body: Body, tolerances: BoundaryConfig) -> tuple[Brep, Ints]:
         mine = exact[body.triangles[order[begin[f] : begin[f + 1]]]]
         shape, extent = anchored(known_surface.shape, mine, rim)
         faces.append(Face(f, shape, known_surface.convex, float(areas[f]), extent, tuple(runs[f]), round_[f]))
-    shells = _count_shells(body.neighbors)
-    vertices = frozen(exact[corners.astype(np.int64)].reshape(-1, 3))
-    brep = Brep(tuple(faces), edges, vertices, shells, _genus(body.triangles, shells))
+    shells = count_shells(body.neighbors)
+    brep = Brep(tuple(faces), edges, frozen(meetings), shells, genus(body.triangles, shells))
     return brep, frozen(face, np.int64)
 
 
@@ -234,16 +238,3 @@ _FARTHEST = 0.5  # [mm] that a point may move onto its surfaces; farther is a st
 def _areas(corners: Floats) -> Floats:
     a, b, c = np.moveaxis(corners, 1, 0)
     return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
-
-
-def _count_shells(neighbors: Ints) -> int:
-    n = len(neighbors)
-    links = coo_array(
-        (np.ones(3 * n, dtype=bool), (np.repeat(np.arange(n), 3), neighbors.ravel())), shape=(n, n)
-    )
-    return int(connected_components(links, False)[0])
-
-
-def _genus(triangles: Ints, shells: int) -> int:
-    euler = len(np.unique(triangles)) - 3 * len(triangles) // 2 + len(triangles)
-    return shells - euler // 2

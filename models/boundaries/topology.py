@@ -92,3 +92,18 @@ def _disagreeing(triangles: Ints) -> Bools:
     for t, back, turned in zip(here.tolist(), there.tolist(), change.tolist(), strict=True):
         flip[t] = flip[back] != turned
     return flip[:n]
+
+
+def count_shells(neighbors: Ints) -> int:
+    """Closed surfaces that hang together by (t, 3) neighbors."""
+    n = len(neighbors)
+    links = coo_array(
+        (np.ones(3 * n, dtype=bool), (np.repeat(np.arange(n), 3), neighbors.ravel())), shape=(n, n)
+    )
+    return int(connected_components(links, False)[0])
+
+
+def genus(triangles: Ints, shells: int) -> int:
+    """Handles over all shells of closed (t, 3) triangles."""
+    euler = len(np.unique(triangles)) - 3 * len(triangles) // 2 + len(triangles)
+    return shells - euler // 2

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -36,7 +37,8 @@ class StepConfig:
     coarser: float = 0.1  # [mm] where the fine one takes too much
     most: int = 30_000_000  # [bytes] of triangles, about a million, above which coarser ones are made
     memory: int = 4_000_000_000  # [bytes]
-    seconds: int = 60
+    seconds: int = 60  # of processor time
+    patience: float = 5.0  # times that by the clock, for a machine that does other things as well
 
 
 def parse(data: bytes, name: str, config: StepConfig | None = None) -> list[LabeledMesh]:
@@ -98,7 +100,7 @@ def _run(data: bytes, tolerance: float, limits: StepConfig) -> tuple[bytes, str]
                 [sys.executable, "-I", str(_WORKER), *arguments],
                 input=data,
                 capture_output=True,
-                timeout=limits.seconds,
+                timeout=limits.patience * limits.seconds,
                 cwd=scratch,
                 env={**os.environ, "TMPDIR": scratch},
                 check=False,
@@ -107,7 +109,8 @@ def _run(data: bytes, tolerance: float, limits: StepConfig) -> tuple[bytes, str]
             return b"", "slow"
     if done.returncode == 0:
         return done.stdout, ""
-    return b"", "broken" if done.returncode == 3 else "crashed"
+    slow = done.returncode == -getattr(signal, "SIGXCPU", 0)
+    return b"", "slow" if slow else "broken" if done.returncode == 3 else "crashed"
 
 
 def _held(data: bytes) -> str:

@@ -36,10 +36,11 @@ def _limit(memory: int, seconds: int) -> None:
         import resource
     except ImportError:  # Windows has no such limits; the parent's clock still ends us
         return
-    limits = ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, seconds), (resource.RLIMIT_AS, memory))
-    for kind, most in limits:
+    # past the first of the two the parent is told why by the signal, past the second there is no answer
+    limits = ((resource.RLIMIT_CORE, 0, 0), (resource.RLIMIT_CPU, seconds, seconds + 5))
+    for kind, most, hard in (*limits, (resource.RLIMIT_AS, memory, memory)):
         with suppress(OSError, ValueError):  # a system may refuse a limit; it then does without
-            resource.setrlimit(kind, (most, most))
+            resource.setrlimit(kind, (most, hard))
 
 
 if __name__ == "__main__":

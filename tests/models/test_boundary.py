@@ -1,3 +1,4 @@
+from collections import Counter
 from math import pi
 
 import networkx as nx
@@ -7,8 +8,9 @@ import pytest
 from models import parts
 from models.boundaries.extents import rectangle
 from models.boundary import boundary
-from models.brep import Brep
+from models.brep import Brep, Edge
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere
+from models.formats import openscad
 from models.solid import Solid
 
 
@@ -173,3 +175,18 @@ def test_noise_does_not_choose_among_a_triangles_rectangles() -> None:
     for _ in range(40):
         felt = triangle + np.column_stack([rng.normal(0.0, 0.005, (3, 2)), np.zeros(3)])
         assert rectangle(felt, np.array([0.0, 0, 1])) == pytest.approx((69.46, 54.11), abs=0.05)
+
+
+def test_a_rounded_block_has_four_faces_at_each_corner() -> None:
+    tree = openscad.read_text("minkowski() { cube([20, 12, 8]); sphere(r = 2); }").tree
+    brep = boundary(Solid.from_csg(tree, 0.01))
+    assert brep.check() == ()
+    assert (len(brep.faces), len(brep.edges), len(brep.vertices)) == (26, 48, 24)
+    assert Counter(sorted_kinds(brep, edge) for edge in brep.edges) == {
+        ("cylinder", "plane"): 24,
+        ("cylinder", "sphere"): 24,
+    }
+
+
+def sorted_kinds(brep: Brep, edge: Edge) -> tuple[str, ...]:
+    return tuple(sorted(brep.faces[face].kind for face in edge.faces))
