@@ -8,6 +8,8 @@ Each message is JSON under a JSON schema, so that Foxglove opens the file withou
 | `/NAME/pose`   | foxglove.FrameTransform | world_from_sensor, in meters and xyzw as that schema asks     |
 | `/NAME/wrench` | palpate.Wrench          | force [N] and torque [N mm] on the pad, in the sensor's frame |
 | `/events`      | palpate.Event           | what happened (`kind`) and its `detail`                       |
+| `/log`         | foxglove.Log            | the same as lines to read                                     |
+| `/scene`       | foxglove.SceneUpdate    | each pad, once, as a body in its own frame                    |
 
 The three messages of a frame share time and sequence (the frame's index).  Encoding waits in batches, which keeps
 it out of the servo's tick.
@@ -28,6 +30,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from exploration.recordings.container import MAGIC, Writer, messages
+from exploration.recordings.scene import log_line, pad_scene
 from exploration.recordings.schemas import SCHEMAS
 from exploration.sensing.frame import TaxelFrame
 from primitives.arrays import Floats, frozen
@@ -36,7 +39,7 @@ from primitives.pose import from_quaternion, quaternion_wxyz
 
 _BATCH = 64  # frames of one array that wait for their encoding
 _SECOND = 1_000_000_000  # [ns]
-_EVENTS = "/events"
+_EVENTS, _LOG, _SCENE = "/events", "/log", "/scene"
 _STAMP = b'{"timestamp":{"sec":%d,"nsec":%d},'
 _IMAGE = b'"frame_id":"%s","width":%d,"height":%d,"encoding":"%s","step":%d,"data":"'
 _TRANSFORM = (
@@ -87,6 +90,13 @@ class Recorder:
             (frame.time, frame.index, frozen(frame.counts), frozen(world_from_sensor), wrench.copy())
         )
 
+    def pad(self, sensor: str, size: tuple[float, float], time: float) -> None:
+        """Record how large an array is [mm], for those who draw it."""
+        nanoseconds = round(time * _SECOND)
+        with self._refusing_bad_disks():
+            channel = self._writer.channel(_SCENE, "foxglove.SceneUpdate")
+            self._writer.add(channel, nanoseconds, 0, pad_scene(sensor, size, nanoseconds))
+
     def event(self, time: float, kind: str, detail: Mapping[str, Any] | None = None) -> None:
         """Record that something happened at `time` [s]; `detail` is anything JSON can say."""
         body = json.dumps({"kind": kind, "detail": dict(detail or {})}, default=_plain)
@@ -97,6 +107,8 @@ class Recorder:
             self._writer.add(
                 channel, nanoseconds, 0, _STAMP % divmod(nanoseconds, _SECOND) + body[1:].encode()
             )
+            log = self._writer.channel(_LOG, "foxglove.Log")
+            self._writer.add(log, nanoseconds, 0, log_line(kind, detail or {}, nanoseconds))
 
     def close(self) -> None:
         """Write what waits, and the index."""
@@ -168,6 +180,8 @@ def _items(file: BinaryIO) -> Iterator[RecordedFrame | RecordedEvent]:
     parts: dict[tuple[str, int, int], dict[str, Any]] = {}
     for topic, message in messages(file):
         body = json.loads(message.data)
+        if topic in (_LOG, _SCENE):
+            continue
         if topic == _EVENTS:
             yield RecordedEvent(message.log_time / 1e9, body["kind"], body["detail"])
             continue

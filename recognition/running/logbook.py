@@ -55,11 +55,16 @@ class Logbook:
         self._contact = Thinned(self._config.contact_frames)
         self._free = Thinned(self._config.free_frames)
         self._time = 0.0
+        self._drawn: set[str] = set()  # arrays whose size is recorded
 
     def observe(self, guard: Guard, seen: Observation) -> None:
         """Write one observation down; whoever wants to end the run does so after it."""
         self._time = seen.time
-        self._recorder.frame(seen.image.array.name, seen.frame, seen.world_from_sensor, wrench(seen.image))
+        array = seen.image.array
+        if array.name not in self._drawn:
+            self._recorder.pad(array.name, array.size, seen.time)
+            self._drawn.add(array.name)
+        self._recorder.frame(array.name, seen.frame, seen.world_from_sensor, wrench(seen.image))
         if seen.force > self._config.sigmas * force_sigma(seen.image):
             self._contact.offer(_Kept(seen, guard.cost.touches - 1))
         else:

@@ -1,3 +1,5 @@
+import base64
+import json
 import subprocess
 import sys
 import time
@@ -23,6 +25,7 @@ def episode(count=300, whole=True):
 
 def record(path, count=300, whole=True):
     with Recorder(path) as recorder:
+        recorder.pad("lts210", (28.8, 18.0), 0.0)
         for i, (frame, place, wrench) in enumerate(episode(count, whole)):
             if i % 50 == 0:
                 recorder.event(i / 200, "touch", {"index": i // 50, "at": place[:3, 3]})
@@ -121,8 +124,42 @@ def test_other_tools_find_topics_schemas_and_images(recorded):
             "/lts210/pose": "foxglove.FrameTransform",
             "/lts210/wrench": "palpate.Wrench",
             "/events": "palpate.Event",
+            "/log": "foxglove.Log",
+            "/scene": "foxglove.SceneUpdate",
         }
         assert sum(1 for _ in reader.iter_messages(["/lts210/taxels"])) == 300
+
+
+FIELDS = {  # of Foxglove's published message types
+    "foxglove.RawImage": "timestamp frame_id width height encoding step data",
+    "foxglove.FrameTransform": "timestamp parent_frame_id child_frame_id translation rotation",
+    "foxglove.Log": "timestamp level message name file line",
+    "foxglove.SceneUpdate": "deletions entities",
+    "entity": "timestamp frame_id id lifetime frame_locked metadata "
+    "arrows cubes spheres cylinders lines triangles texts models",
+}
+
+
+def test_messages_have_the_fields_of_the_well_known_types(recorded):
+    seen = {}
+    with recorded.open("rb") as file:
+        for schema, channel, message in make_reader(file).iter_messages():
+            body = json.loads(message.data)
+            assert channel.message_encoding == "json"
+            assert schema.encoding == "jsonschema"
+            told = json.loads(schema.data)
+            assert told["title"] == schema.name
+            assert set(body) == set(told["properties"])
+            seen[schema.name] = body
+    seen["entity"] = seen["foxglove.SceneUpdate"]["entities"][0]
+    for name, fields in FIELDS.items():
+        assert set(seen[name]) == set(fields.split())
+    image, entity = seen["foxglove.RawImage"], seen["entity"]
+    assert len(base64.b64decode(image["data"])) == image["step"] * image["height"]
+    assert image["step"] == image["width"] * {"mono16": 2, "32FC1": 4}[image["encoding"]]
+    assert entity["frame_id"] == seen["foxglove.FrameTransform"]["child_frame_id"] == "lts210"
+    assert entity["cubes"][0]["size"] == {"x": 0.0288, "y": 0.018, "z": 0.002}
+    assert "index 5" in seen["foxglove.Log"]["message"]
 
 
 def test_what_is_no_recording_is_refused_in_one_line(tmp_path):
