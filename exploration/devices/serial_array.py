@@ -173,6 +173,10 @@ class SerialArray:
                         return
         except PalpateError as error:
             self._fault = str(error)
+        except Exception as error:
+            self._fault = (
+                f"the array's thread failed ({type(error).__name__}: {error}); no frame comes any more"
+            )
 
     def _listen(self) -> None:
         heard = self._clock.now()

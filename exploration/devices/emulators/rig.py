@@ -33,7 +33,7 @@ from primitives.surface import Surface
 
 _ROUND = 0.001  # [s] at most that a round waits for bytes
 _ASKS = 0.01  # [s] of the rig's time within which a driver that gets to run asks for a report
-_WAITS = 0.5  # [s] of the machine's time that the rig waits for it
+_WAITS = 2.0  # [s] of the machine's time that the rig waits for it
 
 
 @dataclass
@@ -102,6 +102,8 @@ class EmulatedRig:
         self._turned = time.monotonic()
         self._hands: deque[Callable[[], None]] = deque()  # what a person does, from any thread
         self._late: list[tuple[float, bytes]] = []
+        self._unsent, self._unread = b"", False  # of the array, and whether waiting for a reader was in vain
+        self._full = 0.0  # [s] of the machine's time, when there was no room
         self._frozen: TaxelFrame | None = None
 
     def serve(self, ends: Callable[[], bool]) -> None:
@@ -113,6 +115,7 @@ class EmulatedRig:
         """One round: what a person did, frames that are due, and what has come."""
         while self._hands:
             self._hands.popleft()()
+        self._send(b"")
         now = self._tick()
         self._live_until(now)
         ends = [end for end in (self._stage_end, self._array_end) if end >= 0]
@@ -140,10 +143,11 @@ class EmulatedRig:
         return float((np.floor(self.stage._time / period + 1e-6) + 1) * period)
 
     def _tick(self) -> float:
-        """The time, which stands while a driver that was there does not get to run."""
+        """The time, which stands while a driver that was there does not get to run, or has not read its frames."""
         asked, heard = self._asked
         real = time.monotonic()
-        if self.clock.now() - asked > _ASKS and real - heard < _WAITS and not self.faults.deaf:
+        silent = self.clock.now() - asked > _ASKS and real - heard < _WAITS and not self.faults.deaf
+        if silent or self._unsent:
             self.waited += real - self._turned
             self.clock.stand()
         else:
@@ -209,7 +213,19 @@ class EmulatedRig:
             hit = np.flatnonzero(self._rng.random(len(data)) < self.faults.byte_errors)
             for at in hit:
                 data[at] = int(self._rng.integers(0, 256))
-        terminals.write(self._array_end, bytes(data))
+        self._send(bytes(data))
+
+    def _send(self, data: bytes) -> None:
+        """A frame, once there is room for it: a driver that does not get to run has not read the last ones."""
+        if self._unsent and time.monotonic() - self._full > _WAITS:
+            self._unsent, self._unread = b"", True
+        waiting = self._unsent + data
+        left = waiting[terminals.write(self._array_end, waiting) :] if waiting else b""
+        if not left:
+            self._unread = self._unread and not waiting
+        elif not self._unsent:
+            self._full = time.monotonic()
+        self._unsent = b"" if self._unread else left
 
     def _answer(self, data: bytes) -> None:
         a = self._spec.array

@@ -32,7 +32,11 @@ def read(end: int) -> bytes:
     return b""
 
 
-def write(end: int, data: bytes) -> None:
-    """Send, as far as there is room."""
-    with contextlib.suppress(OSError):
-        os.write(end, data)
+def write(end: int, data: bytes) -> int:
+    """Send, as far as there is room; how many bytes had, and all of them where the end is gone."""
+    try:
+        return os.write(end, data)
+    except BlockingIOError:
+        return 0
+    except OSError:
+        return len(data)
