@@ -42,6 +42,8 @@ class SearchConfig:
     last_cap: float = 12.0  # the same of the last score
     apart: float = 0.25  # [rad] between poses that descend; and, times half the size, in mm
     differ: float = 0.06  # the same after the descent
+    parallel: float = 0.35  # [rad] to their mean, within which all normals are those of one face
+    crowd: int = 3  # poses that are kept of each face that it may be
 
 
 class Found(NamedTuple):
@@ -63,6 +65,13 @@ class Begun(NamedTuple):
     normal_sigma: float  # [rad]
     whole: int  # how many contacts there are
     told: bool  # whether sigma is theirs, or has to be estimated
+    crowd: int  # poses that are kept of those that turn the first normal the same way
+
+    def distinct(self, poses: Floats, costs: Floats, most: int, differ: float, size: float) -> Found:
+        """The best poses, each only once; `differ` [rad], and times half the size [mm], apart."""
+        crowd = self.crowd if self.crowd < most else most
+        args = poses, costs, most, differ, 0.5 * differ * size, self.points[0], self.normals[0], crowd
+        return Found(*distinct(*args))
 
 
 def begin(contacts: Contacts, config: SearchConfig, sigma: float, told: bool = True) -> Begun:
@@ -76,7 +85,8 @@ def begin(contacts: Contacts, config: SearchConfig, sigma: float, told: bool = T
     pairs = telling_pairs(points, normals, shown, many)
     normal_sigma = float(np.median(contacts.normal_sigma[felt])) if felt.any() else 0.1
     judged = np.ascontiguousarray(contacts.points[order]), whole[order], felt[order]
-    return Begun(*judged, (points, normals, shown), pairs, sigma, normal_sigma, len(contacts), told)
+    crowd = config.crowd if _of_one_face(normals, shown, config) else config.kept_blind
+    return Begun(*judged, (points, normals, shown), pairs, sigma, normal_sigma, len(contacts), told, crowd)
 
 
 def search(begun: Begun, target: Target, config: SearchConfig) -> Found:
@@ -91,7 +101,7 @@ def search(begun: Begun, target: Target, config: SearchConfig) -> Found:
     poses, _ = searched(
         *begun.few, begun.pairs, target.points, target.normals, target.pairs, target.angles, target.starts,
         target.bin, target.coarse, target.origin, target.spacing, target.unit, reach, slope, wide, config.cap,
-        kept, config.turns, config.most, config.apart, radius, near,
+        kept, config.turns, config.most, config.apart, radius, near, begun.crowd,
     )  # fmt: skip
     if not len(poses) and kept == config.kept:
         return Found(poses, np.empty(0))
@@ -99,9 +109,15 @@ def search(begun: Begun, target: Target, config: SearchConfig) -> Found:
     if kept == config.kept_blind:
         poses = np.concatenate([poses, _all_round(begun, target, config, wide, slope)])
     costs = scored(begun, target, poses, config)
-    differ = config.differ
-    poses, costs = distinct(poses, costs, kept, differ, differ * radius, begun.points[0])
-    return Found(poses, costs)
+    return begun.distinct(poses, costs, kept, config.differ, target.size)
+
+
+def _of_one_face(normals: Floats, felt: Bools, config: SearchConfig) -> bool:
+    """Whether nothing but one flat face was felt."""
+    if not felt.all():
+        return False
+    mean = normals.mean(axis=0)
+    return bool((normals @ mean > np.cos(config.parallel) * np.linalg.norm(mean)).all())
 
 
 def _all_round(begun: Begun, target: Target, config: SearchConfig, wide: float, slope: float) -> Floats:

@@ -27,7 +27,6 @@ from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
 from recognition.matching.likelihood import NoiseConfig
 from recognition.matching.modes import Felt, Mode, modes_of, residual
-from recognition.matching.search_kernels import distinct
 from recognition.matching.shortlist import shortlist
 from recognition.matching.target import Target, target_of
 
@@ -107,8 +106,7 @@ def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchCon
         return found
     costs = np.concatenate([found.costs, scored(begun, target, poses, config.search)])
     poses = np.concatenate([found.poses, poses])
-    differ = config.search.differ
-    return Found(*distinct(poses, costs, len(poses), differ, 0.5 * differ * target.size, begun.points[0]))
+    return begun.distinct(poses, costs, len(poses), config.search.differ, target.size)
 
 
 def _modes(found: Mapping[str, Found], library: Mapping[str, Entry], evidence: Evidence, prior: Prior,

@@ -14,7 +14,7 @@ from recognition.matching.target import COARSE, FULL, steps_of
 @njit(cache=True, nogil=True)
 def searched(  # type: ignore[no-untyped-def]
     points, normals, felt, pairs, sp, sn, first, angles, starts, width, coarse, origin, spacing, unit,
-    reach, slope, wide, cap, kept, turns, most, apart, radius, near,
+    reach, slope, wide, cap, kept, turns, most, apart, radius, near, crowd,
 ):  # fmt: skip
     """The (k, 3, 4) best poses that differ, and their costs."""
     poses, costs = np.zeros((kept, 3, 4)), np.full(kept, np.inf)
@@ -76,7 +76,8 @@ def searched(  # type: ignore[no-untyped-def]
                     cost = _score(pose, points, normals, felt, wide, slope, cap, worst, coarse, origin, spacing,
                                   unit)  # fmt: skip
                     if cost < worst:
-                        filled = _keep(poses, costs, filled, pose, cost, apart, apart * radius, points[0])
+                        filled = _keep(poses, costs, filled, pose, cost, apart, apart * radius, points[0],
+                                       normals[0], crowd)  # fmt: skip
                         if filled == kept:
                             worst = costs.max()
     return poses[:filled].copy(), costs[:filled].copy()
@@ -113,27 +114,49 @@ def _score(pose, points, normals, felt, s, a, c, limit, coarse, origin, spacing,
 
 
 @njit(cache=True, nogil=True)
-def _keep(poses, costs, filled, pose, cost, apart, far, middle):  # type: ignore[no-untyped-def]
-    """In the place of one like it, if better than that, else of the worst; how many places are filled then."""
-    least = 1.0 + 2.0 * np.cos(apart)
+def _keep(poses, costs, filled, pose, cost, apart, far, middle, normal, crowd):  # type: ignore[no-untyped-def]
+    """In the place of one like it, if better than that, else of the worst; how many places are filled then.
+
+    Of poses that turn `normal` the same way at most `crowd` are kept: where all contacts lie on one face, the
+    poses that slide along one of the object's would fill every place.
+    """
+    least, alike = 1.0 + 2.0 * np.cos(apart), np.cos(apart)
+    many, last = 0, -1
     for k in range(filled):
         trace = 0.0
         for i in range(3):
             for j in range(3):
                 trace += poses[k, i, j] * pose[i, j]
-        if trace < least:
-            continue
-        gap2 = 0.0
-        for i in range(3):
-            x = poses[k, i, 3] - pose[i, 3]
-            for j in range(3):
-                x += (poses[k, i, j] - pose[i, j]) * middle[j]
-            gap2 += x * x
-        if gap2 < far * far:
-            if cost < costs[k]:
-                poses[k], costs[k] = pose, cost
-            return filled
+        if trace >= least:
+            gap2 = 0.0
+            for i in range(3):
+                x = poses[k, i, 3] - pose[i, 3]
+                for j in range(3):
+                    x += (poses[k, i, j] - pose[i, j]) * middle[j]
+                gap2 += x * x
+            if gap2 < far * far:
+                if cost < costs[k]:
+                    poses[k], costs[k] = pose, cost
+                return filled
+        if crowd < len(costs):
+            along = 0.0
+            for i in range(3):
+                a, b = 0.0, 0.0
+                for j in range(3):
+                    a += poses[k, i, j] * normal[j]
+                    b += pose[i, j] * normal[j]
+                along += a * b
+            if along > alike:
+                many += 1
+                if last < 0 or costs[k] > costs[last]:
+                    last = k
+    if many >= crowd:
+        if cost < costs[last]:
+            poses[last], costs[last] = pose, cost
+        return filled
     at = filled if filled < len(costs) else costs.argmax()
+    if at < filled and cost >= costs[at]:
+        return filled
     poses[at], costs[at] = pose, cost
     return min(filled + 1, len(costs))
 
@@ -156,12 +179,12 @@ def weighed(poses, points, normals, felt, wide, slope, cap, field):  # type: ign
 
 
 @njit(cache=True, nogil=True)
-def distinct(poses, costs, most, apart, far, middle):  # type: ignore[no-untyped-def]
-    """The (k, 3, 4) best poses, each only once, best first, and their costs."""
+def distinct(poses, costs, most, apart, far, middle, normal, crowd):  # type: ignore[no-untyped-def]
+    """The (k, 3, 4) best poses, each only once, best first, and their costs; `crowd` as they are kept."""
     kept, least = np.full((most, 3, 4), 0.0), np.full(most, np.inf)
     filled = 0
     for k in np.argsort(costs):
         if filled == most:
             break
-        filled = _keep(kept, least, filled, poses[k], costs[k], apart, far, middle)
+        filled = _keep(kept, least, filled, poses[k], costs[k], apart, far, middle, normal, crowd)
     return kept[:filled].copy(), least[:filled].copy()

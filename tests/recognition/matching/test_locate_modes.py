@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from models.csg import Cube
 from models.library import Library
 from models.solid import Solid
 from models.symmetry import pose_error
@@ -48,3 +49,12 @@ def test_contacts_close_together_speak_as_fewer():
     crowded, apart = (Evidence(Contacts.of(row * d, None, 0.1)).shares.sum() for d in (0.5, 60.0))
     assert apart == pytest.approx(20.0)
     assert crowded < 10.0
+
+
+def test_a_patch_of_one_face_may_lie_on_any_face_that_is_large_enough():
+    block = Library.of({"block": Solid.from_csg(Cube((80.0, 60.0, 40.0)))})
+    points = np.column_stack([np.random.default_rng(0).uniform(-14, 14, (30, 2)), np.zeros(30)])
+    contacts = Contacts.of(points, np.tile([0.0, 0, 1], (30, 1)), 0.05, 0.02)
+    belief = match(Evidence(contacts), block, unknown=0.0)
+    facing = {int(np.argmax(np.abs(h.pose[2, :3]))) for h in belief.hypotheses if h.probability > 0.05}
+    assert facing == {0, 1, 2}
