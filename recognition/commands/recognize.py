@@ -16,7 +16,8 @@ def recognize(
     source: Annotated[
         str,
         typer.Argument(
-            help="A run folder, an episode.mcap, or contacts (.csv, .ply: x,y,z[,nx,ny,nz[,sigma]] in mm)."
+            metavar="SOURCE",
+            help="A run folder, an episode.mcap, or contacts (.csv, .ply: x,y,z[,nx,ny,nz[,sigma]] in mm).",
         ),
     ],
     library: Annotated[Path, typer.Option("--library", metavar="DIR", help="A folder of CAD files.")],

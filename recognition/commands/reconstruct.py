@@ -16,7 +16,8 @@ def reconstruct(
     source: Annotated[
         str,
         typer.Argument(
-            help="A run folder, an episode.mcap, or contacts (.csv, .ply: x,y,z[,nx,ny,nz[,sigma]] in mm)."
+            metavar="SOURCE",
+            help="A run folder, an episode.mcap, or contacts (.csv, .ply: x,y,z[,nx,ny,nz[,sigma]] in mm).",
         ),
     ],
     contact_sigma: Annotated[

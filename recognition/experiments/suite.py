@@ -101,7 +101,9 @@ def load_suite(path: Path) -> Suite:
         source = path.read_text(encoding="utf-8")
         told = tomllib.loads(source)
     except OSError as error:
-        raise PalpateError(f"cannot read suite {path}: {error.strerror or error}") from error
+        raise PalpateError(
+            f"cannot read suite {path} ({error.strerror or error}); give a TOML file, as docs/suites/smoke.toml"
+        ) from error
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise PalpateError(f"suite {path} is not valid TOML: {str(error).splitlines()[0]}") from error
     where = f"suite {path.name}"
