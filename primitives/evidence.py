@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike
 
 from primitives.arrays import Bools, Floats, Ints, frozen
 
+NOT_FELT = -1  # the touch of a place that stopped the housing
+
 
 @dataclass(frozen=True)
 class Contacts:
@@ -23,7 +25,7 @@ class Contacts:
     normals: Floats  # (n, 3) outward unit normals; nan where none was felt
     sigma: Floats  # (n,) [mm] standard deviation of the point along the normal
     normal_sigma: Floats  # (n,) [rad] standard deviation of the normal's direction, per tangent axis
-    touch: Ints  # (n,) which touch made it (guarded approach until contact breaks)
+    touch: Ints  # (n,) which touch made it (guarded approach until contact breaks), or `NOT_FELT`
     stroke: Ints  # (n,) which stroke; contacts of one stroke lie on one smooth surface
     sensor: Ints  # (n,) index of the array on the stage
     body: Ints  # (n,) which body; 0 where there is one

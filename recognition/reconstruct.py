@@ -18,7 +18,7 @@ from models.brep import Edge
 from models.rays.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
-from primitives.evidence import Contacts, EdgeTrace
+from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
 from primitives.fit import Fit
 from primitives.patch_graph import PatchGraph
 from primitives.shapes import parameters
@@ -98,7 +98,8 @@ def reconstruct(
     face_of_contact = _faces_of(assembly, boundary, contacts, fit_of_contact)
     faces = describe_faces(assembly, boundary)
     edges = describe_edges(assembly, boundary, traces)
-    touched = {k: contacts.points[face_of_contact == k] for k in set(face_of_contact.tolist()) - {NO_FACE}}
+    owner = np.where(contacts.touch == NOT_FELT, NO_FACE, face_of_contact)
+    touched = {k: contacts.points[owner == k] for k in set(owner.tolist()) - {NO_FACE}}
     for face in faces:
         face["status"] = "measured" if face["id"] in touched else "inferred"
     for row, edge in zip(edges, boundary.brep.edges, strict=True):

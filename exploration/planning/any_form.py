@@ -15,17 +15,16 @@ from itertools import product
 
 import numpy as np
 
-from exploration.control.procedures.approach import retreat, touched
 from exploration.control.sighting import Sighting
-from exploration.control.track_surface import Stroke
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.consistency import drop_poor, flattened
 from exploration.planning.findings import Attempts, Done, ExplorerConfig
 from exploration.planning.frontier import Predicted
+from exploration.planning.inferred_walls import inferred_walls
 from exploration.planning.local_frontier import LocalFrontier
-from exploration.planning.routes import Tool, route
+from exploration.planning.reach import Reach
+from exploration.planning.routes import Tool
 from exploration.planning.study import Study, Wall
-from exploration.planning.surface_map import SurfaceMap
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.fit import Fit
@@ -35,8 +34,6 @@ from primitives.fit import Fit
 class AnyFormConfig:
     """How walls, rims and open surface are gone for."""
 
-    standoff: float = 10.0  # [mm]
-    overtravel: float = 8.0  # [mm]
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
     overlap: float = 4.0  # [mm] of the pad that stays over the rim
     above: tuple[float, ...] = (
@@ -45,6 +42,7 @@ class AnyFormConfig:
         12.0,
     )  # [mm] of the housing over a face whose wall it comes to, in turn
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
+    stuck: float = 1.0  # [mm] of a stroke, less than which the pad does not go on from where it lies
     wall_tries: int = 2
     rim_tries: int = 3
     beside: float = 9.0  # [mm] between tries that count as one thing
@@ -58,8 +56,7 @@ class AnyForm:
     ) -> None:
         self.study, self.tool, self.config, self.own = study, tool, config, own or AnyFormConfig()
         self.pad, self.found = study.pad, study.found
-        self.felt = SurfaceMap()
-        self._taken = 0
+        self.reach = Reach(self.pad, tool)
         self._walls = Attempts(self.own.wall_tries, self.own.beside)
         self._rims = Attempts(self.own.rim_tries, self.own.beside)
         self._open = Attempts(config.tries - 1, 2.5)
@@ -80,12 +77,20 @@ class AnyForm:
             face = done
             yield note
         self.found.graph = drop_poor(flattened(self.found.graph))
+        self._infer_walls()
         self.found.openings = self._frontier().openings()
         self.found.warnings.extend(rim.told() for rim in self.found.openings)
 
+    def _infer_walls(self) -> None:
+        """Add the faces that stopped strokes, and that no pad could lie on."""
+        left = [wall for wall in self.study.walls if not self._stands(wall)]
+        for lot in inferred_walls(left, self.found.graph.faces, self.tool):
+            self.found.graph, face = self.found.graph.add_stroke(lot)
+            self.found.warnings.append(f"face {face} is inferred: it stopped the housing, and was not felt")
+
     def _frontier(self) -> LocalFrontier:
-        self._take_in()
-        return LocalFrontier(self.found.graph.faces, self.felt, self.pad.free.points, self.config.feature)
+        free = self.pad.free.points
+        return LocalFrontier(self.found.graph.faces, self.reach.felt, free, self.config.feature)
 
     def _next(self, face: int | None) -> Callable[[], Done] | None:
         frontier = self._frontier()
@@ -109,11 +114,6 @@ class AnyForm:
             return lambda: self._come_down(left, nearest)
         return min(todo, key=lambda item: item[0])[1] if todo else None
 
-    def _take_in(self) -> None:
-        for points, facing in self.pad.felt[self._taken :]:
-            self.felt.add(points, facing)
-        self._taken = len(self.pad.felt)
-
     def _stands(self, wall: Wall) -> bool:
         """Whether a known face stands where a stroke met something."""
         for face in self.found.graph.faces:
@@ -136,13 +136,9 @@ class AnyForm:
             return face, "lay on what was open"
         stroke = self.pad.stroke(toward / distance, distance + 0.5 * self.config.feature)
         self.study.note_wall(stroke)
-        if stroke.travel < 1.0:
-            self._open.note(goal)
         home = self.study.take_in(stroke.contacts) if len(stroke.contacts) else face
-        return self._still_on(stroke, home), "stroked what was open"
-
-    def _still_on(self, stroke: Stroke, face: int | None) -> int | None:
-        return None if stroke.ended in ("wall", "lost") else face
+        gone = stroke.ended in ("wall", "lost") or stroke.travel < self.own.stuck
+        return None if gone else home, "stroked what was open"
 
     def _face_wall(self, wall: Wall) -> Done:
         """Turn to face what a stroke met, just above the face that the pad lay on."""
@@ -152,9 +148,9 @@ class AnyForm:
         for above, shift in product(self.own.above, (0.0, 8.0, -8.0, 16.0, -16.0)):
             at = wall.point + (half + above) * wall.normal + shift * along
             target = se3.pose(self.pad.attitude(-wall.heading, along), at)
-            if self._touch(target):
+            if self.reach.touch(target):
                 return self.study.face_here(), "touched a wall"
-            if self._went:
+            if self.reach.led:
                 return None, "nothing was where a stroke met a wall"
         return None, "no way led to a wall"
 
@@ -162,17 +158,17 @@ class AnyForm:
         """Roll over a rim onto the face behind it."""
         tried = self._rims.count(rim.point)
         self._rims.note(rim.point)
-        reach = 0.5 * min(self.pad.size) - self.own.overlap
+        beyond = max(0.5 * min(self.pad.size) - self.own.overlap, 0.0)
         rolls = self.own.rolls[tried % len(self.own.rolls) :] + self.own.rolls[: tried % len(self.own.rolls)]
         for roll in rolls:
             angle = np.radians(roll)
             normal = np.cos(angle) * rim.normal + np.sin(angle) * rim.outward
             down = np.cos(angle) * rim.outward - np.sin(angle) * rim.normal
             for shift in (0.0, 7.0, -7.0):
-                at = rim.point + max(reach, 0.0) * down + shift * rim.tangent
-                if self._touch(se3.pose(self.pad.attitude(normal, rim.tangent), at)):
+                at = rim.point + beyond * down + shift * rim.tangent
+                if self.reach.touch(se3.pose(self.pad.attitude(normal, rim.tangent), at)):
                     return self.study.face_here(), "crossed a rim"
-                if self._went:
+                if self.reach.led:
                     return None, "crossed a rim and met nothing"
         return None, "no way led over a rim"
 
@@ -191,8 +187,8 @@ class AnyForm:
                     under = (np.abs(local) < [hx, hy, 2.0]).all(axis=1) & (left.face == face)
                     best.append((-float(under.sum()) + 0.1 * float(np.hypot(sx, sy)), pose))
         for _, pose in sorted(best, key=lambda item: item[0]):
-            if self._clear(pose):
-                if self._touch(pose):
+            if self.reach.clear(pose):
+                if self.reach.touch(pose):
                     return self.study.face_here(), "came down on what was open"
                 return None, "what seemed open was not there"
         self._open.note(point)
@@ -210,41 +206,6 @@ class AnyForm:
                         w for w in (across, np.cross(normal, across)) if all(abs(w @ o) < 0.98 for o in out)
                     ]
         return out[:6] or [self.pad.guard.world_from_sensor[:3, 0]]
-
-    def _clear(self, pose: Floats) -> bool:
-        return bool(self.tool.clear(pose[None], self._obstacles(), 0.6, -1.0)[0])
-
-    def _obstacles(self) -> Floats:
-        self._take_in()
-        return self.felt.points
-
-    _went = False  # whether the last touch had a way
-
-    def _touch(self, target: Floats) -> bool:
-        """Go round what is known to before a (4, 4) target, and touch it; `_went` says whether there was a way."""
-        self._went = False
-        standoff = target @ se3.pose(translation=[0.0, 0.0, -self.own.standoff])
-        obstacles = self._obstacles()
-        if not self._clear(target) or not self.tool.clear(standoff[None], obstacles, 1.0, 1.0)[0]:
-            return False
-        guard = self.pad.guard
-        poses = route(self.tool, guard.world_from_sensor, standoff, obstacles, self._ways())
-        if poses is None:
-            return False
-        self._went = True
-        for k, pose in enumerate(poses):
-            if guard.go_to(pose, until=None if k == 0 else lambda seen: touched(seen.image)) is not None:
-                retreat(guard, 4.0)
-                return False
-        return self.pad.touch(target, self.own.standoff, self.own.overtravel)
-
-    def _ways(self) -> Floats:
-        """(n, 3) directions that may lead out: the way that each face looks."""
-        out: list[Floats] = []
-        for normal in [*self.felt.facing[:: max(1, len(self.felt.facing) // 200)], *np.eye(3), *-np.eye(3)]:
-            if all(normal @ other < 0.85 for other in out):
-                out.append(normal)
-        return np.array(out)
 
 
 def _away(point: Floats, here: Floats) -> float:

@@ -25,6 +25,7 @@ class Wall:
     point: Floats  # (3,) [mm] at the pad's leading end, on the face
     heading: Floats  # (3,) the way of the stroke
     normal: Floats  # (3,) outward, of the face
+    pose: Floats  # (4, 4) world_from_sensor where the pad was stopped
 
 
 class Study:
@@ -77,7 +78,7 @@ class Study:
         half = 0.5 * float(np.abs(stroke.heading) @ np.asarray(self.pad.size))
         way = pose[:3, :2] @ stroke.heading
         self.found.hollow |= stroke.ended == "wall"
-        self.walls.append(Wall(pose[:3, 3] + half * way, way, -pose[:3, 2]))
+        self.walls.append(Wall(pose[:3, 3] + half * way, way, -pose[:3, 2], pose))
         return True
 
     def _back_on(self, pose: Floats) -> bool:
