@@ -85,8 +85,8 @@ class AnyForm:
         """Add the faces that stopped strokes, and that no pad could lie on."""
         left = [wall for wall in self.study.walls if not self._stands(wall)]
         for lot in inferred_walls(left, self.found.graph.faces, self.tool):
-            self.found.graph, face = self.found.graph.add_stroke(lot)
-            self.found.warnings.append(f"face {face} is inferred: it stopped the housing, and was not felt")
+            self.found.graph, _ = self.found.graph.add_stroke(lot)
+            self.found.warnings.append("a face that no pad could lie on is inferred from strokes it stopped")
 
     def _frontier(self) -> LocalFrontier:
         free = self.pad.free.points
