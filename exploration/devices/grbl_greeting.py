@@ -10,7 +10,7 @@ from exploration.devices.grbl_text import Status
 from exploration.devices.kinematic_chain import KinematicChain
 from primitives.errors import PalpateError
 
-_PATIENCE = 3.0  # [s]
+_PATIENCE = 3.0  # [s] of listening
 
 
 def greet(link: GrblLink, chain: KinematicChain) -> list[int]:
@@ -49,8 +49,7 @@ def greet_again(link: GrblLink, chain: KinematicChain, wanted: Callable[[], bool
 
 
 def _first_report(link: GrblLink) -> Status:
-    until = link.clock.now() + _PATIENCE
-    while link.clock.now() < until:
+    while link.deaf < _PATIENCE:
         link.ask()
         if reports := link.listen().reports:
             return reports[-1][1]

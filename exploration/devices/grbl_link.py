@@ -37,11 +37,12 @@ class GrblLink:
     def __init__(self, port: Port, clock: Clock = MACHINE) -> None:
         self.port, self.clock = port, clock
         self._text = b""
-        self._sent: deque[tuple[int, float]] = deque()
+        self._sent: deque[tuple[int, float, float]] = deque()  # bytes, when, and after how much listening
+        self._heard = 0.0  # [s] of listening; what nobody listened to does not count
         self._asked = self._last_asked = 0.0
         self._patience = _LOST
         self._listened = clock.now()
-        self.deaf = 0.0  # [s] of listening without a report; what nobody listened to does not count
+        self.deaf = 0.0  # [s] of listening without a report
         self._offset: tuple[float, ...] = ()
         self.lost = 0  # answers that never came
         self.garbled = 0  # lines that were not understood
@@ -53,14 +54,14 @@ class GrblLink:
 
     def fits(self, line: str) -> bool:
         """Whether a line may be sent now."""
-        return sum(size for size, _ in self._sent) + len(line) + 1 <= _BUFFER
+        return sum(size for size, _, _ in self._sent) + len(line) + 1 <= _BUFFER
 
     def send(self, line: str) -> None:
         """A line that fits."""
         data = line.encode() + b"\n"
         if len(data) > grbl_text.LINE:
             raise PalpateError(f"a line of {len(data)} bytes is too long for Grbl: {line}")
-        self._sent.append((len(data), self.clock.now()))
+        self._sent.append((len(data), self.clock.now(), self._heard))
         self.port.write(data)
 
     def realtime(self, byte: bytes) -> None:
@@ -80,7 +81,7 @@ class GrblLink:
 
     def forget(self) -> None:
         """The port was away: nothing that was begun on it will be ended."""
-        self._text, self._asked = b"", 0.0
+        self._text, self._asked, self.deaf = b"", 0.0, 0.0
         self._sent.clear()
 
     def listen(self) -> Heard:
@@ -88,13 +89,13 @@ class GrblLink:
         heard = Heard()
         data = self.port.read()
         now = self.clock.now()
-        self.deaf += min(now - self._listened, _AWAY)
-        self._listened = now
+        passed = min(now - self._listened, _AWAY)
+        self.deaf, self._heard, self._listened = self.deaf + passed, self._heard + passed, now
         *lines, self._text = (self._text + data).split(b"\n")
         self._text = self._text[-512:]
         for raw in lines:
             self._understand(raw.decode("ascii", "replace").strip(), now, heard)
-        while self._sent and now - self._sent[0][1] > self._patience:
+        while self._sent and self._heard - self._sent[0][2] > self._patience:
             self._sent.popleft()
             self.lost += 1
         return heard
@@ -128,8 +129,8 @@ class GrblLink:
         """Send a line and wait for its answer; everything heard until then."""
         before, self._patience = self.lost, patience
         self.send(line)
-        total, until = Heard(), self.clock.now() + patience
-        while self._sent and self.clock.now() < until:
+        total, until = Heard(), self._heard + patience
+        while self._sent and self._heard < until:
             heard = self.listen()
             total.reports += heard.reports
             total.errors += heard.errors

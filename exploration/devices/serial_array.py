@@ -20,6 +20,7 @@ from primitives.errors import PalpateError
 
 PROTOCOLS = ("dsa", "wts", "flexitac", "matrix", "lines")
 BAUDS = {"dsa": 115200, "wts": 115200, "flexitac": 2_000_000, "matrix": 2_000_000, "lines": 115200}
+_AWAY = 0.1  # [s] between two looks, beyond which nobody listened
 _PATIENCE = 3.0  # [s] without a frame, after which reading is in vain
 _RESTARTED = 10_000  # frames that are missing at once mean an array that began to count anew
 _ENDS = 1.0  # [s] of the machine's time for the thread to end by itself
@@ -88,7 +89,8 @@ class SerialArray:
         self._index = 0
         self._sequence = -1  # of the newest frame, as the array counts
         self._strange = 0  # bytes of no frame before the newest frame
-        self._last = self._clock.now()
+        self._last = self._listened = self._clock.now()
+        self._deaf = 0.0  # [s] of listening without a frame; what nobody listened to does not count
         self.counts = FrameCounts()
         self.watch: Callable[[TaxelFrame], None] = lambda frame: None
         self.gone: Callable[[], None] = lambda: None  # called when the port has gone, in the reader's thread
@@ -118,12 +120,11 @@ class SerialArray:
 
     def read(self) -> TaxelFrame:
         """The next frame; one that came while nobody read is taken only if no newer one has come."""
-        deadline = self._clock.now() + _PATIENCE
         with self._news:
             while self._newest is None or self._newest.index <= self._taken:
                 if why := self._fault or self.fault():
                     raise PalpateError(why)
-                if self._clock.now() > deadline:
+                if self._deaf > _PATIENCE:
                     raise PalpateError(self._no_frame())
                 self._news.wait(0.02)
             frame = self._newest
@@ -183,6 +184,8 @@ class SerialArray:
         while self._open:
             data = self._port.read()
             now = self._clock.now()
+            self._deaf += min(now - self._listened, _AWAY)
+            self._listened = now
             if not data:
                 if self._stream.waiting and now - heard > max(0.5 * self._period, 0.004):
                     self._stream.gap()
@@ -213,7 +216,7 @@ class SerialArray:
             self.counts.lost += ahead if self._sequence >= 0 and 0 < ahead < _RESTARTED else 0
             self._sequence = raw.sequence
         self._index += 1
-        self._last, self._strange = now, self._stream.skipped
+        self._last, self._strange, self._deaf = now, self._stream.skipped, 0.0
         self.watch(frame)
         with self._news:
             self._newest = frame
