@@ -21,9 +21,9 @@ GAVE_UP = "budget"  # of touches, all of them or those that may pass without tea
 FAULT = "fault: "
 _OPEN = "nothing reachable is open"
 _COUNTED = (
-    (r"collision of .*", "the housing met the object"),
-    (r"overpress of .*", "the skin was pressed through"),
-    (r"pressed to .*", "the press passed its limit"),
+    (r"collision of .*", "the housing behind the pad met the object, and backed off"),
+    (r"overpress of .*", "the skin was pressed through, and the pad backed off"),
+    (r"pressed to .*", "a press passed its limit, and the pad backed off"),
 )
 
 
