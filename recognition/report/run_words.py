@@ -59,7 +59,7 @@ def _boundary_figures(s: Json) -> Cells:
     truth = s.get("truth") or {}
     return [
         ("Volume", _rounded(s.get("volume_mm3"), 0), "mm³"),
-        ("Surface error, rms", _rounded(truth.get("surface_rms_mm"), 3), "mm"),
+        ("Surface error, rms", _rounded(truth.get("surface_rms_mm"), 4), "mm"),
         ("Overlap with truth", _rounded(truth.get("iou"), 4), ""),
     ]
 

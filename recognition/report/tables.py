@@ -61,16 +61,18 @@ def section(title: str, body: str) -> str:
 
 
 def table(rows: Iterable[Row], columns: Sequence[Column], face_rows: bool = False) -> str:
-    """Rows under the columns' titles; `face_rows` are marked with their face's id."""
+    """Rows under the titles of columns that say anything; `face_rows` are marked with their face's id."""
+    told = [(row, [cell(row) for _, _, cell in columns]) for row in rows]
+    if not told:
+        return ""
+    shown = [k for k in range(len(columns)) if any(cells[k] for _, cells in told)]
     body = [
         (f'<tr tabindex="0" data-face="{int(row["id"])}">' if face_rows else "<tr>")
-        + "".join(f"<td{_align(number)}>{cell(row)}</td>" for _, number, cell in columns)
+        + "".join(f"<td{_align(columns[k][1])}>{cells[k]}</td>" for k in shown)
         + "</tr>"
-        for row in rows
+        for row, cells in told
     ]
-    if not body:
-        return ""
-    head = "".join(f"<th{_align(number)}>{title}</th>" for title, number, _ in columns)
+    head = "".join(f"<th{_align(columns[k][1])}>{columns[k][0]}</th>" for k in shown)
     label = escape("Table of " + ", ".join(title for title, _, _ in columns[:2]))
     region = f'<div class="scroll" tabindex="0" role="region" aria-label="{label}">'
     return f"{region}<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table></div>"
