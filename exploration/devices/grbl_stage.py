@@ -27,6 +27,9 @@ from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
 _HOMED = 5.0  # [mm, deg] that a stage may have moved while its port was away
+_TRUSTED = (
+    0.01  # [s] past the newest report, for which its speed tells where the stage is to who guards a force
+)
 _ENDS = 1.0  # [s] of the machine's time for the thread to end by itself
 
 
@@ -57,6 +60,10 @@ class GrblStage:
         self._hear()
         self._plan.resync(self._where.joints)
         self._thread = threading.Thread(target=self._run, name="stage", daemon=True)
+        if safety is not None:
+            safety.where = lambda moment: chain.pose(
+                self._where.at(min(moment, self._where.moment + _TRUSTED))
+            )
 
     @property
     def limits(self) -> StageLimits:
@@ -91,6 +98,8 @@ class GrblStage:
         """Start a straight move to a pose; one that the axes cannot take is refused before anything moves."""
         with self._unless_faulty():
             self._plan.head_for(np.array(world_from_flange, dtype=float))
+            if self._safety is not None:
+                self._safety.goes()
 
     @property
     def moving(self) -> bool:

@@ -19,6 +19,7 @@ is stopped and h the time for which motion is sent (our derivation; both with th
 stiffness k and area A).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,7 +72,12 @@ class Safety:
         self._force, self._toward = 0.0, 0.0  # [N], [mm/s] as it was asked last
         self._skin = _skin(calibration, area)  # the whole skin's area over that of the taxels
         self._stiffness = self._skin * calibration.stiffness * area * calibration.zero.size  # [N/mm]
-        self._coming = 0.0  # [mm] toward the object, sent and not done
+        self._leads_to: Floats | None = (
+            None  # (4, 4) where all that was sent leads; None where no stage tells
+        )
+        self.where: Callable[[float], Floats] = lambda moment: np.eye(
+            4
+        )  # the flange then, as the stage tells
         self._told = False
         self._counts = np.empty(0)
         self._repeats = 0.0  # log of the chance that noise repeats a frame so often
@@ -90,15 +96,21 @@ class Safety:
         if force < self.limits.force:
             self._ceiling = self.limits.force
         if force > _TOUCH * self.limits.force:
-            force += self._stiffness * (self._coming + self._toward * self.limits.lead)
+            force += self._stiffness * (self._coming(frame.time) + self._toward * self.limits.lead)
         if force > self._ceiling and not self.tripped:
             self.tripped = f"{force:.0f} N would be more than the limit of {self.limits.force:.0f} N"
 
     def sent(self, here: Floats, leads_to: Floats) -> None:
         """(4, 4) where the flange is and where all that was sent leads, from the stage's thread."""
         self.at(here[:3, 3])
-        before, after = here @ self._mount, leads_to @ self._mount
-        self._coming = max(0.0, float(before[:3, 2] @ (after[:3, 3] - before[:3, 3])))
+        self._leads_to = leads_to
+
+    def _coming(self, moment: float) -> float:
+        """[mm] toward the object that were sent and, at the moment of a frame, not done."""
+        if self._leads_to is None:
+            return self._toward * self.limits.ahead
+        before, after = self.where(moment) @ self._mount, self._leads_to @ self._mount
+        return max(0.0, float(before[:3, 2] @ (after[:3, 3] - before[:3, 3])))
 
     def force(self, frame: TaxelFrame) -> float:
         """[N] over the whole pad, its skin past the outer taxels pressed alike."""
@@ -112,8 +124,11 @@ class Safety:
         late = self._silence + self.limits.lead + self.limits.ahead
         blind = acceleration * (np.sqrt(late**2 + 2.0 * depth / acceleration) - late)
         self._toward = max(0.0, min(toward, blind))
-        self._coming = self._toward * self.limits.ahead
         return np.asarray(twist * min(1.0, blind / max(toward, 1e-9)))
+
+    def goes(self) -> None:
+        """No twist is wished for any more: what is to come is what was sent."""
+        self._toward = 0.0
 
     def lost(self) -> None:
         """The array's port has gone: no patience is owed."""

@@ -20,11 +20,11 @@ import numpy as np
 
 from exploration.devices.clock import WrittenClock
 from exploration.devices.emulators import terminals
+from exploration.devices.emulators.array_words import encoded, replies
 from exploration.devices.emulators.grbl_machine import GrblMachine
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.simulated_array import SimulatedArray
 from exploration.devices.simulated_stage import SimulatedStage
-from exploration.devices.wire import flexitac, line_text, matrix_text, weiss_dsa, weiss_wts
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.frame import TaxelFrame
 from exploration.sensing.spec import SensorSpec
@@ -127,7 +127,7 @@ class EmulatedRig:
                 self._live_until(self._tick())
                 self.machine.receive(data)
             elif end == self._array_end and data:
-                self._answer(data)
+                terminals.write(self._array_end, replies(self._protocol, data, self._spec))
         self._send_replies(self.clock.now())
 
     def _live_until(self, now: float) -> None:
@@ -227,16 +227,6 @@ class EmulatedRig:
             self._full = time.monotonic()
         self._unsent = b"" if self._unread else left
 
-    def _answer(self, data: bytes) -> None:
-        a = self._spec.array
-        told = weiss_dsa.MatrixInfo(
-            a.pitch, (a.columns, a.rows), min(self._spec.electronics.full_scale, 65535.0)
-        )
-        if self._protocol == "dsa" and weiss_dsa.ask_matrix() in data:
-            terminals.write(self._array_end, weiss_dsa.encode_matrix_info(told))
-        if self._protocol == "wts" and weiss_wts.ask_matrix() in data:
-            terminals.write(self._array_end, weiss_wts.encode_matrix_info(told))
-
     def _send_replies(self, now: float) -> None:
         if self.machine.replies:
             data = b"".join(self.machine.replies)
@@ -248,20 +238,3 @@ class EmulatedRig:
                 answer[int(self._rng.integers(0, len(answer)))] = int(self._rng.integers(0, 256))
             if not self.faults.deaf:
                 terminals.write(self._stage_end, bytes(answer))
-
-
-def encoded(protocol: str, frame: TaxelFrame) -> bytes:
-    """A frame as an array of that protocol sends it."""
-    counts = np.rint(frame.counts).astype(int)
-    milliseconds = round(1000 * frame.time)
-    if protocol == "dsa":
-        return weiss_dsa.encode_frame(np.minimum(counts, 4095), milliseconds)
-    if protocol == "wts":
-        return weiss_wts.encode(np.minimum(counts, 65535), milliseconds)
-    if protocol == "flexitac":
-        return flexitac.encode(np.minimum(counts, 255))
-    return (
-        matrix_text.encode(counts)
-        if protocol == "matrix"
-        else line_text.encode(counts, frame.index, milliseconds)
-    )
