@@ -33,7 +33,7 @@ docs: $(VENV)/.kernels
 	$(BIN)/python docs/site/make_pages.py
 
 site: $(VENV)/.docs
-	$(BIN)/python -m mkdocs build --quiet --strict --config-file docs/site/mkdocs.yml
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict --config-file docs/site/mkdocs.yml
 	@echo "build/site/index.html"
 
 clean:

@@ -24,6 +24,7 @@ from typing import Any
 import pyarrow.parquet as pq
 
 TRIALS = int(os.environ.get("PALPATE_BENCH_TRIALS", "200"))
+FRAMES = int(os.environ.get("PALPATE_BENCH_FRAMES", "100"))  # of a trial: a quarter of a second
 KILLS = int(os.environ.get("PALPATE_BENCH_KILLS", "20"))
 SUITE = """
 name = "engine"
@@ -31,6 +32,7 @@ name = "engine"
 kind = "frames"
 scene = ["edge", "flat"]
 noise = [0.02, 0.05]
+count = {frames}
 seeds = {seeds}
 """
 TOUCHES = """
@@ -62,7 +64,7 @@ def run() -> list[dict[str, Any]]:
     with tempfile.TemporaryDirectory(prefix="palpate-bench-") as folder:
         room = Path(folder)
         suite = room / "engine.toml"
-        suite.write_text(SUITE.format(seeds=TRIALS // 4))
+        suite.write_text(SUITE.format(seeds=TRIALS // 4, frames=FRAMES))
         return [*_ways(suite, room), *_killed(suite, room), *_touches(room)]
 
 
