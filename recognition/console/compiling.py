@@ -14,7 +14,7 @@ from typing import Any
 from numba.core import event
 
 _SILENT = 1.0  # [s] of compiling that nobody is told of
-TEXT = "compiling the kernels, which happens once and takes up to a minute"
+TEXT = "compiling the kernels, which happens once and takes a minute or two"
 
 
 class _Told(event.Listener):  # type: ignore[misc]
