@@ -2,7 +2,8 @@
 
     shortlist   objects by the distances and angles of pairs of contacts (`models.library.pair_table`)
     search      poses of each, scored on its distance field (`hypotheses`)
-    refine      those poses of all objects that may still be the best, on the exact surface (`modes`)
+    sift        those poses of all objects that may still be the best (`sifted`)
+    refine      these on the exact surface, each once (`modes`)
     weigh       names, poses and "unknown" against each other
 
 Where the belief is not settled by the first objects of the shortlist, the next ones are searched too; and more of
@@ -25,9 +26,10 @@ from recognition.matching.belief import UNKNOWN, Belief
 from recognition.matching.contact_pairs import spread
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
-from recognition.matching.likelihood import NoiseConfig
+from recognition.matching.likelihood import NoiseConfig, log_likelihoods
 from recognition.matching.modes import Felt, Mode, modes_of, residual
 from recognition.matching.shortlist import shortlist
+from recognition.matching.sifted import SiftConfig, sifted
 from recognition.matching.target import Target, target_of
 
 _ALIKE = 0.9  # share of unknown objects that are somewhat like one of the library
@@ -39,19 +41,15 @@ class MatchConfig:
 
     search: SearchConfig = field(default_factory=SearchConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
+    sift: SiftConfig = field(default_factory=SiftConfig)
     first: int = 12  # objects of the shortlist that are searched at once
     most_objects: int = 48  # that are searched where these settle nothing
     most_strange: int = 160  # that are searched before it is called unknown
     telling: int = 4  # contacts from which on their pairs rank objects
     most_untold: int = 500  # objects that are searched where they do not
     settled: float = 0.98  # probability of a name from which on the first are enough
-    refined: int = 12  # poses of an object that are refined on its exact surface
-    refined_blind: int = 96  # the same where no normals were felt
-    in_all: int = 40  # poses of all objects that are refined, at least; more while contacts are few
-    steps: int = 4000  # contacts times poses that are refined, at least
-    behind: float = 12.0  # of log likelihood on the field, by which a pose may be behind; and, a contact,
-    behind_each: float = 1.0
-    foremost: int = 3  # poses of each object that are refined however far behind: beside edges the field errs
+    unusual: float = 2.5  # standard deviations of a fit, beyond which more objects are searched
+    believed: int = 4  # poses of an object that were believed, and are looked at before new ones
     polished: int = 24  # of these, refined again to the least mean distance
     most: int = 400  # contacts that are weighed; more are thinned evenly
     told: int = 64  # hypotheses in the belief
@@ -91,9 +89,26 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
         modes = _modes(found, library, evidence, prior, config)
         belief = _weighed(modes, library, evidence, prior, unknown, config)
         enough = told and count >= config.most_objects
-        if belief.decision != UNKNOWN and (enough or belief.confidence > config.settled):
+        if (enough or belief.confidence > config.settled) and _fits(belief, evidence, config):
             break
     return belief
+
+
+def _fits(belief: Belief, evidence: Evidence, config: MatchConfig) -> bool:
+    """Whether the contacts lie on what is decided for no worse than their noise lets them.
+
+    A contact's distance and normal cost half a nat for each of their dimensions, as chi-squared does.
+    """
+    best = belief.best(belief.decision)
+    if best is None or not evidence.scale_known:
+        return best is not None
+    seen, nothing = Felt.of(evidence), np.zeros((1, len(evidence.contacts)))
+    size = 2.0 * float(np.linalg.norm(np.ptp(seen.points, axis=0))) + 1.0
+    whole, _ = log_likelihoods(nothing, nothing, seen.felt, seen.sigma, seen.tau, size, config.noise)
+    lost = float(seen.shares @ (whole[0] - best.log_likelihoods))
+    dimensions = np.where(seen.felt, 3.0, 1.0)
+    usual, spread_of = seen.shares @ dimensions / 2.0, np.sqrt(seen.shares**2 @ dimensions / 2.0)
+    return bool(lost <= usual + config.unusual * spread_of)
 
 
 def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchConfig) -> Found:
@@ -106,35 +121,23 @@ def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchCon
         return found
     costs = np.concatenate([found.costs, scored(begun, target, poses, config.search)])
     poses = np.concatenate([found.poses, poses])
-    return begun.distinct(poses, costs, len(poses), config.search.differ, target.size)
+    found = begun.distinct(poses, costs, len(poses), config.search.differ, target.size)
+    if not starts:
+        return found
+    first = np.stack(starts[: config.believed])
+    there = scored(begun, target, first, config.search)
+    return Found(np.concatenate([first, found.poses]), np.concatenate([there, found.costs]))
 
 
 def _modes(found: Mapping[str, Found], library: Mapping[str, Entry], evidence: Evidence, prior: Prior,
            config: MatchConfig) -> list[Mode]:  # fmt: skip
     """The modes of those poses that may be among the likeliest of all."""
     seen = Felt.of(evidence)
-    n = len(seen.points)
-    each = config.refined if seen.felt.sum() >= 3 else config.refined_blind
-    names = [name for name, f in found.items() for _ in range(min(len(f.costs), each))]
-    if not names:
-        return []
-    rows = np.concatenate([np.arange(min(len(f.costs), each)) for f in found.values()])
-    there = {name: seen.places.log_density(target_of(library[name]).area, seen.shares) for name in found}
-    scores = np.concatenate([there[name] - 0.5 * f.costs[:each] for name, f in found.items()])
-    limit = max(config.in_all, config.steps // n, each)
-    order = np.argsort(-scores, kind="stable")
-    near = scores[order] >= scores[order[0]] - config.behind - config.behind_each * n
-    near[limit:] = False
-    order = order[near | (rows[order] < config.foremost)]
-    taken: dict[str, list[int]] = {}
-    for k in order:
-        taken.setdefault(names[k], []).append(int(rows[k]))
+    kept = sifted(found, library, seen, evidence, config.noise, config.sift)
     return [
         mode
-        for name, which in taken.items()
-        for mode in modes_of(
-            library[name], found[name].poses[which], seen, evidence, prior, config.noise, config.polished
-        )
+        for name, poses in kept.items()
+        for mode in modes_of(library[name], poses, seen, evidence, prior, config.noise, config.polished)
     ]
 
 

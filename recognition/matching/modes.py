@@ -86,6 +86,7 @@ def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior:
         covariance, log_volume = _spread_of(
             done.information[k] / max(scale**2, 1e-12), done.poses[k], seen.points, target
         )
+        covariance = _but_for_turns(entry, covariance)
         if any(_same(entry, m.hypothesis, world, target) for m in modes):
             continue
         at = log_volume + _copies(entry) - np.log(prior.volume) - _ROTATIONS
@@ -145,6 +146,17 @@ def _spread_of(information: Floats, found: Floats, points: Floats, target: Targe
     values = np.maximum(values, 1e-14 * values[-1])
     log_volume = 3 * np.log(2 * np.pi) - 0.5 * np.log(values).sum()
     return np.asarray((axes / values) @ axes.T), float(log_volume)
+
+
+def _but_for_turns(entry: Entry, covariance: Floats) -> Floats:
+    """Without the turns of a continuous symmetry, which are no other pose: given that there was none of these."""
+    group = entry.symmetry
+    if not group.continuous:
+        return covariance
+    axes = np.eye(3) if group.axis is None else group.axis[None]
+    rows = np.hstack([np.zeros((len(axes), 3)), axes])
+    across = covariance @ rows.T
+    return np.asarray(covariance - across @ np.linalg.solve(rows @ across, across.T))
 
 
 def _same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:

@@ -5,7 +5,9 @@ import numpy as np
 from models.csg import Cylinder
 from models.library import Library
 from models.solid import Solid
+from primitives.evidence import Contacts
 from primitives.pose import exp, inverse, pose, rotation_exp
+from recognition.matching import Evidence, match
 from recognition.matching.align import refine
 from recognition.matching.facets import bent, facets_of
 from recognition.matching.steps import add_bent_normal
@@ -67,3 +69,14 @@ def test_facets_of_a_cylinder_bend_by_one_over_its_radius():
     bent(mesh.corners[side], mesh.normals[side], k)
     values = np.sort(np.abs(np.linalg.eigvals(k)))
     assert np.allclose(values, [0.0, 0.0, 1 / 15.0], atol=2e-3)
+
+
+def test_how_sure_a_rod_lies_says_nothing_of_turns_about_itself():
+    points, normals = _felt(40)
+    ends = np.array([[x, y, 30.0] for x in (-8.0, 8.0) for y in (-8.0, 8.0)])
+    points = np.vstack([points, ends])
+    normals = np.vstack([normals, np.tile([0.0, 0.0, 1.0], (4, 1))])
+    belief = match(Evidence(Contacts.of(points, normals, 0.05, 0.01)), {"rod": ROD})
+    assert belief.decision == "rod"
+    assert belief.hypotheses[0].rotation_sigma < 0.02
+    assert belief.hypotheses[0].translation_sigma < 0.2

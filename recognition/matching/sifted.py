@@ -1,0 +1,86 @@
+"""Which poses of which objects are worth the whole refinement: what the field cannot say, the exact surface can.
+
+Beside edges and in narrow places a distance field errs by more than contacts do, so that the true pose of the true
+object may look far worse on it than a false one.  The best poses of each object are refined for a few rounds by a
+few contacts on the exact surface, and those whose likelihood there is far behind are given up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.library import Entry
+from primitives.arrays import Floats, Ints
+from recognition.matching.align import refine
+from recognition.matching.contact_pairs import spread
+from recognition.matching.evidence import Evidence
+from recognition.matching.facets import facets_of
+from recognition.matching.hypotheses import Found
+from recognition.matching.likelihood import NoiseConfig, log_likelihoods
+from recognition.matching.modes import Felt
+from recognition.matching.target import gap, target_of
+
+
+@dataclass(frozen=True)
+class SiftConfig:
+    """How many poses are looked at, and which of them stay."""
+
+    each: int = 12  # poses of an object that are looked at
+    each_blind: int = 96  # the same where no normals were felt
+    contacts: int = 24  # that judge them
+    rounds: int = 4
+    behind: float = 14.0  # of log likelihood on the exact surface, by which a pose may be behind
+    on_field: float = 12.0  # the same on the field, where the noise is not known; and, a contact,
+    on_field_each: float = 1.0
+    in_all: int = 40  # poses of all objects that stay, at most, however many contacts there are
+    steps: int = 4000  # contacts times poses that stay, at most, while contacts are few
+
+
+def sifted(found: Mapping[str, Found], library: Mapping[str, Entry], seen: Felt, evidence: Evidence,
+           noise: NoiseConfig, config: SiftConfig) -> dict[str, Floats]:  # fmt: skip
+    """(k, 3, 4) poses of each object that has any, best first."""
+    blind = seen.felt.sum() < 3
+    each, n = config.each_blind if blind else config.each, len(seen.points)
+    poses = {name: f.poses[:each] for name, f in found.items() if len(f.costs)}
+    if not poses:
+        return {}
+    there = {name: seen.places.log_density(target_of(library[name]).area, seen.shares) for name in poses}
+    scores = {name: there[name] - 0.5 * found[name].costs[:each] for name in poses}
+    behind = config.on_field + config.on_field_each * n
+    if evidence.scale_known and not blind:
+        few = spread(evidence.contacts, config.contacts)
+        for name in poses:
+            poses[name], like = _looked_at(library[name], poses[name], seen, few, noise, config)
+            scores[name] = there[name] + like * n / len(few)
+        behind = config.behind * n / len(few)
+    return _best(poses, scores, behind, max(config.in_all, config.steps // n, each))
+
+
+def _looked_at(entry: Entry, poses: Floats, seen: Felt, few: Ints, noise: NoiseConfig,
+               config: SiftConfig) -> tuple[Floats, Floats]:  # fmt: skip
+    """The poses after a few rounds, and (k,) the logarithm of what some contacts say of each."""
+    target = target_of(entry)
+    wider = max(1.0, 0.35 * gap(target) / float(np.median(seen.sigma)))
+    felt, sigma, tau, shares = seen.felt[few], seen.sigma[few], seen.tau[few], seen.shares[few]
+    contacts = np.ascontiguousarray(seen.points[few]), np.ascontiguousarray(seen.normals[few]), felt
+    mesh = facets_of(entry.solid.body)
+    done = refine(np.ascontiguousarray(poses), *contacts, sigma, tau, shares, mesh, wider, config.rounds)
+    like, _ = log_likelihoods(done.distances, done.angles, felt, sigma, tau, target.size, noise)
+    return done.poses, like @ shares
+
+
+def _best(
+    poses: Mapping[str, Floats], scores: Mapping[str, Floats], behind: float, limit: int
+) -> dict[str, Floats]:
+    """Those that are not far behind, at most so many of all objects."""
+    names = [name for name in poses for _ in range(len(poses[name]))]
+    rows = np.concatenate([np.arange(len(p)) for p in poses.values()])
+    all_scores = np.concatenate([scores[name] for name in poses])
+    order = np.argsort(-all_scores, kind="stable")[:limit]
+    taken: dict[str, list[int]] = {}
+    for k in order[all_scores[order] >= all_scores[order[0]] - behind]:
+        taken.setdefault(names[k], []).append(int(rows[k]))
+    return {name: poses[name][which] for name, which in taken.items()}
