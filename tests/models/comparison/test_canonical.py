@@ -1,5 +1,3 @@
-import json
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,14 +6,12 @@ from hypothesis import strategies as st
 from models import parts
 from models.boundary import boundary
 from models.brep import Brep, Edge, Face
-from models.brep_json import brep_from_json, load_brep
 from models.comparison.canonical import Canonical, same_boundary
 from models.comparison.isomorphism import same_topology
 from models.comparison.signature import probes, signature
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere, Torus
 from models.solid import Solid
 from primitives.arrays import frozen
-from primitives.errors import PalpateError
 from primitives.pose import pose, random_rotation, transform_points
 
 CHIRAL = Cube((60, 40, 20)) - Cube((20, 20, 20)).at(25, 15, 5) - Cylinder(4, 60).at(-20, -10, 0)
@@ -116,7 +112,6 @@ def test_many_parts_equal_themselves_and_no_other() -> None:
     test_parts_equal_themselves_in_any_pose_and_order(every)
     test_no_part_equals_another(every)
     test_signatures_of_equal_boundaries_are_found_by_probing(every)
-    test_a_boundary_survives_its_json(every)
 
 
 def test_parts_equal_themselves_in_any_pose_and_order(breps: dict[str, Brep]) -> None:
@@ -247,37 +242,3 @@ def test_canonical_boundaries_work_in_sets() -> None:
     bracket, block = brep_of(parts.build("bracket")), brep_of(parts.build("block"))
     assert len({Canonical(bracket), Canonical(bracket.moved(posed(1))), Canonical(block)}) == 2
     assert Canonical(block) != "block"
-
-
-def test_a_boundary_survives_its_json(breps: dict[str, Brep]) -> None:
-    for name, brep in breps.items():
-        again = brep_from_json(json.loads(json.dumps(brep.as_json())))
-        match = same_boundary(brep, again, 1e-6)
-        assert match, name
-        assert (again.shells, again.genus) == (brep.shells, brep.genus)
-
-
-@pytest.mark.parametrize(
-    "spoiled",
-    [
-        {},
-        [],
-        None,
-        {"faces": 3},
-        {"faces": [], "edges": [{}], "vertices_mm": []},
-        {"faces": [], "edges": [], "vertices_mm": [[np.nan, 0, 0]]},
-    ],
-)
-def test_what_is_no_boundary_is_refused_in_one_line(spoiled: object) -> None:
-    with pytest.raises(PalpateError) as caught:
-        brep_from_json(spoiled)
-    assert "\n" not in str(caught.value)
-
-
-def test_json_that_breaks_an_invariant_is_refused(tmp_path) -> None:
-    fields = brep_of(Cube((10, 20, 30))).as_json()
-    fields["edges"][3]["vertices"] = [0, 99]
-    path = tmp_path / "brep.json"
-    path.write_text(json.dumps(fields))
-    with pytest.raises(PalpateError, match=r"brep\.json: .*edge 3"):
-        load_brep(path)
