@@ -5,11 +5,15 @@ And the first words again, after its port was away: a cable that is plugged in a
 
 from collections.abc import Callable
 
+import numpy as np
+
 from exploration.devices.grbl_link import GrblLink
 from exploration.devices.grbl_text import Status
 from exploration.devices.kinematic_chain import KinematicChain
+from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
+_MOVED = 5.0  # [mm, deg] that a stage may have moved on while its port was away
 _PATIENCE = 3.0  # [s] of listening
 
 
@@ -46,6 +50,12 @@ def greet_again(link: GrblLink, chain: KinematicChain, wanted: Callable[[], bool
                 continue
             return True
     return False
+
+
+def lost_position(chain: KinematicChain, before: Floats, after: Floats) -> str:
+    """What to say where the joints (n,) [mm, rad] are elsewhere than before the port was away; empty where not."""
+    moved = (np.abs((after - before) * chain.to_wire) > _MOVED).any()
+    return "the stage has lost its position; home it, then begin again" if moved else ""
 
 
 def _first_report(link: GrblLink) -> Status:

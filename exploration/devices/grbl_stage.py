@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from exploration.devices import grbl_text
-from exploration.devices.grbl_greeting import greet, greet_again
+from exploration.devices.grbl_greeting import greet, greet_again, lost_position
 from exploration.devices.grbl_link import GrblLink, Heard
 from exploration.devices.jog_cancel import JogCancel
 from exploration.devices.jog_plan import JogPlan, StreamConfig
@@ -26,10 +26,6 @@ from exploration.devices.whereabouts import Whereabouts
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
-_HOMED = 5.0  # [mm, deg] that a stage may have moved while its port was away
-_TRUSTED = (
-    0.01  # [s] past the newest report, for which its speed tells where the stage is to who guards a force
-)
 _ENDS = 1.0  # [s] of the machine's time for the thread to end by itself
 
 
@@ -61,9 +57,8 @@ class GrblStage:
         self._plan.resync(self._where.joints)
         self._thread = threading.Thread(target=self._run, name="stage", daemon=True)
         if safety is not None:
-            safety.where = lambda moment: chain.pose(
-                self._where.at(min(moment, self._where.moment + _TRUSTED))
-            )
+            braking = limits.acceleration
+            safety.where = lambda moment: chain.pose(self._where.surely_at(moment, braking))
 
     @property
     def limits(self) -> StageLimits:
@@ -130,7 +125,9 @@ class GrblStage:
             if self._thread.is_alive():
                 self.stop()
                 until = self._clock.now() + 1.0
-                while self._clock.now() < until and not self.fault and self._busy:
+                while self._clock.now() < until and not self.fault:
+                    if not self._cancel.pending and self.state != "Jog":
+                        break
                     self._clock.sleep(0.005)
         finally:
             self._open = False
@@ -161,10 +158,6 @@ class GrblStage:
             self._supervise(bool(heard.reports))
             self._feed()
 
-    @property
-    def _busy(self) -> bool:
-        return self._cancel.pending or self.state == "Jog"
-
     @contextlib.contextmanager
     def _unless_faulty(self) -> Iterator[None]:
         if self.fault:
@@ -186,16 +179,13 @@ class GrblStage:
             self.state = report.state
             self._where.note(moment, self._chain.from_wire(report.position, self._order))
             if self._pin and self._pin in report.pins:
-                self._crashed(moment)
+                self._events.append(StageEvent("collision", moment, 0.0, "crash switch"))
+                if self._safety is not None and self._plan.twisting:
+                    self._safety.tripped = self._safety.tripped or "the crash switch opened"
         why = grbl_text.fault(heard.alarm, heard.errors, self.state, heard.reset and self._where.known)
         self.fault = self.fault or why
         if heard.errors:  # a line that was refused leaves those after it leading elsewhere
             self._stop_jogs()
-
-    def _crashed(self, moment: float) -> None:
-        self._events.append(StageEvent("collision", moment, 0.0, "crash switch"))
-        if self._safety is not None and self._plan.twisting:
-            self._safety.tripped = self._safety.tripped or "the crash switch opened"
 
     def _supervise(self, news: bool) -> None:
         """Whatever must stop motion, looked at every few ms."""
@@ -258,5 +248,4 @@ class GrblStage:
         except PalpateError as error:
             return str(error)
         self.reconnects += 1
-        moved = (np.abs((self._where.joints - before) * self._chain.to_wire) > _HOMED).any()
-        return "the stage has lost its position; home it, then begin again" if moved else ""
+        return lost_position(self._chain, before, self._where.joints)

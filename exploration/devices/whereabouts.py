@@ -58,3 +58,20 @@ class Whereabouts:
                 return np.asarray(before[1] + share * (after[1] - before[1]))
             after = before
         return after[1]
+
+    def surely_at(self, moment: float, braking: float) -> Floats:
+        """(n,) [mm, rad] as far as it had surely come, though it may brake by `braking` [mm/s^2].
+
+        The speed v is a mean over the reports' interval T, so it may have fallen by a T / 2 when the last came:
+        a way of (v - a T / 2) t - a t^2 / 2 in t [s] is sure (our derivation).
+        """
+        reports = list(self._reports)
+        moments, last = [when for when, _ in reports], reports[-1][1]
+        t, ahead = moment - moments[-1], self.at(moment)
+        base = next((moments[-1] - m for m in reversed(moments) if moments[-1] - m >= _BASE), 0.0)
+        speed = float(np.linalg.norm(ahead - last)) / max(min(t, _AHEAD), 1e-9)
+        if t <= 0.0 or speed <= 0.0:
+            return ahead
+        t = min(t, _AHEAD, max(0.0, speed / braking - 0.5 * base))
+        sure = (speed - 0.5 * braking * base) * t - 0.5 * braking * t * t
+        return np.asarray(last + (ahead - last) * max(0.0, sure) / float(np.linalg.norm(ahead - last)))

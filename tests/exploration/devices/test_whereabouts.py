@@ -30,3 +30,22 @@ def test_one_report_alone_stands_for_every_time():
     where.note(5.0, np.array([7.0]))
     assert where.known
     assert [where.at(t)[0] for t in (4.0, 5.0, 6.0)] == [7.0, 7.0, 7.0]
+
+
+@pytest.mark.parametrize("begins", [0.0, 0.004, 0.012, 0.02])
+def test_a_stage_that_may_brake_is_surely_no_less_far_than_told(begins):
+    """It runs at 40 mm/s and brakes at 2000 mm/s^2 from some time on; reports come every 4 ms."""
+    speed, braking = 40.0, 2000.0
+
+    def true(time: float) -> float:
+        late = np.clip(time - begins, 0.0, speed / braking)
+        return speed * min(time, begins) + speed * late - 0.5 * braking * late**2
+
+    where = Whereabouts(1)
+    for time in np.arange(-0.04, 0.0161, 0.004):
+        where.note(float(time), np.array([true(time) if time > 0.0 else speed * time]))
+    told = [float(where.surely_at(t, braking)[0]) for t in np.arange(0.016, 0.035, 0.001)]
+    assert all(x <= true(t) + 1e-9 for x, t in zip(told, np.arange(0.016, 0.035, 0.001), strict=True))
+    assert told[0] == pytest.approx(true(0.016))
+    if begins > 0.016:
+        assert told[3] > true(0.016) + 0.05
