@@ -22,11 +22,11 @@ def without_short_edges(
 ) -> tuple[tuple[Edge, ...], Runs, Floats]:
     """The edges, the loops of each face and the (v, 3) vertices, edges not longer than `least` [mm] gone."""
     left = [[len(loop) for loop in runs] for runs in loops]
-    where = {edge: [] for edge in range(len(edges))}  # type: dict[int, list[tuple[int, int]]]
+    where: list[list[tuple[int, int]]] = [[] for _ in edges]
     for face, runs in enumerate(loops):
         for number, loop in enumerate(runs):
-            for edge in loop:
-                where[edge].append((face, number))
+            for i in loop:
+                where[i].append((face, number))
     one = np.arange(len(vertices))
     gone: set[int] = set()
     for edge in edges:

@@ -10,15 +10,18 @@ of like width, and four of them unless they turn gently.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from models.recovery.coaxial import coaxial
+from models.recovery.convincing import convincing
 from models.recovery.fits import FacetFitOptions, depth, evidence, fit_facets, refit_facets
 from models.recovery.grow import Mesh, Reach, grow
+from models.recovery.patches import patch_round, patches
 from primitives.arrays import Bools, Floats, Ints
 from primitives.fit import NoFit
 from primitives.shapes import Shape
@@ -32,6 +35,7 @@ class CurvedOptions:
     alike: float = 6.0  # the greatest ratio of areas between neighbors of one patch
     smoothly: float = 20.0  # and between neighbors that may be of one face
     patches: tuple[int, ...] = (12, 5)  # facets of a patch, the larger tried first
+    along: int = 6  # facets of a patch along the longest rims, tried last
     fewest: dict[str, int] = field(
         default_factory=lambda: {"cylinder": 3, "cone": 3, "sphere": 4, "torus": 6}
     )
@@ -68,11 +72,11 @@ class Region:
 def find_curved(mesh: Mesh, taken: Bools, noise: float, options: CurvedOptions) -> list[Region]:
     """Disjoint regions whose corners are on their surface but for `noise` [mm], in the order of finding."""
     free = ~taken
-    return [
-        region
-        for hood in neighborhoods(mesh, free, options.alike, options)
-        for region in in_neighborhood(mesh, hood, free, noise, 0.0, options)
-    ]
+    found: list[Region] = []
+    for hood in neighborhoods(mesh, free, options.alike, options):
+        for region in in_neighborhood(mesh, hood, free, noise, 0.0, options, found):
+            found.append(region)  # noqa: PERF402  the next is looked for about the axes of those before
+    return found
 
 
 def neighborhoods(mesh: Mesh, free: Bools, ratio: float, options: CurvedOptions) -> list[Ints]:
@@ -89,16 +93,25 @@ def neighborhoods(mesh: Mesh, free: Bools, ratio: float, options: CurvedOptions)
 
 
 def in_neighborhood(
-    mesh: Mesh, hood: Ints, free: Bools, noise: float, slack: float, options: CurvedOptions
+    mesh: Mesh,
+    hood: Ints,
+    free: Bools,
+    noise: float,
+    slack: float,
+    options: CurvedOptions,
+    found: Sequence[Region] = (),
 ) -> Iterator[Region]:
-    """Regions from seeds in one neighborhood, larger facets first; marks what they take as no longer free."""
+    """Regions from seeds in one neighborhood, larger facets first; marks what they take as no longer free.
+
+    What was `found` before has axes about which there may be more.
+    """
     tried = np.zeros(len(free), dtype=bool)
     patience = options.failures + min(len(hood) // 100, options.patient)
     left = float(patience)
     for seed in hood[np.argsort(-mesh.flats.area[hood])].tolist():
         if not free[seed] or tried[seed]:
             continue
-        region = _from_seed(mesh, seed, hood, free, noise, slack, options)
+        region = _from_seed(mesh, seed, hood, free, noise, slack, options, found)
         if region is not None:
             free[region.facets] = False
             left = patience if len(region.facets) > 2 * options.patches[0] else left - 0.25
@@ -123,18 +136,21 @@ def alike(mesh: Mesh, ratio: float, smooth: float) -> tuple[Ints, Ints]:
 
 
 def _from_seed(
-    mesh: Mesh, seed: int, hood: Ints, free: Bools, noise: float, slack: float, options: CurvedOptions
+    mesh: Mesh,
+    seed: int,
+    hood: Ints,
+    free: Bools,
+    noise: float,
+    slack: float,
+    options: CurvedOptions,
+    found: Sequence[Region],
 ) -> Region | None:
     around = float(mesh.flats.area[hood[free[hood]]].sum())
-    for count in options.patches:
-        patch, turn, sag = patch_round(mesh, seed, free, count, options)
+    for patch, turn, sag in patches(mesh, seed, free, options):
         if len(patch) < 3:
             return None
-        best: tuple[float, Region] | None = None
-        for kind in _possible(mesh.flats.normal[patch], options):
-            region = _region(kind, mesh, patch, turn, free, noise + slack * sag / 3, options)
-            if region is None:
-                continue
+        allowed, best = noise + slack * sag / 3, None
+        for region in _candidates(mesh, patch, turn, free, allowed, found, options):
             area = float(mesh.flats.area[region.facets].sum())
             if best is None or best[0] < options.simpler * area:
                 best = area, region
@@ -145,6 +161,32 @@ def _from_seed(
     return None
 
 
+def _candidates(
+    mesh: Mesh,
+    patch: Ints,
+    turn: float,
+    free: Bools,
+    noise: float,
+    found: Sequence[Region],
+    options: CurvedOptions,
+) -> Iterator[Region]:
+    """What a patch grows to: as cones and tori about the axes of what was found, then as any kind that fits it."""
+    axes = [
+        (region.shape.anchor, region.shape.direction) for region in found if region.shape.kind != "sphere"
+    ]
+    for shape, convex in coaxial(mesh, patch, axes, noise):
+        if shape.kind in options.fewest and (
+            region := _grown(mesh, shape, convex, patch, turn, free, noise, options)
+        ):
+            yield region
+    for kind in _possible(mesh.flats.normal[patch], options):
+        fitted = fit_facets(kind, evidence(mesh, patch, turn, noise, options.fit), options.fit)
+        if isinstance(fitted, NoFit):
+            continue
+        if region := _grown(mesh, fitted.shape, fitted.convex, patch, turn, free, noise, options):
+            yield region
+
+
 def _possible(normals: Floats, options: CurvedOptions) -> list[str]:
     """Kinds whose normals can spread so: on a circle for cylinder and cone, over an area for sphere and torus."""
     spread = np.linalg.svd(normals - normals.mean(axis=0), compute_uv=False)
@@ -153,33 +195,17 @@ def _possible(normals: Floats, options: CurvedOptions) -> list[str]:
     return [kind for kind in options.fewest if (circle if kind in ("cylinder", "cone") else area)]
 
 
-def patch_round(
-    mesh: Mesh, seed: int, free: Bools, count: int, options: CurvedOptions
-) -> tuple[Ints, float, float]:
-    """The nearest free facets of like size, the greatest turn among them [rad] and their typical sag [mm]."""
-    creases, area = mesh.creases, mesh.flats.area
-    patch, turns, sags = [seed], [0.0], [0.0]
-    for f in patch:
-        for i in range(*creases.around(f).indices(len(creases.other))):
-            g, turn = int(creases.other[i]), abs(float(creases.turn[i]))
-            if turn > options.smooth or not free[g] or mesh.thin[g]:
-                continue
-            if g in patch:
-                turns.append(turn)
-                sags.append(turn * min(area[f], area[g]) / max(float(creases.length[i]), 1e-12) / 8)
-            elif len(patch) < count and 1 / options.alike < area[g] / area[f] < options.alike:
-                patch.append(g)
-                turns.append(turn)
-    return np.array(patch), max(turns), float(np.quantile(sags, 0.8))
-
-
-def _region(
-    kind: str, mesh: Mesh, patch: Ints, turn: float, free: Bools, noise: float, options: CurvedOptions
+def _grown(
+    mesh: Mesh,
+    shape: Shape,
+    convex: bool,
+    patch: Ints,
+    turn: float,
+    free: Bools,
+    noise: float,
+    options: CurvedOptions,
 ) -> Region | None:
-    found = fit_facets(kind, evidence(mesh, patch, turn, noise, options.fit), options.fit)
-    if isinstance(found, NoFit):
-        return None
-    shape, convex = found.shape, found.convex
+    """The region that a patch grows to on the shape that was found from it, which is fitted again meanwhile."""
     off = shape.signed_distance(mesh.vertices[_corner_list(mesh, patch)])
     if float(np.sqrt((off**2).mean())) > 12 * noise:
         return None
@@ -190,7 +216,7 @@ def _region(
         sag = float(np.quantile(depth(mesh, shape, members), 0.9))
         reach = Reach(loose, 2.5 * sag + 3 * noise, min(1.3 * turn + 0.02, 0.45), options.smooth)
         grown = np.sort(grow(mesh, shape, convex, members, free, reach))
-        if len(grown) < options.fewest[kind]:
+        if len(grown) < options.fewest[shape.kind]:
             return None
         area = float(mesh.flats.area[grown].sum())
         if abs(area - last) < 1e-9 * area:
@@ -203,7 +229,7 @@ def _region(
     reach = replace(reach, corner=3 * noise)
     members = np.sort(grow(mesh, shape, convex, members, free, reach))
     members = members[free[members]]
-    if not convincing(kind, mesh, shape, convex, members, turn, options):
+    if not convincing(shape.kind, mesh, shape, convex, members, turn, options):
         return None
     return Region(shape, convex, members, reach)
 
@@ -211,37 +237,3 @@ def _region(
 def _corner_list(mesh: Mesh, facets: Ints) -> Ints:
     start = mesh.flats.start
     return np.concatenate([mesh.flats.corners[start[f] : start[f + 1]] for f in facets])
-
-
-def convincing(
-    kind: str, mesh: Mesh, shape: Shape, convex: bool, members: Ints, turn: float, options: CurvedOptions
-) -> bool:
-    """Whether facets are enough to call them round and not a prism: many, tangent to a neighbor, or regular."""
-    thick = members[~mesh.thin[members]]
-    if len(thick) < options.fewest[kind]:
-        return False
-    if len(thick) > options.few:
-        return True
-    if _touches_smoothly(mesh, shape, convex, thick, options):
-        return True
-    widths = np.sqrt(depth(mesh, shape, thick))
-    if widths.max() > options.regular * widths.min():
-        return False
-    return len(thick) > 3 or turn < options.gentle
-
-
-def _touches_smoothly(mesh: Mesh, shape: Shape, convex: bool, members: Ints, options: CurvedOptions) -> bool:
-    """Whether some neighbor is tangent to the surface where it meets the members."""
-    creases, start = mesh.creases, mesh.flats.start
-    inside = set(members.tolist())
-    for f in members.tolist():
-        mine = mesh.flats.corners[start[f] : start[f + 1]]
-        for i in range(*creases.around(f).indices(len(creases.other))):
-            g = int(creases.other[i])
-            if g in inside or abs(creases.turn[i]) > options.smooth or mesh.thin[g]:
-                continue
-            shared = np.intersect1d(mine, mesh.flats.corners[start[g] : start[g + 1]])
-            normals: Floats = shape.normals(mesh.vertices[shared]) * (1.0 if convex else -1.0)
-            if len(shared) and (normals @ mesh.flats.normal[g] > np.cos(options.tangent)).all():
-                return True
-    return False

@@ -12,16 +12,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from models.recovery.convincing import convincing
 from models.recovery.curved import (
     CurvedOptions,
     Region,
-    convincing,
     in_neighborhood,
     neighborhoods,
-    patch_round,
 )
 from models.recovery.fits import corners_of, depth
 from models.recovery.grow import Mesh, Reach, grow
+from models.recovery.patches import patch_round
 from models.recovery.prismatic import fit_planes
 from primitives.arrays import Bools, Ints
 from primitives.shapes import Cylinder

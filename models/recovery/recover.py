@@ -19,6 +19,7 @@ from models.recovery.flats import corner_noise, find_flats
 from models.recovery.grow import Mesh
 from models.recovery.joined import joined
 from models.recovery.leftover import LeftoverOptions, label_leftover
+from models.recovery.wedged import with_wedged
 from primitives.arrays import Floats, Ints, frozen
 
 
@@ -60,6 +61,7 @@ def recover(
         for region in regions:
             taken[region.facets] = True
         regions = joined(mesh, regions + find(mesh, taken, noise, tolerances.curved), noise)
+        regions = with_wedged(mesh, regions, noise, tolerances.curved)
     regions = [with_truncated_ends(mesh, region, noise, tolerances.curved) for region in regions]
     labels, surfaces = label_leftover(mesh, regions, flat, tolerances.leftover)
     return Recovered(frozen(labels[flats.of_triangle], np.int64), surfaces)

@@ -1,0 +1,80 @@
+"""Cones, cylinders and tori about an axis that is known already: what turned parts are made of.
+
+About a known axis a surface of revolution is a curve of (h, rho), along the axis and away from it: a line for a
+cone, a circle for a torus, both linear to fit (the circle after Kasa 1976).  A free fit of a cone to one row of
+facets creeps along a valley, in which semi-angle and tilt of the axis make up for each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from models.recovery.fits import corners_of
+from models.recovery.grow import Mesh
+from primitives.arrays import Floats, Ints
+from primitives.shapes import Cone, Cylinder, Shape, Torus
+
+_LOOSE = 12.0  # corner noises that the corners' root mean square may be off
+_ASIDE = 0.2  # [rad] by which normals may miss the axis
+_LEAST = 1e-3  # [1] slope of a cone's side that is none
+_RANK = 1e-3  # [1] ratio of singular values below which corners do not tell a circle
+
+
+def coaxial(
+    mesh: Mesh, patch: Ints, axes: Sequence[tuple[Floats, Floats]], noise: float
+) -> Iterator[tuple[Shape, bool]]:
+    """Shapes about one of the axes (a point, a direction) that hold the corners of a patch; and whether convex."""
+    if not axes:
+        return
+    points = mesh.vertices[corners_of(mesh, patch)]
+    normals, middles = mesh.flats.normal[patch], mesh.flats.center[patch]
+    seen: list[tuple[Floats, Floats]] = []
+    for origin, along in axes:
+        aside = np.einsum("ij,ij->i", np.cross(middles - origin, along), normals)
+        away = np.linalg.norm(np.cross(middles - origin, along), axis=1)
+        if (np.abs(aside) > _ASIDE * away).any() or any(_same(origin, along, *other) for other in seen):
+            continue
+        seen.append((origin, along))
+        h = (points - origin) @ along
+        rho = np.linalg.norm(points - origin - np.outer(h, along), axis=1)
+        for shape in (_straight(origin, along, h, rho), _round(origin, along, h, rho)):
+            if shape is None:
+                continue
+            off = shape.signed_distance(points)
+            if float(np.sqrt((off**2).mean())) < _LOOSE * noise:
+                facing = np.einsum("ij,ij->i", shape.normals(middles), normals)
+                yield shape, bool(facing.sum() > 0)
+
+
+def _straight(origin: Floats, along: Floats, h: Floats, rho: Floats) -> Shape | None:
+    if np.ptp(h) <= _LEAST * np.ptp(rho):
+        return None
+    slope, start = np.polyfit(h, rho, 1)
+    if abs(slope) < _LEAST:
+        return Cylinder(origin, along, float(rho.mean()))
+    apex = origin - along * (start / slope)
+    return Cone(apex, along * np.sign(slope), float(np.arctan(abs(slope))))
+
+
+def _round(origin: Floats, along: Floats, h: Floats, rho: Floats) -> Shape | None:
+    middle = np.array([h.mean(), rho.mean()])
+    size = float(np.hypot(np.ptp(h), np.ptp(rho)))
+    if not size > 0:
+        return None
+    x, y = (h - middle[0]) / size, (rho - middle[1]) / size
+    rows = np.column_stack([2 * x, 2 * y, np.ones(len(x))])
+    if np.linalg.svd(rows, compute_uv=False)[-1] < _RANK:
+        return None
+    a, b, c = np.linalg.lstsq(rows, x * x + y * y, rcond=None)[0]
+    minor, major = size * float(np.sqrt(max(c + a * a + b * b, 0.0))), float(middle[1] + size * b)
+    if not 0 < minor < major:
+        return None
+    return Torus(origin + along * float(middle[0] + size * a), along, major, minor)
+
+
+def _same(origin: Floats, along: Floats, other: Floats, direction: Floats) -> bool:
+    apart = origin - other
+    tilted = float(np.linalg.norm(np.cross(along, direction)))
+    return tilted < 1e-4 and float(np.linalg.norm(np.cross(apart, direction))) < 1e-3
