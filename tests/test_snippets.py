@@ -8,7 +8,6 @@ import importlib.util
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -238,10 +237,10 @@ def test_the_emulated_rig_of_the_page_is_explored(desk):
             ) as explorer:  # minutes: its beginning is enough
                 until(lambda: (desk.folder / "run" / "episode.mcap").exists())
                 time.sleep(5.0)
-                explorer.send_signal(signal.SIGINT)
-                assert explorer.wait(PATIENCE) == 130
+                explorer.terminate()
+                assert explorer.wait(PATIENCE) == 143
         finally:
-            emulator.send_signal(signal.SIGINT)
+            emulator.terminate()
     assert (desk.folder / "run" / "episode.mcap").stat().st_size > 10_000
 
 
