@@ -43,7 +43,11 @@ def size_warnings(
     if size < bounds.least:
         raise PalpateError(f"{name} is {size:.4g} mm across, less than {bounds.least:g} mm; {hint}")
     if size > bounds.most:
-        raise PalpateError(f"{name} is {size:.4g} mm across, more than 10 m; give --units or --scale")
+        thousandths = int(np.ceil(np.log10(size / bounds.large) / 3)) if np.isfinite(size) else 1
+        raise PalpateError(
+            f"{name} is {size:.4g} mm across, more than 10 m; "
+            f"give --units or --scale, for example --scale {1e-3**thousandths:g}"
+        )
     if bounds.small <= size <= bounds.large:
         return ()
     if guessed:

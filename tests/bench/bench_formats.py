@@ -103,7 +103,8 @@ def step_round_trip() -> list[dict]:
             began = time.perf_counter()
             step_out.write(tree, file)
             writing.append(time.perf_counter() - began)
-            gone, back = (_kinds(boundary(solid)) for solid in (Solid.from_csg(tree), load(file).solid))
+            read = load(file, fineness=StepConfig(seconds=_PATIENT)).solid
+            gone, back = _kinds(boundary(Solid.from_csg(tree))), _kinds(boundary(read))
             same.append(gone == back)
             ious.append(_agreement(tree, file))
             if not same[-1] or ious[-1] < ASKED:

@@ -16,7 +16,14 @@ from models.formats.openscad.expressions import Evaluator
 from models.formats.openscad.folder import Folder
 from models.formats.openscad.limits import Budget
 from models.formats.openscad.scope import Scope
-from models.formats.openscad.shapes import ARGUMENTS, CHILDLESS, REFUSED, Shape
+from models.formats.openscad.shapes import (
+    ARGUMENTS,
+    CHILDLESS,
+    REFUSED,
+    REFUSED_ARGUMENTS,
+    RENAMED,
+    Shape,
+)
 from models.formats.openscad.syntax import Source
 from models.formats.openscad.values import Closure, Value, is_number, true
 
@@ -44,6 +51,7 @@ class Program:
         self.budget = budget
         self.folder = folder
         self.evaluate = Evaluator(budget)
+        self.warnings: list[str] = []
         self.labels: dict[tuple[str, tuple[int, int]], str] = {}
 
     def run(self, source: Source, file: Path) -> list[Shape]:
@@ -162,7 +170,9 @@ class Program:
         inner = scope.inner()
         placed, named = self.evaluate.arguments(node.arguments, scope)
         inner.variables.update({k: v for k, v in named.items() if k[0] == "$"})
+        named = {RENAMED.get((name, k), k): v for k, v in named.items()}
         arguments = dict(zip(ARGUMENTS[name], placed, strict=False)) | named
+        self._look_at(node, name, named)
         shape = self._group(node, [], name)
         shape.arguments = arguments
         shape.facets = tuple(_size(inner.variable(k)[1]) for k in ("$fn", "$fa", "$fs"))  # type: ignore[assignment]
@@ -170,6 +180,18 @@ class Program:
             raise self.evaluate.error(node, f"{name} holds nothing; end it with a semicolon")
         shape.children = self._block(node.children, inner)
         return shape
+
+    def _look_at(self, node: Any, name: str, named: dict[str, Value]) -> None:
+        """Refuse arguments that would change the shape; warn of others, which OpenSCAD leaves out as well."""
+        for argument, value in named.items():
+            if argument[0] == "$" or argument in ARGUMENTS[name]:
+                continue
+            if argument == "start" and (value == 0 or named.get("angle", 360.0) == 360):
+                continue  # newer dumps have it, and a whole turn is the same from anywhere
+            if cure := REFUSED_ARGUMENTS.get((name, argument)):
+                raise self.evaluate.error(node, f"{name} with {argument} is outside the subset; {cure}")
+            where = f"{node.position.origin}, line {node.position.line}"
+            self.warnings.append(f"{where}: {name} has no argument {argument}; it is left out")
 
     def _module(self, node: Any, module: Closure, scope: Scope) -> Shape:
         budget = self.budget

@@ -53,7 +53,8 @@ def _drawing(
     budget = Budget(limits or Limits(), place=file.name)
     try:
         with syntax.deep_stack(), np.errstate(all="ignore"):
-            shapes = Program(budget, folder).run(source, file)
+            program = Program(budget, folder)
+            shapes = program.run(source, file)
             alone = [found for shape in shapes if (found := shape.shown_root()) is not None]
             tree = solids.all(alone[:1] or shapes, scale)
     except RecursionError:
@@ -63,7 +64,7 @@ def _drawing(
     if _depth(tree) > budget.limits.depth:
         deep = f"nests more than {budget.limits.depth} booleans and placements"
         raise PalpateError(f"{file.name} {deep}; draw it flatter")
-    return Drawing(tree, tuple(dict.fromkeys(solids.warnings)))
+    return Drawing(tree, tuple(dict.fromkeys([*program.warnings, *solids.warnings])))
 
 
 def _depth(tree: Csg) -> int:

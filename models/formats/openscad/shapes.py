@@ -35,6 +35,13 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "offset": ("r", "delta", "chamfer"),
     "minkowski": ("convexity",),
 }
+RENAMED = {("linear_extrude", "h"): "height"}
+REFUSED_ARGUMENTS = {
+    ("linear_extrude", "file"): "draw the outline as a polygon",
+    ("rotate_extrude", "file"): "draw the outline as a polygon",
+    ("linear_extrude", "v"): "give height, and turn the solid with rotate()",
+    ("rotate_extrude", "start"): "turn the solid with rotate()",
+}
 CHILDLESS = frozenset({"cube", "cylinder", "sphere", "polyhedron", "square", "circle", "polygon"})
 REFUSED = {
     "import": "load the mesh itself, or draw its shape with primitives",

@@ -187,3 +187,9 @@ def test_a_part_keeps_its_tree_in_any_unit_and_case(tmp_path: Path) -> None:
     assert part.csg is not None
     assert same_tree(part.csg, Cube((400, 250, 50)) - Cylinder(30, 100).at(100, 0, 0))
     assert part.solid.csg is part.csg
+
+
+def test_arguments_that_nothing_has_are_warned_about_and_a_new_name_is_known() -> None:
+    drawing = openscad.read_text("cube(1);\nlinear_extrude(h = 5, hieght = 9) square(10);", "part.scad")
+    assert drawing.warnings == ("part.scad, line 2: linear_extrude has no argument hieght; it is left out",)
+    assert drawing.tree.bounds()[1].tolist() == [10, 10, 5]

@@ -65,6 +65,8 @@ SENSELESS = {
     "cube(rands(1, 2, 1)[0]);": "line 1: no function rands",
     "rotate_extrude() translate([1, 0]) circle(2);": "line 1: rotate_extrude's shape",
     "include <x.scad>": "line 1: <x.scad> is another file",
+    'cube(1);\nlinear_extrude(file = "x.dxf", height = 3);': "line 2: linear_extrude with file is outside",
+    "rotate_extrude(start = 30, angle = 90) translate([9, 0]) circle(2);": "line 1: rotate_extrude with start",
 }
 
 
