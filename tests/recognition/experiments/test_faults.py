@@ -67,11 +67,11 @@ def until(told, process):
 
 @pytest.mark.parametrize(
     ("harm", "outcome", "said"),
-    [(signal.SIGKILL, "lost", "ended by signal 9"), (signal.SIGSTOP, "timeout", "longer than 10 s")],
+    [(signal.SIGKILL, "lost", "ended by signal 9"), (signal.SIGSTOP, "timeout", "longer than 20 s")],
 )
 def test_a_worker_that_is_lost_or_hangs_costs_one_row_that_says_so(harm, outcome, said, tmp_path):
     suite = tmp_path / "some.toml"
-    suite.write_text(SUITE.format(seconds=10, memory=4000, count=60, seeds=15))
+    suite.write_text(SUITE.format(seconds=20, memory=4000, count=60, seeds=15))
     process = begun(suite, tmp_path / "out", "--workers", "2")
     until(lambda: len(rows_of([tmp_path / "out"])) > 3, process)
     os.kill(workers(process)[0], harm)
@@ -85,7 +85,7 @@ def test_a_worker_that_is_lost_or_hangs_costs_one_row_that_says_so(harm, outcome
 def test_trials_that_need_too_much_are_rows_and_the_others_are_done(tmp_path):
     suite = tmp_path / "some.toml"
     trimesh.creation.icosphere(subdivisions=7, radius=20).export(tmp_path / "fine.stl")
-    small = SUITE.format(seconds=60, memory=180, count=5, seeds=2)
+    small = SUITE.format(seconds=300, memory=180, count=5, seeds=2)
     suite.write_text(f'{small}[[trials]]\nkind = "explore"\npart = "fine.stl"\n')
     code, out, err = ended(begun(suite, tmp_path / "out", "--workers", "2"))
     assert code == 0, err
@@ -97,7 +97,7 @@ def test_trials_that_need_too_much_are_rows_and_the_others_are_done(tmp_path):
 
 def test_a_disk_that_is_full_ends_it_in_one_line_and_nothing_is_done_twice(tmp_path):
     suite, out = tmp_path / "some.toml", tmp_path / "out"
-    suite.write_text(SUITE.format(seconds=60, memory=4000, count=2, seeds=15))
+    suite.write_text(SUITE.format(seconds=300, memory=4000, count=2, seeds=15))
     line = f"ulimit -f 8; exec {PALPATE} experiment {suite} --out {out} --workers 0"
     full = subprocess.run(["sh", "-c", line], capture_output=True, text=True, timeout=600)
     assert full.returncode == 1
