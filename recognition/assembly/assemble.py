@@ -5,6 +5,7 @@ touch the body are named: the body is the intersection of the insides of its con
 Where contacts lie outside a surface that such a body would be inside of, the body is not convex: then the cells
 between the surfaces are labelled solid or free by the contacts' normals, and the body is the shortest list of
 primitives that holds the solid ones (`concave`).  That asks for contacts on every face, with outward normals.
+The same is tried where a hole, taken to reach through the body, would take contacts away with it.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from recognition.assembly.concave import concave_pieces, contradicts_convex
 from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
+
+_LOOKED_AT = 4000  # contacts whose distance to the body is looked at
 
 
 class FittedFace(Protocol):
@@ -52,6 +55,7 @@ class AssemblyOptions:
     facet: float = 0.005  # [mm] between the mesh and the surfaces
     reach_sigmas: float = 6.0  # of a contact, past which it is outside a convex body
     least_step: float = 0.1  # [mm] the same, however sure the contact
+    off_surface: float = 0.002  # share of the contacts off the body, from which a hole went too far
     on_body: float = 0.5  # [mm] from a surface's contacts to the model, so that it has the surface
 
 
@@ -90,7 +94,9 @@ def assemble(
     speaker = _speakers(len(fits), regularized)
     distinct = sorted(set(speaker))
     touched = [_touched(regularized.shapes[i], i, speaker, fits, faces) for i in distinct]
-    if _is_concave([regularized.shapes[i] for i in distinct], distinct, fits, touched, faces, options):
+    sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
+    allowed = max(options.reach_sigmas * sigma, options.least_step)
+    if _is_concave([regularized.shapes[i] for i in distinct], distinct, fits, touched, faces, allowed):
         whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options)
         if not isinstance(whole, NotClosed) or any(f.kind == "torus" for f in fits):
             return whole
@@ -112,7 +118,19 @@ def assemble(
     surface_of_fit = tuple(s if s in kept else None for s in speaker)
     warnings = _unused(faces, fits, surface_of_fit)
     solid = Solid.from_csg(tree, options.facet)
-    return Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
+    made = Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
+    if not holes or (off := _off_surface(solid, touched, allowed)) <= options.off_surface:
+        return made
+    whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options)
+    better = not isinstance(whole, NotClosed) and _off_surface(whole.solid, touched, allowed) < 0.5 * off
+    return whole if better else made
+
+
+def _off_surface(solid: Solid, touched: Sequence[tuple[Floats, Floats]], allowed: float) -> float:
+    """Share of the contacts that the body would leave in the air or bury."""
+    points = np.concatenate([p for p, _ in touched])
+    some = points[np.unique(np.linspace(0, len(points) - 1, _LOOKED_AT).astype(np.int64))]
+    return float(np.mean(np.abs(solid.signed_distance(some)) > allowed))
 
 
 def _is_concave(
@@ -121,15 +139,13 @@ def _is_concave(
     fits: Sequence[Fit],
     touched: Sequence[tuple[Floats, Floats]],
     faces: Sequence[FittedFace],
-    options: AssemblyOptions,
+    allowed: float,
 ) -> bool:
     """Whether contacts lie where no intersection of insides, less its holes, can have a surface."""
     if any(isinstance(shape, Torus) for shape in shapes):
         return True
     if not any(f.contacts.has_normal.any() for f in faces):
         return False
-    sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
-    allowed = max(options.reach_sigmas * sigma, options.least_step)
     convex = np.array([fits[i].convex for i in distinct])
     return contradicts_convex(shapes, convex, touched, allowed)
 

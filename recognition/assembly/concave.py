@@ -3,14 +3,14 @@
 What touch must give: fits whose contacts lie on them, most contacts with outward normals, and at least one
 contact on every face that the body shall have; one that nothing touched is closed by its neighbors or stays open.
 
-Where a plane touches a cylinder along a line, the cells beside the line have no surface between them.  A separator
-is added there: the plane through the cylinder's axis and across the tangent one (after Shapiro and Vossler 1993).
+Planes that no face has are added where cells would stay undecided, and where a list that leaves some of them wrong
+may need them for its primitives to end at (`separators`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import HalfspaceIntersection
@@ -20,20 +20,20 @@ from models.csg import Torus as TorusSolid
 from primitives.arrays import Bools, Floats
 from primitives.errors import PalpateError
 from primitives.pose import pose
-from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
+from primitives.shapes import Plane, Shape, Sphere, Torus
 from recognition.assembly.arrangement import arrange
 from recognition.assembly.closure import NotClosed
 from recognition.assembly.labels import solid_cells
 from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces, round_piece, slab_cube
 from recognition.assembly.prisms import prism
-from recognition.assembly.search import Step, shortest
+from recognition.assembly.search import State, Step, shortest
+from recognition.assembly.separators import separators, stops
 from recognition.assembly.vocabulary import Vocabulary, frame_of
 
 _ROOM = 0.15  # of the contacts' extent, by which the sampled room reaches past them
 _VOTE = 6.0  # [nats] of a contact on the wrong side
-_TANGENT = 0.01  # [rad], and share of a radius, within which a plane touches a cylinder
-_TOUCHING = 0.05  # [mm] the same, however small the radius
+_ENDS = 20.0  # [nats] left wrong or contradicted, from which stops are tried
 _SPACE = 10.0  # [nats] per contact, of the whole volume wrongly filled
 
 Touched = Sequence[tuple[Floats, Floats]]  # per surface (n, 3) points and (n, 3) outward normals
@@ -48,9 +48,42 @@ def concave_pieces(
     if not len(points):
         return NotClosed("no contact has a normal, so nothing says which side is solid")
     low, high = points.min(axis=0), points.max(axis=0)
-    measured, shapes = len(shapes), [*shapes, *separators(shapes)]
     room = np.stack([low, high]) + np.outer([-1, 1], [_ROOM * float(np.linalg.norm(high - low))] * 3)
-    found = arrange(shapes, points, normals, np.empty((0, 3)) if free is None else free, room)
+    nowhere = np.empty((0, 3)) if free is None else free
+    measured, whole = len(shapes), [*shapes, *separators(shapes)]
+    found = _listed(whole, points, normals, nowhere, room)
+    if (
+        not isinstance(found, NotClosed)
+        and found.state.wrong + found.against > _ENDS
+        and (more := stops(whole))
+    ):
+        again = _listed([*whole, *more], points, normals, nowhere, room)
+        if not isinstance(again, NotClosed) and again.cost < found.cost:
+            found = again
+    if isinstance(found, NotClosed):
+        return found
+    vocabulary, state = found.vocabulary, found.state
+    corners = np.array(np.meshgrid(*np.stack([low, high]).T)).reshape(3, -1).T
+    made = [_piece(step, vocabulary, corners, room) for step in state.steps]
+    return tuple(replace(piece, ends=_felt(piece.ends, measured)) for piece in made)
+
+
+@dataclass(frozen=True)
+class _Listed:
+    vocabulary: Vocabulary
+    state: State
+    against: float  # [nats] of contacts that contradict the labels of their cells
+
+    @property
+    def cost(self) -> float:
+        return self.state.cost + self.against
+
+
+def _listed(
+    shapes: Sequence[Shape], points: Floats, normals: Floats, free: Floats, room: Floats
+) -> _Listed | NotClosed:
+    """The shortest list that the cells between the surfaces ask for."""
+    found = arrange(shapes, points, normals, free, room)
     solid = solid_cells(found)
     if not solid.any():
         return NotClosed("the contacts' normals leave no cell solid")
@@ -60,32 +93,8 @@ def concave_pieces(
     state = shortest(vocabulary, solid, weight)
     if not state.steps:
         return NotClosed("no list of primitives explains the contacts")
-    corners = np.array(np.meshgrid(*np.stack([low, high]).T)).reshape(3, -1).T
-    made = [_piece(step, vocabulary, corners, room) for step in state.steps]
-    return tuple(replace(piece, ends=_felt(piece.ends, measured)) for piece in made)
-
-
-def separators(shapes: Sequence[Shape]) -> list[Plane]:
-    """The planes that part cells which tangent surfaces leave undecided; each once."""
-    out: list[Plane] = []
-    planes = [shape for shape in shapes if isinstance(shape, Plane)]
-    for shape in shapes:
-        if not isinstance(shape, Cylinder):
-            continue
-        for plane in planes:
-            away = abs(float((shape.origin - plane.origin) @ plane.normal))
-            upright = abs(float(plane.normal @ shape.axis)) < _TANGENT
-            if not upright or abs(away - shape.radius) > max(_TANGENT * shape.radius, _TOUCHING):
-                continue
-            made = Plane(shape.origin, np.cross(shape.axis, plane.normal))
-            if not any(_same_plane(made, other) for other in (*planes, *out)):
-                out.append(made)
-    return out
-
-
-def _same_plane(a: Plane, b: Plane) -> bool:
-    turned = float(np.linalg.norm(np.cross(a.normal, b.normal)))
-    return turned < _TANGENT and abs(float((a.origin - b.origin) @ b.normal)) < _TOUCHING
+    against = _VOTE * float(np.where(solid, found.free_votes, found.solid_votes).sum())
+    return _Listed(vocabulary, state, against)
 
 
 def _felt(

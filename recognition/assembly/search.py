@@ -1,12 +1,14 @@
-"""The shortest list of primitives, added and subtracted in order, that holds the solid cells and no others.
+"""The shortest list of primitives, added, subtracted and intersected in order, that holds just the solid cells.
 
-A beam search: a state is the cells that are solid so far; a step adds or subtracts the candidate whose cells
-lower the mismatch most.  Mismatch is counted in nats, as evidence against, and a leaf costs what its parameters
-cost to say, so the list is as long as the evidence pays for (minimum description length; our derivation).
+A beam search: a state is the cells that are solid so far; a step adds or subtracts the candidate whose cells lower
+the mismatch most, or keeps only what lies in a round one.  Mismatch is counted in nats, as evidence against, and a
+leaf costs what its parameters cost to say, so the list is as long as the evidence pays for (minimum description
+length; our derivation).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +32,7 @@ class SearchOptions:
 class Step:
     """One entry of the list."""
 
-    operation: str  # "add" or "subtract"
+    operation: str  # "add", "subtract" or "intersect"
     candidate: Candidate
 
 
@@ -79,6 +81,16 @@ def _steps(
 ) -> list[State]:
     missing, extra = solid & ~state.held, ~solid & state.held
     out = []
+    if state.steps and extra.any():
+        keeps = weight * ((solid & state.held).astype(float) - extra)
+        out += [
+            after
+            for candidate in vocabulary.rounds(keeps, options.tried)
+            if (
+                after := _after(state, Step("intersect", candidate), vocabulary, solid, weight, options)
+            ).wrong
+            < state.wrong - 1e-9
+        ]
     for operation in ("add", "subtract"):
         adding = operation == "add"
         if not (adding or state.steps) or not (missing if adding else extra).any():
@@ -102,9 +114,16 @@ def _after(
     state: State, step: Step, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
 ) -> State:
     mask = vocabulary.mask(step.candidate)
-    held = state.held | mask if step.operation == "add" else state.held & ~mask
+    held = _OPERATIONS[step.operation](state.held, mask)
     wrong = float(weight[held != solid].sum())
     return State((*state.steps, step), held, wrong, state.price + options.leaf * step.candidate.price)
+
+
+_OPERATIONS: dict[str, Callable[[Bools, Bools], Bools]] = {
+    "add": lambda held, mask: held | mask,
+    "subtract": lambda held, mask: held & ~mask,
+    "intersect": lambda held, mask: held & mask,
+}
 
 
 def pruned(

@@ -86,15 +86,16 @@ class Vocabulary:
 
     def best(self, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
         """The candidates whose cells are worth most, best first."""
-        found: list[tuple[float, Candidate]] = []
-        if len(self._round):
-            totals = self._masks @ worth
-            order = np.argsort(-np.round(totals, 3), kind="stable")[:most]
-            found += [(float(totals[i]), self._round[i]) for i in order]
+        totals = self._masks @ worth
+        found = [(float(totals[i]), self._round[i]) for i in _greatest(totals, most)]
         for number in range(len(self.frames)):
             found += self._best_boxes(number, worth, most)
         found.sort(key=lambda pair: -pair[0])
         return found[: 2 * most]
+
+    def rounds(self, worth: Floats, most: int) -> list[Candidate]:
+        """Round ones alone."""
+        return [self._round[i] for i in _greatest(self._masks @ worth, most)]
 
     def grown(self, cell: int, worth: Floats) -> Candidate | None:
         """Sides of planes round a cell, as few as are worth most."""
@@ -169,6 +170,10 @@ class Vocabulary:
         planes = direction.planes
         low, high = int(span[0]), int(span[1])
         return (None if low == 0 else planes[low - 1]), (None if high > len(planes) else planes[high - 1])
+
+
+def _greatest(totals: Floats, most: int) -> Ints:
+    return np.argsort(-np.round(totals, 3), kind="stable")[:most]
 
 
 def _within(direction: Direction, slab: Slab) -> Bools:

@@ -10,9 +10,9 @@ from models.solid import Solid, iou
 from primitives.evidence import Contacts
 from primitives.fit import Fit, refit
 from primitives.pose import pose, random_rotation
-from primitives.shapes import Cylinder, Plane
+from primitives.shapes import Cylinder, Plane, Torus
 from recognition.assembly import assemble
-from recognition.assembly.concave import separators
+from recognition.assembly.separators import separators, stops
 from recognition.truth import LabeledFaces, TruthOptions, sample_surface
 
 BOX = np.array([[-300.0] * 3, [300.0] * 3])
@@ -41,7 +41,9 @@ def touched_faces(solid, rng, sigma=0.01, each=80):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["bracket", "slotted_block", "stepped_shaft", "dovetail_block", "dish"])
+@pytest.mark.parametrize(
+    "name", ["bracket", "slotted_block", "stepped_shaft", "dovetail_block", "dish", "die_holder"]
+)
 def test_a_part_with_steps_and_holes_is_recovered_with_as_few_leaves_as_it_was_made_with(name):
     tree, rng = build(name), np.random.default_rng(0)
     truth = Solid.from_csg(tree, 0.005).placed(pose(random_rotation(rng), rng.uniform(-80, 80, 3)))
@@ -68,3 +70,20 @@ def test_a_slot_whose_ends_are_round_gets_planes_through_its_axes():
 def test_a_plane_that_misses_a_cylinder_gets_no_separator():
     end = Cylinder(np.zeros(3), np.array([0, 0, 1.0]), 4.0)
     assert separators([end, Plane(np.array([0, 6.0, 0]), np.array([0, 1.0, 0]))]) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["bearing_block", "cavity_block", "eyebolt"])
+def test_what_runs_into_a_round_body_ends_inside_it(name):
+    tree, rng = build(name), np.random.default_rng(0)
+    truth = Solid.from_csg(tree, 0.005)
+    found = assemble(touched_faces(truth, rng), BOX)
+    assert found
+    assert iou(found.solid, truth) > 0.999
+    assert len(found.pieces) <= len(list(tree.leaves()))
+
+
+def test_a_pin_may_end_in_the_tube_of_the_ring_that_it_carries():
+    ring = Torus(np.zeros(3), np.array([0, 1.0, 0]), 20.0, 5.0)
+    pin = Cylinder(np.array([0, 0, -50.0]), np.array([0, 0, 1.0]), 4.0)
+    assert sorted(round(float(s.origin[2]), 9) for s in stops([ring, pin])) == [-20.0, 20.0]

@@ -1,0 +1,98 @@
+"""Planes that no face has, and that a body's primitives end at.
+
+Where a plane touches a cylinder along a line, the cells beside the line have no surface between them: there a
+separator is needed, the plane through the cylinder's axis and across the tangent one (after Shapiro and Vossler
+1993).  A wall that runs into a round body, or a pin into a ball, a ring or another pin, ends somewhere inside it,
+at no face: for the shortest list it may end at a stop, the plane through the round body's axis, center or tube
+and across the wall or the pin (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from primitives.arrays import Floats
+from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
+
+_TANGENT = 0.01  # [rad], and share of a radius, within which a plane touches a cylinder
+_TOUCHING = 0.05  # [mm] the same, however small the radius
+_MOST = 12  # stops
+
+
+def separators(shapes: Sequence[Shape]) -> list[Plane]:
+    """The planes that part cells which tangent surfaces leave undecided; each once."""
+    found: list[Plane] = []
+    planes = [shape for shape in shapes if isinstance(shape, Plane)]
+    for shape, plane, away in _along(shapes):
+        if abs(away - shape.radius) <= max(_TANGENT * shape.radius, _TOUCHING):
+            _add(Plane(shape.origin, np.cross(shape.axis, plane.normal)), found, planes)
+    return found
+
+
+def stops(shapes: Sequence[Shape]) -> list[Plane]:
+    """The planes inside round bodies at which what runs into them may end; each once."""
+    found: list[Plane] = []
+    planes = [shape for shape in shapes if isinstance(shape, Plane)]
+    for shape, plane, away in _along(shapes):
+        if away < shape.radius:
+            _add(Plane(shape.origin, np.cross(shape.axis, plane.normal)), found, planes)
+    pins = [shape for shape in shapes if isinstance(shape, Cylinder | Cone)]
+    for body in shapes:
+        if isinstance(body, Plane | Cone):
+            continue
+        for pin in pins:
+            if pin is not body and _meets(pin, body):
+                for point in _middles(pin, body):
+                    _add(Plane(point, pin.axis), found, planes)
+    return found[:_MOST]
+
+
+def _along(shapes: Sequence[Shape]) -> list[tuple[Cylinder, Plane, float]]:
+    """Cylinders, planes along their axes, and how far from these."""
+    out = []
+    for shape in shapes:
+        for plane in shapes:
+            if not (isinstance(shape, Cylinder) and isinstance(plane, Plane)):
+                continue
+            if abs(float(plane.normal @ shape.axis)) < _TANGENT:
+                out.append((shape, plane, abs(float((shape.origin - plane.origin) @ plane.normal))))
+    return out
+
+
+def _meets(pin: Cylinder | Cone, body: Shape) -> bool:
+    """Whether a pin's axis runs through a ball, or across another's axis or a ring."""
+    if isinstance(body, Sphere):
+        return _distance(body.center, pin) < body.radius
+    assert isinstance(body, Cylinder | Torus)
+    if abs(float(pin.axis @ body.direction)) > _TANGENT:
+        return False
+    apart = abs(float((body.anchor - pin.anchor) @ np.cross(pin.axis, body.direction)))
+    if isinstance(body, Cylinder):
+        return apart < body.radius
+    level = abs(float((body.center - pin.anchor) @ body.direction))
+    return level < body.minor_radius and apart < body.radius + body.minor_radius
+
+
+def _middles(pin: Cylinder | Cone, body: Shape) -> list[Floats]:
+    """Where a pin is inside a body: at its axis or center, or in a ring's tube, on either side."""
+    if not isinstance(body, Torus):
+        return [body.anchor]
+    aside = float((body.center - pin.anchor) @ np.cross(pin.axis, body.direction))
+    reach = float(np.sqrt(max(body.radius**2 - aside**2, 0.0)))
+    return [body.center + side * reach * pin.axis for side in (-1.0, 1.0)]
+
+
+def _distance(point: Floats, pin: Cylinder | Cone) -> float:
+    return float(np.linalg.norm(np.cross(point - pin.anchor, pin.axis)))
+
+
+def _add(made: Plane, found: list[Plane], planes: Sequence[Plane]) -> None:
+    if not any(_same(made, other) for other in (*planes, *found)):
+        found.append(made)
+
+
+def _same(a: Plane, b: Plane) -> bool:
+    turned = float(np.linalg.norm(np.cross(a.normal, b.normal)))
+    return turned < _TANGENT and abs(float((a.origin - b.origin) @ b.normal)) < _TOUCHING
