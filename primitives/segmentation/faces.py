@@ -5,8 +5,9 @@ Boykov 2012, "Energy-based geometric multi-model fitting", with evidence in plac
 
     sum over contacts chi2 / 2 + sum over faces price + coupling * (neighbors with different labels).
 
-It is lowered by turns: take the candidate that explains most, again and again; then labels, fits, merges and
-deletions until none pays.
+It is lowered by turns: take the candidate that explains most, again and again; then tori, which no closed form
+through a few neighbors gives, through contacts that are explained badly or by a face of few; then labels, fits,
+merges and deletions until none pays.
 """
 
 from __future__ import annotations
@@ -15,13 +16,13 @@ import numpy as np
 
 from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
-from primitives.fit import Fit, refit
+from primitives.fit import Fit, fit, refit
 from primitives.segmentation.candidates import candidates
 from primitives.segmentation.evidence import rough_price
 from primitives.segmentation.labels import labeled
-from primitives.segmentation.neighbors import heaviest_part
+from primitives.segmentation.neighbors import heaviest_part, nearest
 from primitives.segmentation.terms import FacesOptions, Model, Terms
-from primitives.shapes import KINDS
+from primitives.shapes import KINDS, Shape
 
 _QUICK = ("plane", "sphere", "cylinder", "cone")
 
@@ -37,6 +38,7 @@ class Search(Terms):
         """The faces, and the (n,) one of each contact; -1 where it stands alone."""
         models = self.chosen(np.ones(len(self.contacts), dtype=bool))
         label = self.labels(models)
+        models, label = self.ringed(models, label)
         for turn in range(self.options.turns):
             before = self.energy(models, label)
             models, label = self.refitted(models, label, every_kind=turn > 0)
@@ -61,7 +63,9 @@ class Search(Terms):
         while free.any() and len(models) < self.options.most and len(worth):
             gains = worth @ free.astype(np.float32) - prices
             order = np.argsort(-gains, kind="stable")[: self.options.tried]
-            tried = [self._followed(int(c), free) for c in order if gains[c] > 0]
+            tried = [
+                self._followed(*self.found.shape(int(c)), free, self.single) for c in order if gains[c] > 0
+            ]
             good = [found for found in tried if found is not None and found[0] > 0]
             if not good:
                 worth[order] = 0.0
@@ -73,13 +77,39 @@ class Search(Terms):
             free[mine] = False
         return models
 
-    def _followed(self, candidate: int, free: Bools) -> tuple[float, Model, Ints] | None:
-        """What a candidate gains once it is fitted to the connected contacts that it explains."""
-        shape, sign = self.found.shape(candidate)
-        cost = 0.5 * self.found.chi2[candidate]
+    def ringed(self, models: list[Model], label: Ints) -> tuple[list[Model], Ints]:
+        """With the tori that cost less than what explains their contacts now."""
+        options = self.options
+        for _ in range(options.rings):
+            count = np.bincount(label[label >= 0], minlength=len(models))
+            share = [*(m.price / max(k, 1) for m, k in zip(models, count, strict=True)), 0.0]
+            worth = self.unary(models)[label, np.arange(len(label))] + np.array(share)[label]
+            poor = np.flatnonzero(worth > options.poor * self.single)
+            if len(poor) < options.ring_group:
+                break
+            near = nearest(self.apart[poor], options.ring_group)[1]
+            seeds = np.unique(np.linspace(0, len(poor) - 1, options.ring_seeds).astype(np.int64))
+            fits = [fit("torus", self.contacts.select(poor[near[k]]), options.fit) for k in seeds]
+            free = np.ones(len(label), dtype=bool)
+            tried = [
+                self._followed(found.shape, 1.0 if found.convex else -1.0, free, worth)
+                for found in fits
+                if isinstance(found, Fit) and found.chi2 < options.plausible * max(found.dof, 1)
+            ]
+            good = [found for found in tried if found is not None and found[0] > 0]
+            if not good:
+                break
+            models, label = self.thinned([*models, max(good, key=lambda found: found[0])[1]], None)
+        return models, label
+
+    def _followed(
+        self, shape: Shape, sign: float, free: Bools, worth: Floats
+    ) -> tuple[float, Model, Ints] | None:
+        """What a shape gains once fitted to the connected contacts that it explains for less than `worth`."""
+        cost = 0.5 * self.felt.chi2(shape, sign)
         model = None
         for _ in range(2):
-            mine = self._explained(cost, free)
+            mine = self._explained(cost, free, worth)
             if len(mine) < 2:
                 return None
             found = refit(shape, sign > 0, self.contacts.select(mine), self.options.fit)
@@ -88,14 +118,13 @@ class Search(Terms):
             shape, sign = found.shape, 1.0 if found.convex else -1.0
             model = self.model(found, mine)
             cost = 0.5 * self.felt.chi2(shape, sign)
-        mine = self._explained(cost, free)
+        mine = self._explained(cost, free, worth)
         if model is None or len(mine) < 2:
             return None
-        return float((self.single - cost)[mine].sum()) - model.price, model, mine
+        return float((worth - cost)[mine].sum()) - model.price, model, mine
 
-    def _explained(self, cost: Floats, free: Bools) -> Ints:
-        good = free & (cost < self.single)
-        return heaviest_part(good, self.single - cost, self.links)
+    def _explained(self, cost: Floats, free: Bools, worth: Floats) -> Ints:
+        return heaviest_part(free & (cost < worth), worth - cost, self.links)
 
     def labels(self, models: list[Model], start: Ints | None = None) -> Ints:
         """(n,) the face of each contact, as the energy asks."""
@@ -113,8 +142,9 @@ class Search(Terms):
                 out.append(best)
         return out, self.labels(out)
 
-    def thinned(self, models: list[Model], label: Ints) -> tuple[list[Model], Ints]:
+    def thinned(self, models: list[Model], label: Ints | None) -> tuple[list[Model], Ints]:
         """Without the faces whose contacts others explain nearly as well."""
+        label = self.labels(models) if label is None else label
         while models:
             cost = self.unary(models)
             n = np.arange(len(label))

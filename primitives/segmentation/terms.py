@@ -33,6 +33,11 @@ class FacesOptions:
     most: int = 250  # faces
     hopeless: float = 8.0  # times what is allowed: a start that is worse is not followed
     ring: int = 6  # contacts through which a torus is looked for
+    rings: int = 8  # tori at most that are looked for through neighbors
+    ring_group: int = 16  # neighbors through which one goes
+    ring_seeds: int = 8  # such groups
+    poor: float = 0.5  # of the cost of a contact alone, from which one is explained badly
+    plausible: float = 3.0  # chi2 per degree of freedom of a group that lies on a torus
     largest: float = 5.0  # radius of a face, in extents of the contacts; what is rounder is flat
     candidates: CandidateOptions = field(default_factory=CandidateOptions)
     labels: LabelOptions = field(default_factory=LabelOptions)

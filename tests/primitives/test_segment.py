@@ -57,3 +57,13 @@ def test_patches_share_no_contact_and_say_where_theirs_came_from():
 def test_nothing_comes_of_nothing():
     assert segment(Contacts.of(np.empty((0, 3)))) == ()
     assert segment(Contacts.of([[0, 0, 0.0], [1, 0, 0]])) == ()
+
+
+def test_exact_contacts_on_a_ring_are_one_torus():
+    rng = np.random.default_rng(3)
+    turn, round_ = rng.uniform(0, 2 * np.pi, (2, 300))
+    out = np.stack([np.cos(turn), np.sin(turn), np.zeros(300)], axis=1)
+    normals = np.cos(round_)[:, None] * out + np.sin(round_)[:, None] * np.array([0, 0, 1.0])
+    found = segment(Contacts.of(20.0 * out + 6.0 * normals, normals, 1e-3, 1e-3))
+    assert [one.fit.kind for one in found] == ["torus"]
+    assert len(found[0].rows) == 300
