@@ -21,6 +21,7 @@ from primitives.pose import from_quaternion
 from primitives.toml_text import toml_lines
 
 POLICIES = ("closure", "grid", "random", "raster")
+SUPPORTS = ("none", "table")
 UNITS = ("auto", "mm", "cm", "m", "in")
 Pose = str | tuple[float, ...]  # "random", "as-is", or (x, y, z [mm], qw, qx, qy, qz)
 _EDGE_NAMES = {"workspace": "workspace_mm", "feature": "feature_mm", "pose_noise": "pose_noise_mm"}
@@ -49,6 +50,8 @@ class ExploreOptions:
     sensors: tuple[str, ...] = ("lts210",)
     noise: float | None = None  # 1 sigma over the full-contact signal; None: as the sensor's preset says
     pose_noise: float = 0.0  # [mm] 1 sigma of the stage's reported position
+    support: str = "none"  # or "table", on which the part then lies
+    cover: str | None = None  # a CAD file of another body in the way, in the part's own coordinates
     seed: int = 0
     max_touches: int = 500
     policies: ClassVar[tuple[str, ...]] = POLICIES
@@ -83,6 +86,7 @@ class ExploreOptions:
             math.isfinite(self.pose_noise) and self.pose_noise >= 0,
             f"--pose-noise-mm must be 0 or more, not {self.pose_noise}",
         )
+        _require(self.support in SUPPORTS, f"--support {self.support!r} is not one of {', '.join(SUPPORTS)}")
         _require(self.seed >= 0, f"--seed must be 0 or more, not {self.seed}")
         _require(
             self.policy in self.policies, f"--policy {self.policy!r} is not one of {', '.join(self.policies)}"

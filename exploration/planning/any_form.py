@@ -100,7 +100,7 @@ class AnyForm:
         here = self.pad.guard.world_from_sensor[:3, 3]
         left = self._open.unfinished(opened)
         on_face = left.face == face
-        if face is not None and on_face.any() and self.pad.touches():
+        if face is not None and on_face.any() and self._lies():
             near = left.points[on_face]
             goal = near[np.argmin(np.linalg.norm(near - here, axis=1))]
             return lambda: self._stroke_to(goal, face)
@@ -113,6 +113,13 @@ class AnyForm:
             nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
             return lambda: self._come_down(left, nearest)
         return min(todo, key=lambda item: item[0])[1] if todo else None
+
+    def _lies(self) -> bool:
+        """Whether the pad is still on something, and nothing is in the way of its housing."""
+        try:
+            return self.pad.touches()
+        except (OverPress, Collision):
+            return False
 
     def _stands(self, wall: Wall) -> bool:
         """Whether a known face stands where a stroke met something."""

@@ -20,18 +20,23 @@ from exploration.planning.consistency import flattened
 from exploration.planning.covering import Covering
 from exploration.planning.crossing import Crossing
 from exploration.planning.findings import Attempts, Done, ExplorerConfig, Findings
-from exploration.planning.frontier import Frontier
+from exploration.planning.frontier import Frontier, Predicted
 from exploration.planning.pad import Announce, Pad
 from exploration.planning.routes import Tool
 from exploration.planning.search import sweeps
 from exploration.planning.study import Study
 from exploration.planning.survey import POLICIES, Survey
+from exploration.planning.told import Told
 from exploration.planning.tracing import Tracing
 from primitives import pose as se3
 from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 
 __all__ = ["Explorer", "ExplorerConfig", "Findings"]
+
+_UNDER = 1.0  # [mm] that the workspace reaches under a table's top
+_OVER = 1.5  # [mm] over it, where the search for the object stops
 
 
 class Explorer:
@@ -44,11 +49,16 @@ class Explorer:
         config: ExplorerConfig | None = None,
         announce: Announce = lambda kind, detail: None,
         tool: Tool | None = None,
+        told: Told | None = None,
     ) -> None:
         config = config or ExplorerConfig()
-        self.guard, self.box, self.config, self.announce = guard, box, config, announce
+        box = np.array(box, dtype=float)
+        if told is not None and told.table is not None:
+            box[2] = told.table - _UNDER
+        self.guard, self.box, self.config, self.announce, self.told = guard, box, config, announce, told
         self.found = Findings()
-        self.pad = Pad(guard, box, announce)
+        self.pad = Pad(guard, box, announce, told=told)
+        self._hidden = 0  # predicted places that what was told hides
         self._tool = tool or Tool.of_size(guard.sensor.array.size)
         self._tried = Attempts(config.tries)
         self._study = Study(self.pad, self.found, config.attribution)
@@ -73,6 +83,7 @@ class Explorer:
             return
         while self.guard.cost.touches < self.config.max_touches:
             if self.found.hollow:
+                self._lay()
                 yield from map(self._say, AnyForm(self._study, self._tool, self.config).run())
                 spent = self.guard.cost.touches >= self.config.max_touches
                 whole = "closed" if not self.found.open else "nothing reachable is open"
@@ -84,7 +95,7 @@ class Explorer:
                 continue
             if move is None:
                 self.found.graph = flattened(self.found.graph)
-                self.found.ended = "closed"
+                self.found.ended = "nothing reachable is open" if self._hidden else "closed"
                 return
             try:
                 done, note = move()
@@ -115,14 +126,15 @@ class Explorer:
         crossing = self._crossing.open_sighting(face)
         if crossing is not None:
             return lambda: self._crossing.cross(*crossing)
+        self._lay()
         frontier = Frontier(self.found.graph.faces, self.box)
-        untouched = frontier.untouched(self.pad.covered, self.config.feature / 2.0)
+        untouched = self._open_to(frontier.untouched(self.pad.covered, self.config.feature / 2.0))
         missing = self._tried.unfinished(untouched)
         edges = frontier.open_edges([t for t, _ in self.found.traces])
         edges = [edge for edge in edges if not self._tried.given_up(edge.point)]
         contradicted = frontier.contradicted(self.pad.free)
         opened = self._covering.pressed.unfinished(contradicted)
-        doubtful = self._covering.worth_revisiting(frontier.doubtful())
+        doubtful = self._covering.worth_revisiting(self._open_to(frontier.doubtful()))
         self.found.open = len(missing.points) + len(edges) + len(opened.points) + len(doubtful.points)
         if len(missing.points):
             return lambda: self._covering.cover(missing, face)
@@ -136,8 +148,32 @@ class Explorer:
         self.found.open = len(untouched.points) + len(contradicted.points)
         return None
 
+    def _lay(self) -> None:
+        """Add the face that lies on the table, once another is known."""
+        faces = self.found.graph.faces
+        if self.told is None or not faces or any((f.contacts.touch == NOT_FELT).all() for f in faces):
+            return
+        resting = self.told.resting(self.pad.here.point)
+        if len(resting):
+            self.found.graph, _ = self.found.graph.add_stroke(resting)
+            if self._note_resting not in self.found.warnings:
+                self.found.warnings.append(self._note_resting)
+
+    _note_resting = "the face that lies on the table is inferred from the table"
+
+    def _open_to(self, predicted: Predicted) -> Predicted:
+        """Those predicted places that what was told leaves room at."""
+        if self.told is None or not len(predicted.points):
+            return predicted
+        keep = self.told.leaves_room(predicted.points, predicted.normals)
+        self._hidden = int((~keep).sum())
+        return Predicted(predicted.points[keep], predicted.normals[keep], predicted.face[keep])
+
     def _find(self) -> bool:
-        for start, end in sweeps(self.box, self.pad.size):
+        floor = np.zeros(6)
+        if self.told is not None and self.told.table is not None:
+            floor[2] = _UNDER + _OVER
+        for start, end in sweeps(self.box + floor, self.pad.size):
             if self.guard.cost.touches >= self.config.max_touches:
                 return False
             try:

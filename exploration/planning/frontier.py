@@ -15,7 +15,7 @@ from scipy.spatial import KDTree
 from exploration.planning.felt_free import FeltFree
 from exploration.planning.touched import Touched
 from primitives.arrays import Bools, Floats, Ints
-from primitives.evidence import EdgeTrace
+from primitives.evidence import NOT_FELT, EdgeTrace
 from primitives.fit import Fit
 from primitives.half_spaces import HalfSpaces
 from primitives.patch_graph import Face
@@ -72,7 +72,10 @@ class Frontier:
         self.box = box.reshape(2, 3)
         found = self.body.sample_boundary(self.box, config.spacing)
         ids = np.array([face.id for face in self.faces], dtype=np.int64)
-        self.predicted = Predicted(found.points, found.normals, ids[found.face] if len(ids) else found.face)
+        self.given = {face.id for face in self.faces if (face.contacts.touch == NOT_FELT).all()}
+        owner = ids[found.face] if len(ids) else found.face
+        asked = ~np.isin(owner, list(self.given))
+        self.predicted = Predicted(found.points[asked], found.normals[asked], owner[asked])
 
     def untouched(self, touched: Touched, within: float) -> Predicted:
         """The predicted points with nothing touched nearby."""
@@ -131,6 +134,8 @@ class Frontier:
         out: list[OpenEdge] = []
         for i in range(len(self.faces)):
             for j in range(i + 1, len(self.faces)):
+                if self.given & {self.faces[i].id, self.faces[j].id}:
+                    continue
                 points = self._edge_points(i, j)
                 if len(points) and tree is not None:
                     points = points[tree.query(points)[0] > self.config.traced]

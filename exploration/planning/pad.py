@@ -6,7 +6,7 @@ It remembers where it lies and what it has covered, and counts touches and strok
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface
 from exploration.devices.guard import Guard, Observation
 from exploration.planning.felt_free import FeltFree
+from exploration.planning.told import Told
 from exploration.planning.touched import Touched
 from exploration.planning.transit import Support, box_supports, way
 from exploration.sensing.lines.hough import find_lines
@@ -51,9 +52,14 @@ class Pad:
     """Carried by a guard through a (6,) workspace box [mm]."""
 
     def __init__(
-        self, guard: Guard, box: Floats, announce: Announce, config: PadConfig = PadConfig()
+        self,
+        guard: Guard,
+        box: Floats,
+        announce: Announce,
+        config: PadConfig = PadConfig(),
+        told: Told | None = None,
     ) -> None:
-        self.guard, self.box, self.announce, self.config = guard, box, announce, config
+        self.guard, self.box, self.announce, self.config, self.told = guard, box, announce, config, told
         self.covered = Touched()
         self.free = FeltFree()
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
@@ -103,7 +109,7 @@ class Pad:
             poses.append(se3.pose(goal[:3, :3], goal[:3, 3] + 22.0 * far.normal))
             poses.append(goal)
         else:
-            poses = way(here, self.here, goal, far, [*self._supports(), *box_supports(self.box)])
+            poses = way(here, self.here, goal, far, [*self._supports(), *self._outside()])
         for pose in poses:
             self.guard.go_to(pose)
 
@@ -117,7 +123,7 @@ class Pad:
         keep(seen, self.guard.cost.touches, self.guard.cost.strokes, kept)
         felt = feel(seen.image)
         self.lie(touched_cells(seen, felt) if felt else np.empty((0, 3)))
-        return Contacts.concatenate(kept)
+        return self._own(Contacts.concatenate(kept))
 
     def stroke(self, heading: Floats, length: float | None = None) -> Stroke:
         """Follow the surface along a (2,) heading in the pad's plane, to an edge or for `length` mm."""
@@ -127,7 +133,11 @@ class Pad:
         walls = StrokeConfig(walls=True)
         stroke = follow_surface(self.guard, heading, longest, cost.touches, cost.strokes, config=walls)
         self.lie(stroke.cells, stroke.facing)
-        return stroke
+        return stroke if self.told is None else replace(stroke, contacts=self._own(stroke.contacts))
+
+    def _own(self, contacts: Contacts) -> Contacts:
+        """The contacts of the object, not of what is told to stand beside it."""
+        return contacts if self.told is None else self.told.without(contacts)
 
     def lie(self, cells: Floats, facing: Floats | None = None) -> None:
         """Note where the pad lies now, and the (n, 3) cells [mm] that it has covered, with their normals."""
@@ -189,6 +199,12 @@ class Pad:
         if felt:
             self._watched = at
             self.free.add(free_cells(seen, felt))
+
+    def _outside(self) -> list[Support]:
+        """The workspace's sides, below which nothing leads where the object lies on a table."""
+        sides = box_supports(self.box)
+        lies = self.told is not None and self.told.table is not None
+        return [side for side in sides if not lies or side.normal[2] > -0.5]
 
     def _supports(self) -> list[Support]:
         """One support for each face, which is enough to go round."""

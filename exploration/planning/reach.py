@@ -43,13 +43,13 @@ class Reach:
 
     def clear(self, pose: Floats) -> bool:
         """Whether nothing touched is in the way of the pad and its housing at a (4, 4) pose."""
-        return bool(self.tool.clear(pose[None], self.felt.points, self.config.room, -1.0)[0])
+        return bool(self.tool.clear(pose[None], self._obstacles(), self.config.room, -1.0)[0])
 
     def touch(self, target: Floats) -> bool:
         """Go round what is known to before a (4, 4) target, and touch it."""
         self.led = False
         standoff = target @ se3.pose(translation=[0.0, 0.0, -self.config.standoff])
-        obstacles, guard = self.felt.points, self.pad.guard
+        obstacles, guard = self._obstacles(), self.pad.guard
         if not self.clear(target) or not self.tool.clear(standoff[None], obstacles, 1.0, 1.0)[0]:
             return False
         poses = route(self.tool, guard.world_from_sensor, standoff, obstacles, self._ways())
@@ -61,6 +61,11 @@ class Reach:
                 retreat(guard, self.config.back)
                 return False
         return self.pad.touch(target, self.config.standoff, self.config.overtravel)
+
+    def _obstacles(self) -> Floats:
+        """(n, 3) places of all that is known to stand."""
+        told = self.pad.told
+        return self.felt.points if told is None else np.concatenate([self.felt.points, told.points])
 
     def _ways(self) -> Floats:
         """(n, 3) directions that may lead out: the way that each face looks."""

@@ -77,6 +77,8 @@ class Study:
         pose = self.pad.guard.world_from_sensor if stroke.met is None else stroke.met
         half = 0.5 * float(np.abs(stroke.heading) @ np.asarray(self.pad.size))
         way = pose[:3, :2] @ stroke.heading
+        if self.pad.told is not None and self.pad.told.stopped(pose[:3, 3] + half * way):
+            return False
         self.found.hollow |= stroke.ended == "wall"
         self.walls.append(Wall(pose[:3, 3] + half * way, way, -pose[:3, 2], pose))
         return True
@@ -92,7 +94,8 @@ class Study:
             began = self.pad.guard.world_from_sensor
             stroke = self.pad.stroke(sign * heading)
             strokes.append(stroke.contacts)
-            if self.note_wall(stroke) and stroke.ended == "wall" and not self._back_on(began):
+            self.note_wall(stroke)
+            if stroke.ended == "wall" and not self._back_on(began):
                 return
             if stroke.ended == "edge":
                 edges.extend(self.pad.sightings(sign * heading))

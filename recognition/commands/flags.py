@@ -23,6 +23,15 @@ Pose = Annotated[
     ),
 ]
 Sensor = Annotated[str, typer.Option(metavar="NAME|FILE.toml", help="The tactile array (palpate sensors).")]
+Support = Annotated[
+    str, typer.Option(metavar="none|table", help="What the part lies on; none: no touch can meet its holder.")
+]
+Cover = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FILE", help="Another body in the way, in the part's coordinates.", show_default=False
+    ),
+]
 Noise = Annotated[
     float | None,
     typer.Option(help="1 sigma, as a fraction of the full-contact signal.", show_default="the sensor's own"),

@@ -38,6 +38,8 @@ class RunFlags:
     workspace: flags.Workspace = EVERYWHERE
     pose: flags.Pose = "random"
     sensor: flags.Sensor = "lts210"
+    support: flags.Support = "none"
+    cover: flags.Cover = None
     noise: flags.Noise = None
     pose_noise_mm: flags.PoseNoise = 0.0
     seed: flags.Seed = 0
@@ -57,6 +59,8 @@ class RunFlags:
             workspace=parse_numbers(self.workspace, 6, "--workspace", "X0,Y0,Z0,X1,Y1,Z1 in mm"),
             pose=parse_pose(self.pose),
             sensors=tuple(self.sensor.split(",")),
+            support=self.support,
+            cover=self.cover,
             noise=self.noise,
             pose_noise=self.pose_noise_mm,
             seed=self.seed,

@@ -10,19 +10,24 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Protocol, cast
 
 import numpy as np
+import trimesh
 
 from exploration.devices.guard import Guard, GuardLimits, Observation
 from exploration.devices.simulated import simulate
+from exploration.planning.routes import Tool
+from exploration.planning.told import Told
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import SensorSpec, load_sensor
 from models.formats.units import Units
 from models.part import Part, load_part
+from models.scene import Scene, table_under
 from models.solid import Solid
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.surface import Surface
 from recognition.config import ExploreOptions
+from recognition.running.resting import resting_attitude
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,7 @@ class WorldConfig:
 
     offset: float = 60.0  # [mm] greatest distance of a randomly placed part's middle from the workspace's
     reach: float = 300.0  # [mm] that the stage travels past the workspace, to go round the object
+    spots: float = 10.0  # [mm] between the places of a table or cover that ways keep clear of
     start: float = 60.0  # [mm] above the workspace, where the stage begins, facing down
 
 
@@ -55,7 +61,13 @@ class World:
     spec: SensorSpec
     box: Floats  # (2, 3) the workspace [mm]
     config: WorldConfig
+    beside: tuple[Solid, ...] = ()  # table and cover, which are told to whoever explores
     device: Device | None = None  # in place of a simulated object, of which then nothing is known
+
+    @property
+    def surface(self) -> Surface:
+        """All that can be touched."""
+        return Scene((self.solid, *self.beside)) if self.beside else self.solid
 
     @property
     def known(self) -> bool:
@@ -87,7 +99,7 @@ def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> Wo
         from recognition.hardware.world import wired
 
         device = wired(options.device)
-        return World(device.part, cast(Solid, None), device.spec, device.box, config, device)
+        return World(device.part, cast(Solid, None), device.spec, device.box, config, device=device)
     spec, *more = (load_sensor(name.strip()) for name in options.sensors)
     if more:
         raise PalpateError(
@@ -99,18 +111,30 @@ def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> Wo
     box = np.reshape(options.workspace, (2, 3))
     world_from_part = options.fixed_pose
     if world_from_part is None:
-        world_from_part = random_pose(part.solid, box, np.random.default_rng(options.seed), config)
+        rng = np.random.default_rng(options.seed)
+        lies = options.support == "table"
+        turn = resting_attitude(part.solid, rng) if lies else None
+        world_from_part = random_pose(part.solid, box, rng, config, turn)
     solid = part.solid.placed(world_from_part)
     _require_inside(solid, box)
-    return World(part, solid, spec, box, config)
+    beside = [table_under(solid)] if options.support == "table" else []
+    if options.cover is not None:
+        cover = load_part(options.cover, cast(Units, options.units), options.scale)
+        beside.append(cover.solid.placed(world_from_part))
+    return World(part, solid, spec, box, config, tuple(beside))
 
 
-def random_pose(solid: Solid, box: Floats, rng: np.random.Generator, config: WorldConfig) -> Floats:
-    """Any attitude alike; the part's middle in a ball round the workspace's, smaller where room is scarce."""
+def random_pose(
+    solid: Solid, box: Floats, rng: np.random.Generator, config: WorldConfig, turn: Floats | None = None
+) -> Floats:
+    """Any attitude alike, or a given (3, 3) `turn`; the middle in a ball round the workspace's own.
+
+    The ball is smaller where room is scarce.
+    """
     middle = solid.bounds.mean(axis=0)
     radius = float(np.linalg.norm(solid.vertices - middle, axis=1).max())
     room = float(np.ptp(box, axis=0).min()) / 2.0 - radius
-    turn = se3.random_rotation(rng)
+    turn = se3.random_rotation(rng) if turn is None else turn
     way = rng.normal(size=3)
     distance = min(config.offset, max(room, 0.0)) * rng.uniform() ** (1.0 / 3.0)
     center = box.mean(axis=0) + distance * way / np.linalg.norm(way)
@@ -135,7 +159,7 @@ def guarded(
     above = se3.pose(np.diag([1.0, -1.0, -1.0]), [x, y, high[2] + world.config.start])
     rng = np.random.default_rng(options.seed)
     stage, arrays = simulate(
-        surface or world.solid,
+        surface or world.surface,
         [world.spec],
         rng,
         pose_noise=options.pose_noise,
@@ -148,6 +172,18 @@ def guarded(
     )
     guard.observers = (lambda seen: observer(guard, seen),)
     return guard
+
+
+def told(world: World, options: ExploreOptions) -> Told | None:
+    """What whoever explores is told of the bodies beside the part; none where there are none."""
+    if not world.beside:
+        return None
+    spots = [
+        trimesh.remesh.subdivide_to_size(body.vertices, body.triangles, world.config.spots)[0]
+        for body in world.beside
+    ]
+    top = float(world.beside[0].bounds[1, 2]) if options.support == "table" else None
+    return Told(Scene(world.beside), np.concatenate(spots), Tool.of(world.spec), top)
 
 
 def _require_inside(solid: Solid, box: Floats) -> None:

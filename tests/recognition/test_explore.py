@@ -51,6 +51,15 @@ def test_a_ball_becomes_a_ball(sphere):
 
 
 @pytest.mark.slow
+def test_a_block_on_a_table_is_whole_and_the_hidden_face_is_inferred(tmp_path):
+    options = ExploreOptions("block", support="table", noise=0.05, out=tmp_path / "run")
+    summary = run(options, lambda _: None)
+    assert summary["truth"]["iou"] > 0.99
+    assert [face["status"] for face in summary["faces"]].count("inferred") == 1
+    assert any("table" in warning for warning in summary["warnings"])
+
+
+@pytest.mark.slow
 def test_the_folder_holds_what_a_run_holds(sphere):
     folder, summary, _ = sphere
     assert {entry.name for entry in folder.iterdir()} == FILES
