@@ -27,7 +27,9 @@ from recognition.matching.next_touch.information import TouchNoise, squared_dist
 from recognition.matching.next_touch.outcomes import foresee
 
 PAD = (28.8, 18.0)  # [mm]
-TOLD_APART = 9.0  # squared distance between two outcomes, in standard deviations
+TOLD_APART = (
+    4.0  # squared distance between two outcomes, in standard deviations: one ray of the grid in a hole
+)
 CORNERS = np.array([[0, 0, 0], [100, 0, 0], [30, 80, 0], [35, 25, 70.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 
