@@ -35,7 +35,7 @@ from recognition.running.folder import RunFolder
 from recognition.running.logbook import Logbook
 from recognition.running.patience import Patience
 from recognition.running.progress import Progress
-from recognition.running.simulation import World, guarded, load_world, told
+from recognition.running.simulation import World, beside, guarded, load_world
 from recognition.running.summary import FAULT, GAVE_UP, summarize
 from recognition.running.writing import write_model
 from recognition.truth import LabeledFaces, Truth, evaluate
@@ -114,8 +114,8 @@ def _explored(
         policy=options.policy,
         seed=options.seed,
     )
-    beside = told(world, options)
-    explorer = Explorer(guard, world.box.ravel(), config, logbook.announce, Tool.of(world.spec), beside)
+    told = beside(world, options)
+    explorer = Explorer(guard, world.box.ravel(), config, logbook.announce, Tool.of(world.spec), told)
     found, patience = explorer.found, Patience()
     try:
         for findings in explorer.run():

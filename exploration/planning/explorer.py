@@ -36,7 +36,6 @@ from primitives.fit import Fit
 __all__ = ["Explorer", "ExplorerConfig", "Findings"]
 
 _UNDER = 1.0  # [mm] that the workspace reaches under a table's top
-_OVER = 1.5  # [mm] over it, where the search for the object stops
 
 
 class Explorer:
@@ -170,10 +169,8 @@ class Explorer:
         return Predicted(predicted.points[keep], predicted.normals[keep], predicted.face[keep])
 
     def _find(self) -> bool:
-        floor = np.zeros(6)
-        if self.told is not None and self.told.table is not None:
-            floor[2] = _UNDER + _OVER
-        for start, end in sweeps(self.box + floor, self.pad.size):
+        floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
+        for start, end in sweeps(np.array([*self.box[:2], floor, *self.box[3:]]), self.pad.size):
             if self.guard.cost.touches >= self.config.max_touches:
                 return False
             try:

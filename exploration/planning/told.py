@@ -25,6 +25,7 @@ class ToldConfig:
     facing: float = 0.9  # least cosine between their normals
     met: float = 6.0  # [mm] of where a stroke was stopped
     room: float = 0.3  # [mm] round the housing, where the pad is to lie
+    over: float = 1.5  # [mm] over the table, where the search for the object stops
     patch: float = 8.0  # [mm] round a place on the table, of the face that lies there
     sigma: float = 0.05  # [mm] of the table's height
     normal_sigma: float = 0.002  # [rad]
@@ -62,6 +63,16 @@ class Told:
         if not poses:
             return np.zeros(0, dtype=bool)
         return self._tool.clear(np.array(poses), self.points, self._config.room, -1.0)
+
+    @property
+    def floor(self) -> float:
+        """[mm] height down to which the object is looked for."""
+        return -np.inf if self.table is None else self.table + self._config.over
+
+    def leads_past(self, start: Floats) -> bool:
+        """Whether an approach from a (4, 4) pose begins clear of it, and above the table."""
+        above = self.table is None or float(start[2, 3]) > self.floor
+        return above and bool(self._tool.clear(start[None], self.points, self._config.room, 0.0)[0])
 
     def resting(self, place: Floats) -> Contacts:
         """Contacts (4) of the face that lies on the table, below a (3,) place of the object."""

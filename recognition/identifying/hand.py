@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -14,6 +14,7 @@ from exploration.devices.protocols import StageLimits
 from exploration.planning.lone_touch import Approach, LoneTouch, touch_once
 from exploration.planning.round_ball import Ball, way_round
 from exploration.planning.search import sweeps
+from exploration.planning.told import Told
 from primitives.arrays import Floats
 
 
@@ -63,6 +64,7 @@ class GuardedHand:
 
     guard: Guard
     warnings: list[str] = field(default_factory=list)
+    told: Told | None = None  # what stands beside the object, and is no part of it
     _last: LoneTouch | None = None
 
     @property
@@ -87,11 +89,12 @@ class GuardedHand:
 
     def find(self, box: Floats) -> Iterator[LoneTouch]:
         """Sweep until the pad meets something."""
-        for start, end in sweeps(box, self.pad):
+        floor = box[2] if self.told is None else max(box[2], self.told.floor)
+        for start, end in sweeps(np.array([*box[:2], floor, *box[3:]]), self.pad):
             try:
                 self.guard.go_to(start)
                 length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
-                made = self._last = touch_once(self.guard, Approach(start, length))
+                made = self._last = self._touched(Approach(start, length))
             except (OverPress, Collision) as error:
                 self.warnings.append(str(error))
                 self.guard.go_to(start)
@@ -106,7 +109,7 @@ class GuardedHand:
         try:
             for stop in way_round(self.here, approach.start, ball):
                 self.guard.go_to(stop)
-            self._last = touch_once(self.guard, approach)
+            self._last = self._touched(approach)
         except (OverPress, Collision) as error:
             self.warnings.append(str(error))
             self.guard.cost.touches += 1
@@ -129,7 +132,16 @@ class GuardedHand:
         """Within the guard's box."""
         low, high = np.array(self.guard.limits.reach[:3]), np.array(self.guard.limits.reach[3:])
         at = approach.start[:3, 3]
-        return bool((at > low).all() and (at < high).all())
+        within = bool((at > low).all() and (at < high).all())
+        return within and (self.told is None or self.told.leads_past(approach.start))
+
+    def _touched(self, approach: Approach) -> LoneTouch:
+        """One touch; what it felt of other bodies is left out."""
+        made = touch_once(self.guard, approach)
+        if self.told is None:
+            return made
+        own = self.told.without(made.contacts)
+        return replace(made, contacts=own, met=made.met and len(own) == len(made.contacts))
 
     def _free_itself(self, start: Floats) -> None:
         """After a fault the guard has backed off; the way to `start` is tried once more."""

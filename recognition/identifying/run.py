@@ -28,7 +28,7 @@ from recognition.report.page import write_report
 from recognition.report.run_report import ReportMesh, RunReport
 from recognition.running.felt_run import FeltRun, felt_run
 from recognition.running.progress import Progress
-from recognition.running.simulation import load_world
+from recognition.running.simulation import beside, load_world
 from recognition.truth import LabeledFaces
 
 Watch = Callable[[Step, Identifier], None]
@@ -49,7 +49,7 @@ def run(
     with felt_run(options, "identify", world, told) as felt:
         config = IdentifyConfig(options.policy, options.confidence, options.max_touches, options.unknown)
         rng = np.random.default_rng([options.seed, 1])
-        hand = GuardedHand(felt.guard, felt.warnings)
+        hand = GuardedHand(felt.guard, felt.warnings, beside(world, options))
         identifier = Identifier(hand, known, felt.world.box.ravel(), config, rng, felt.announce)
         history: list[dict[str, Any]] = []
 

@@ -174,7 +174,7 @@ def guarded(
     return guard
 
 
-def told(world: World, options: ExploreOptions) -> Told | None:
+def beside(world: World, options: ExploreOptions) -> Told | None:
     """What whoever explores is told of the bodies beside the part; none where there are none."""
     if not world.beside:
         return None
