@@ -77,7 +77,7 @@ def arm(tmp_path, monkeypatch):
 
 
 def until_still(stage) -> None:
-    end = time.monotonic() + 20.0
+    end = time.monotonic() + 240.0
     while stage.moving and time.monotonic() < end:
         time.sleep(0.005)
 

@@ -68,7 +68,7 @@ def devices(
         rig.close()
 
 
-def comes(true: Callable[[], bool], within: float = 60.0, do: Callable[[], object] = lambda: None) -> bool:
+def comes(true: Callable[[], bool], within: float = 240.0, do: Callable[[], object] = lambda: None) -> bool:
     """Whether something becomes true, while `do` is done again and again."""
     until = time.monotonic() + within
     while time.monotonic() < until:
