@@ -152,7 +152,7 @@ class Explorer:
         faces = self.found.graph.faces
         if self.told is None or not faces or any((f.contacts.touch == NOT_FELT).all() for f in faces):
             return
-        resting = self.told.resting(self.pad.here.point)
+        resting = self.told.resting(np.concatenate([f.contacts.points for f in faces]).mean(axis=0))
         if len(resting):
             self.found.graph, _ = self.found.graph.add_stroke(resting)
             if self._note_resting not in self.found.warnings:

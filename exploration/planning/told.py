@@ -26,7 +26,7 @@ class ToldConfig:
     met: float = 6.0  # [mm] of where a stroke was stopped
     room: float = 0.3  # [mm] round the housing, where the pad is to lie
     over: float = 1.5  # [mm] over the table, where the search for the object stops
-    patch: float = 8.0  # [mm] round a place on the table, of the face that lies there
+    patch: float = 4.0  # [mm] round a place on the table, of the face that lies there
     sigma: float = 0.05  # [mm] of the table's height
     normal_sigma: float = 0.002  # [rad]
 

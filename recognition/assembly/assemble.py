@@ -19,7 +19,7 @@ import numpy as np
 from models.csg import Csg
 from models.solid import Solid
 from primitives.arrays import Floats, frozen
-from primitives.evidence import Contacts
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.shapes import Plane, Shape, Torus
 from primitives.shared_error import with_shared_error
@@ -184,7 +184,7 @@ def _from_cells(
     near = [np.abs(solid.signed_distance(points)) for points, _ in touched]
     on = {
         i for i, away in zip(distinct, near, strict=True) if len(away) and np.median(away) < options.on_body
-    }
+    } | {i for i in distinct if (faces[i].contacts.touch == NOT_FELT).all()}
     surface_of_fit = tuple(s if s in on else None for s in speaker)
     warnings = tuple(
         f"face {i} ({fits[i].kind}, {len(faces[i].contacts)} contacts) lies on no surface of the model"
@@ -200,7 +200,7 @@ def _unused(
     return tuple(
         f"face {i} ({fits[i].kind}, {len(faces[i].contacts)} contacts) does not touch the body; left out"
         for i, s in enumerate(surface_of_fit)
-        if s is None
+        if s is None and (faces[i].contacts.touch != NOT_FELT).any()
     )
 
 
