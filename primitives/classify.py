@@ -27,6 +27,8 @@ class RankOptions:
     )
     largest_radius: float = 2000.0  # [mm] what is rounder than this is its simpler neighbor
     least_angle: float = 0.004  # [rad] a cone steeper than this is a cylinder
+    blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
+    blunt_share: float = 0.1  # of the prior of cones
     unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
     fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-5, iterations=15, starts=2))
 
@@ -62,7 +64,10 @@ def score(found: Fit, options: RankOptions, excess: float = 1.0) -> float:
     """-2 ln of one fit's evidence, up to what all fits of the same contacts share."""
     parameters = found.shape.dof
     price = parameters * np.log(max(found.dof + parameters, 2))
-    return float(found.chi2 / excess + price - 2.0 * np.log(options.prior[found.kind]))
+    prior = options.prior[found.kind]
+    if isinstance(found.shape, Cone) and found.shape.semi_angle > options.blunt:
+        prior *= options.blunt_share
+    return float(found.chi2 / excess + price - 2.0 * np.log(prior))
 
 
 def _usable(found: Fit | NoFit, options: RankOptions) -> bool:

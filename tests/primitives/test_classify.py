@@ -3,7 +3,7 @@ import pytest
 
 from primitives.classify import rank
 from primitives.evidence import Contacts
-from primitives.shapes import Sphere
+from primitives.shapes import Cone, Sphere
 
 
 def test_the_shape_that_made_the_contacts_ranks_first(shape, touched):
@@ -27,6 +27,26 @@ def test_a_sphere_of_huge_radius_is_a_plane(touched):
     normals = cap.normals(points) + 0.03 * rng.standard_normal((40, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     assert rank(Contacts.of(points, normals, 0.05, 0.03))[0].fit.kind == "plane"
+
+
+def test_few_contacts_on_a_small_cap_are_a_balls_and_not_a_nearly_flat_cones():
+    rng, ball = np.random.default_rng(8), Sphere([0, 0, -36.0], 36.0)
+    names = []
+    for _ in range(40):
+        turn, away = rng.uniform(0, 2 * np.pi, 6), rng.uniform(2.0, 5.5, 6)
+        at = ball.project(np.column_stack([away * np.cos(turn), away * np.sin(turn), np.zeros(6)]))
+        points = at + 0.02 * rng.standard_normal((6, 1)) * ball.normals(at)
+        normals = ball.normals(at) + 0.03 * rng.standard_normal((6, 3))
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        ranked = rank(Contacts.of(points, normals, 0.02, 0.03))
+        names.append(ranked[0].fit.kind)
+    assert names.count("cone") <= 2
+
+
+def test_a_nearly_flat_cone_that_is_well_touched_is_a_cone(touched):
+    dish = Cone([0, 0, 0.0], [0, 0, -1.0], 1.4)
+    contacts = touched(dish, 60, np.random.default_rng(3))
+    assert rank(contacts)[0].fit.kind == "cone"
 
 
 def test_unmodeled_error_does_not_buy_parameters(shape, touched):
