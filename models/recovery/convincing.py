@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from models.recovery.curved_options import CurvedOptions
 from models.recovery.fits import depth
 from models.recovery.grow import Mesh
 from primitives.arrays import Floats, Ints
 from primitives.shapes import Shape
-
-if TYPE_CHECKING:
-    from models.recovery.curved import CurvedOptions
 
 
 def convincing(

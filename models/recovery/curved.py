@@ -11,7 +11,7 @@ of like width, and four of them unless they turn gently.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -19,44 +19,13 @@ from scipy.sparse.csgraph import connected_components
 
 from models.recovery.coaxial import coaxial
 from models.recovery.convincing import convincing
-from models.recovery.fits import FacetFitOptions, depth, evidence, fit_facets, refit_facets
+from models.recovery.curved_options import CurvedOptions
+from models.recovery.fits import depth, evidence, fit_facets, refit_facets
 from models.recovery.grow import Mesh, Reach, grow
 from models.recovery.patches import patch_round, patches
 from primitives.arrays import Bools, Floats, Ints
 from primitives.fit import NoFit
 from primitives.shapes import Shape
-
-
-@dataclass(frozen=True)
-class CurvedOptions:
-    """How patches are chosen and regions judged."""
-
-    smooth: float = np.deg2rad(32.0)  # [rad] the greatest turn between facets of one curved surface
-    alike: float = 6.0  # the greatest ratio of areas between neighbors of one patch
-    smoothly: float = 20.0  # and between neighbors that may be of one face
-    patches: tuple[int, ...] = (12, 5)  # facets of a patch, the larger tried first
-    along: int = 6  # facets of a patch along the longest rims, tried last
-    fewest: dict[str, int] = field(
-        default_factory=lambda: {"cylinder": 3, "cone": 3, "sphere": 4, "torus": 6}
-    )
-    few: int = 5  # a region of no more facets needs to be regular or tangent to a neighbor
-    regular: float = 1.6  # ratio of widths of regular facets
-    gentle: float = np.deg2rad(16.0)  # [rad] the greatest turn between regular facets that are only three
-    tangent: float = np.deg2rad(5.0)  # [rad] between a neighbor's normal and the surface's at their rim
-    on_circle: tuple[float, float] = (
-        0.02,
-        0.25,
-    )  # spread of normals off a circle, that of sides and of domes
-    simpler: float = 0.97  # a simpler shape with this share of the best one's area is preferred
-    whole: float = 0.95  # a shape that covers this share of its neighborhood is not challenged
-    rounds: int = 5  # of growing and fitting again
-    failures: int = (
-        12  # patches that may lead nowhere before a neighborhood is given up; and one in 100 facets; in a row
-    )
-    patient: int = 40  # the most that a large neighborhood adds to them
-    slack: float = 1.2  # how far corners may be off where chords were cut, in units of the chords' sag
-    together: int = 3  # surfaces that may explain a neighborhood of cut chords
-    fit: FacetFitOptions = field(default_factory=FacetFitOptions)
 
 
 @dataclass(frozen=True)

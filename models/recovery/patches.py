@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from models.recovery.curved_options import CurvedOptions
 from models.recovery.grow import Mesh
 from primitives.arrays import Bools, Ints
-
-if TYPE_CHECKING:
-    from models.recovery.curved import CurvedOptions
 
 
 def patches(

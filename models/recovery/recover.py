@@ -13,7 +13,8 @@ import numpy as np
 
 from models.body import LabeledSurface
 from models.recovery.creases import find_creases
-from models.recovery.curved import CurvedOptions, Region, find_curved
+from models.recovery.curved import Region, find_curved
+from models.recovery.curved_options import CurvedOptions
 from models.recovery.cut import find_cut, with_truncated_ends
 from models.recovery.flats import corner_noise, find_flats
 from models.recovery.grow import Mesh

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.recovery.curved import CurvedOptions, Region
+from models.recovery.curved import Region
+from models.recovery.curved_options import CurvedOptions
 from models.recovery.fits import corners_of
 from models.recovery.grow import Mesh
 from primitives.arrays import Floats, Ints

@@ -62,7 +62,8 @@ def flank_of(
         across = pair[0].inward - pair[1].inward
         start = _top(smooth, across / np.linalg.norm(across))
         found.append(_fitted(image, smooth, start, [_end(line, start[3]) for line in pair], limit, False))
-    found = [flank for flank in found if flank.converged and flank.chi2 < limit and _bent(flank)]
+    found = [flank for flank in found if flank.converged and flank.dof > 0 and flank.chi2 < limit]
+    found = [flank for flank in found if _bent(flank)]
     if not found:
         return None
     best = min(found, key=lambda flank: flank.chi2)
@@ -102,7 +103,7 @@ def _bent(flank: ConeFlank) -> bool:
 
 
 def _explains(flank: ConeFlank) -> bool:
-    return flank.converged and flank.chi2 < flank.dof + EXPLAINED * sqrt(2 * flank.dof)
+    return flank.converged and flank.chi2 < flank.dof + EXPLAINED * sqrt(2 * max(0, flank.dof))
 
 
 def _facing(lines: Sequence[Line]) -> tuple[Line, Line] | None:

@@ -27,7 +27,8 @@ def test_a_reader_never_sees_time_go_back_or_run_ahead_of_the_machines(tmp_path)
         until = asked + 60.0
         while last < 0.3 and asked < until:
             asking, now = time.monotonic(), clock.now()
-            faults += now < last or now - last > time.monotonic() - asked + LONGEST
+            # a tick that was reckoned before the writer was put aside, and the next one, come together
+            faults += now < last or now - last > time.monotonic() - asked + 2 * LONGEST
             last, asked = now, asking
         assert last >= 0.3
         assert not faults
