@@ -14,11 +14,11 @@ import numpy as np
 
 from models.recovery.convincing import convincing
 from models.recovery.curved import (
-    CurvedOptions,
     Region,
     in_neighborhood,
     neighborhoods,
 )
+from models.recovery.curved_options import CurvedOptions
 from models.recovery.fits import corners_of, depth
 from models.recovery.grow import Mesh, Reach, grow
 from models.recovery.patches import patch_round
