@@ -42,7 +42,7 @@ class AnyFormConfig:
         12.0,
     )  # [mm] of the housing over a face whose wall it comes to, in turn
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
-    stuck: float = 1.0  # [mm] of a stroke, less than which the pad does not go on from where it lies
+    stuck: float = 1.0  # [mm] of a stroke, less than which there is no way from where the pad lies
     wall_tries: int = 2
     rim_tries: int = 3
     beside: float = 9.0  # [mm] between tries that count as one thing
@@ -144,8 +144,9 @@ class AnyForm:
         stroke = self.pad.stroke(toward / distance, distance + 0.5 * self.config.feature)
         self.study.note_wall(stroke)
         home = self.study.take_in(stroke.contacts) if len(stroke.contacts) else face
-        gone = stroke.ended in ("wall", "lost") or stroke.travel < self.own.stuck
-        return None if gone else home, "stroked what was open"
+        if stroke.travel < self.own.stuck:
+            self._open.note(goal)
+        return None if stroke.ended in ("wall", "lost") else home, "stroked what was open"
 
     def _face_wall(self, wall: Wall) -> Done:
         """Turn to face what a stroke met, just above the face that the pad lay on."""
