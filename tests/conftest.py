@@ -1,4 +1,4 @@
-"""A headless browser to look at pages with."""
+"""A headless browser to look at pages with; and the same examples of every property in every run."""
 
 import base64
 import importlib.util
@@ -12,6 +12,10 @@ import time
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.load_profile("same")
 
 
 class Browser:
