@@ -127,7 +127,9 @@ class Explorer:
             return lambda: self._crossing.cross(*crossing)
         self._lay()
         frontier = Frontier(self.found.graph.faces, self.box)
-        untouched = self._open_to(frontier.untouched(self.pad.covered, self.config.feature / 2.0))
+        bare = frontier.untouched(self.pad.covered, self.config.feature / 2.0)
+        untouched = self._open_to(bare)
+        self._hidden = len(bare.points) - len(untouched.points)
         missing = self._tried.unfinished(untouched)
         edges = frontier.open_edges([t for t, _ in self.found.traces])
         edges = [edge for edge in edges if not self._tried.given_up(edge.point)]
@@ -165,7 +167,6 @@ class Explorer:
         if self.told is None or not len(predicted.points):
             return predicted
         keep = self.told.leaves_room(predicted.points, predicted.normals)
-        self._hidden = int((~keep).sum())
         return Predicted(predicted.points[keep], predicted.normals[keep], predicted.face[keep])
 
     def _find(self) -> bool:

@@ -57,6 +57,7 @@ def test_a_block_on_a_table_is_whole_and_the_hidden_face_is_inferred(tmp_path):
     assert summary["truth"]["iou"] > 0.99
     assert [face["status"] for face in summary["faces"]].count("inferred") == 1
     assert any("table" in warning for warning in summary["warnings"])
+    assert summary["ended"] == "nothing reachable is open"
 
 
 @pytest.mark.slow
