@@ -56,25 +56,12 @@ class ReplayedArray:
     """A `TactileSensor` that reads one pad's frames, one after the other."""
 
     def __init__(self, recording: Recording, pad: int, stage: ReplayedStage, mount: Floats) -> None:
-        self._path, self._stage, self._mount = recording.path, stage, frozen(mount)
-        self._flange_from_sensor = se3.inverse(mount)
-        self._period, self._frames, self._time = _period(_of(recording, pad)), _of(recording, pad), 0.0
-        self._array = recording.pads[pad].array
-
-    @property
-    def array(self) -> TaxelArray:
-        """Its layout."""
-        return self._array
-
-    @property
-    def flange_from_sensor(self) -> Floats:
-        """(4, 4) where it is mounted."""
-        return self._mount
-
-    @property
-    def period(self) -> float:
-        """Seconds from one frame to the next, in the median."""
-        return self._period
+        self.period = _period(_of(recording, pad))
+        self.array: TaxelArray = recording.pads[pad].array
+        self.flange_from_sensor = frozen(mount)
+        self._path, self._stage = recording.path, stage
+        self._sensor_from_flange = se3.inverse(mount)
+        self._frames, self._time = _of(recording, pad), 0.0
 
     def read(self) -> TaxelFrame:
         """The next frame; a recording without times gets those of its period."""
@@ -82,8 +69,8 @@ class ReplayedArray:
         if item is None:
             raise PalpateError(f"{self._path} has ended; there is nothing more to feel in it")
         if item.world_from_sensor is not None:
-            self._stage.was_at(item.world_from_sensor @ self._flange_from_sensor)
-        self._time = item.frame.time if np.isfinite(item.frame.time) else self._time + self._period
+            self._stage.was_at(item.world_from_sensor @ self._sensor_from_flange)
+        self._time = item.frame.time if np.isfinite(item.frame.time) else self._time + self.period
         return TaxelFrame(item.frame.counts, self._time, item.frame.index)
 
 
