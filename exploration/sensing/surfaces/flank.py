@@ -18,8 +18,9 @@ import numpy as np
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.line import Line
+from exploration.sensing.surfaces.anatomy import SIGNIFICANT
 from exploration.sensing.surfaces.cone_flank import ConeFlank, fit_cone_flank
-from exploration.sensing.surfaces.local_surface import SIGNIFICANT, LocalSurface, surface_of
+from exploration.sensing.surfaces.local_surface import LocalSurface, surface_of
 from primitives.arrays import Floats
 
 DOUBTED = 1.5  # chi2 per degree of freedom from which a curved surface is looked at again
