@@ -111,24 +111,30 @@ def _killed(suite: Path, room: Path) -> list[dict[str, Any]]:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        try:
-            started.wait(rng.uniform(0.5, 6.0))
-        except subprocess.TimeoutExpired:
+        enough = len(_told(out)) + rng.randrange(TRIALS // KILLS)
+        while started.poll() is None and len(_told(out)) < enough:
+            time.sleep(0.02)
+        time.sleep(rng.uniform(0.0, 0.3))
+        if started.poll() is None:
             started.send_signal(signal.SIGKILL)
-            started.wait()
             kills += 1
+        started.wait()
     summary, _, _ = _run(suite, out, "--resume", "--workers", "2")
-    told = Counter(
-        json.loads(line)["trial"]
-        for path in out.glob("trials*.jsonl")
-        for line in path.read_text().splitlines()
-    )
+    times = Counter(json.loads(line)["trial"] for line in _told(out))
     return [
         _row("killed and resumed", "kills", kills, "", KILLS),
         _row("killed and resumed", "rows", summary["rows"], "", TRIALS),
-        _row("killed and resumed", "rows told twice", sum(n > 1 for n in told.values()), "", 0),
+        _row("killed and resumed", "rows told twice", sum(n > 1 for n in times.values()), "", 0),
         _row("killed and resumed", "same table", _same(room / "alone", out), "", 1),
     ]
+
+
+def _told(out: Path) -> list[str]:
+    """The whole lines of the trials that are done."""
+    lines = [
+        line for path in out.glob("trials*.jsonl") for line in path.read_text().splitlines(keepends=True)
+    ]
+    return [line for line in lines if line.endswith("\n")]
 
 
 def _touches(room: Path) -> list[dict[str, Any]]:
