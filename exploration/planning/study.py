@@ -54,7 +54,7 @@ class Study:
             self.found.warnings.append(str(error))
         face = self.take_in(Contacts.concatenate(strokes))
         if face is None:
-            self.found.warnings.append("a touch told too little to name the face under it")
+            self.found.warnings.append("a touch named no face by itself; its contacts are kept")
             return None
         self.seen.extend((edge, face) for edge in edges)
         return face
