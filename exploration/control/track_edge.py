@@ -20,7 +20,7 @@ from exploration.control.hybrid import PRESS
 from exploration.devices.guard import Guard, Observation
 from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.line_fit import softened
 from exploration.sensing.lines.outline import find_outline
@@ -171,7 +171,7 @@ def _first(seen: Observation, along: Floats, config: EdgeConfig) -> Expected | N
     heading = seen.world_from_sensor[:3, :2].T @ along
     heading = heading / max(float(np.linalg.norm(heading)), 1e-9)
     outline = find_outline(seen.image, 3)
-    found = [expected_of(line, heading, config) for line in (*outline.lines, *find_lines(seen.image, 3))]
+    found = [expected_of(line, heading, config) for line in (*outline.lines, *sure_lines(seen.image, 3))]
     found += [expected_on(arc, heading, config) for arc in outline.arcs]
     fitting = [e for e in found if np.cos(e.angle) * heading[0] + np.sin(e.angle) * heading[1] > 0.7]
     return min(fitting, key=lambda e: abs(e.offset), default=None)

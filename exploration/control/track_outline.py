@@ -15,7 +15,7 @@ from exploration.control.dwell import dwell
 from exploration.control.hybrid import PRESS
 from exploration.control.track_edge import EdgeConfig, Home, Tracked, follow_edge
 from exploration.devices.guard import Guard
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
@@ -80,7 +80,7 @@ def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Floats | None:
     assert last is not None
     here = seen.world_from_sensor
     corner = edge.corner or meeting(seen, last, config.corners)
-    corner = corner or meeting(seen, last, config.corners, find_lines(seen.image, 3))
+    corner = corner or meeting(seen, last, config.corners, sure_lines(seen.image, 3))
     if corner is None:
         return None
     past = PAST if edge.corner is None else 2.0 * PAST

@@ -24,7 +24,7 @@ from exploration.control.surface_reading import SurfaceReading, read_surface
 from exploration.control.surface_servo import SurfaceServo
 from exploration.control.surface_trace import NO_TRACE, SurfaceTrace, smoothed_surface
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 
@@ -121,7 +121,7 @@ def follow_surface(
         if looks and readings and readings[-1].plain:
             looks, confirmed = False, 0
         if looks and contact_front(felt, seen, heading) < half - 1.5 * max(seen.image.array.pitch):
-            near = edge_near(find_lines(seen.image, 3), heading, seen.image, config.stop_share)
+            near = edge_near(sure_lines(seen.image, 3), heading, seen.image, config.stop_share)
             confirmed = confirmed + 1 if near else 0
         ticks += 1
         reach = reach_along(felt, seen, heading)
@@ -174,7 +174,7 @@ def follow_surface(
         Contacts.concatenate(kept),
         np.concatenate(cells) if cells else np.empty((0, 3)),
         np.concatenate(facing) if facing else np.empty((0, 3)),
-        tuple(sight(line, seen) for line in find_lines(seen.image, 3)) if ended != "lost" else (),
+        tuple(sight(line, seen) for line in sure_lines(seen.image, 3)) if ended != "lost" else (),
         ended,
         travel,
         tuple(servo.forces),

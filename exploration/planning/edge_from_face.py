@@ -26,7 +26,7 @@ from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.pad import Pad
 from exploration.planning.transit import Support
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -120,7 +120,7 @@ def dihedral(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFace
 
 def pressed(pad: Pad) -> float | None:
     """[mm] to which the face beside the edge under the pad is pressed; None where no edge is seen."""
-    lines = find_lines(dwell(pad.guard, pad.config.averaged).image, 1)
+    lines = sure_lines(dwell(pad.guard, pad.config.averaged).image, 1)
     return float(lines[0].plateau) if lines else None
 
 

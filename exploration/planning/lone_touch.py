@@ -23,7 +23,7 @@ from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, ends_by_curving, sight
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.planning.swept import Swept, behind_skin, over_free_taxels
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts, EdgeTrace, FreeSpace
@@ -164,7 +164,7 @@ def _bare_point(seen: Observation, touch: int, stroke: int, config: LoneTouchCon
 def _edges(
     seen: Observation, felt: Felt, touch: int, stroke: int, config: LoneTouchConfig
 ) -> tuple[EdgeTrace, ...]:
-    lines = [line for line in find_lines(seen.image, 3) if line.length > config.least_line]
+    lines = [line for line in sure_lines(seen.image, 3) if line.length > config.least_line]
     lines = [line for line in lines if not ends_by_curving(line, felt)]
     return tuple(_trace(sight(line, seen), touch, stroke, config) for line in lines)
 

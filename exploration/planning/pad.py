@@ -27,7 +27,7 @@ from exploration.planning.felt_free import FeltFree
 from exploration.planning.told import Told
 from exploration.planning.touched import Touched
 from exploration.planning.transit import Support, box_supports, way
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
@@ -170,7 +170,7 @@ class Pad:
                     "consistency": float(curved.four.consistency[0]),
                 },
             )
-            lines = [line for line in find_lines(seen.image, 3) if line.length > self.config.least_line]
+            lines = [line for line in sure_lines(seen.image, 3) if line.length > self.config.least_line]
             if curved.order != "plane":
                 long = curved.ridge
             elif lines:
@@ -183,7 +183,7 @@ class Pad:
         felt = feel(seen.image)
         if not felt:
             return []
-        lines = [line for line in find_lines(seen.image, 3) if line.length > self.config.least_line]
+        lines = [line for line in sure_lines(seen.image, 3) if line.length > self.config.least_line]
         lines = [line for line in lines if not ends_by_curving(line, felt)]
         found = [sight(line, seen) for line in lines]
         if heading is not None and not any(-line.inward @ heading > 0.4 for line in lines):

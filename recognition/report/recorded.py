@@ -11,7 +11,7 @@ import numpy as np
 
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, read
 from exploration.sensing.calibration import Calibration, correct
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from exploration.sensing.spec import SensorSpec, load_sensor, sensor_from_toml, sensor_names
 from primitives.arrays import Bools, Floats, Ints
 from primitives.errors import PalpateError
@@ -104,7 +104,7 @@ def _lines(kept: Sequence[RecordedFrame], pressed: Sequence[bool], spec: SensorS
     calibration = Calibration.nominal(spec)
     return [
         np.array(
-            [(x.angle, x.offset) for x in find_lines(correct(item.frame, calibration, spec.array))]
+            [(x.angle, x.offset) for x in sure_lines(correct(item.frame, calibration, spec.array))]
             if touches
             else []
         ).reshape(-1, 2)

@@ -17,7 +17,7 @@ import numpy as np
 from exploration.devices.guard import Guard, Observation
 from exploration.recordings.mcap import Recorder
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from exploration.sensing.load import load_of
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
@@ -42,7 +42,7 @@ class _Kept:
     @cached_property
     def lines(self) -> Floats:
         """(k, 2) angle [rad] and offset [mm] of each line in it, found once however often it is shown."""
-        found = () if self.touch < 0 else find_lines(self.seen.image)
+        found = () if self.touch < 0 else sure_lines(self.seen.image)
         return np.array([(line.angle, line.offset) for line in found]).reshape(-1, 2)
 
 

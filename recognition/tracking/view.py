@@ -16,7 +16,7 @@ from rich.live import Live
 from rich.text import Text
 
 from exploration.devices.guard import Observation
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from primitives.arrays import Floats
 from recognition.frames.colors import HEAT, INK, LINES, Color, heat
 from recognition.running.progress import Progress
@@ -88,7 +88,7 @@ def taxels(seen: Observation) -> Text:
     shares = np.clip(depth / max(0.5, float(depth.max(initial=0.0))), 0.0, 1.0)
     fine = np.repeat(np.repeat(shares, 2, axis=0), 2, axis=1)[::-1]
     on = np.zeros(fine.shape, dtype=bool)
-    for line in find_lines(image, 1):
+    for line in sure_lines(image, 1):
         on |= _along(line.offset * line.normal, line.direction, np.asarray(image.array.size), fine.shape)
     picture = Text()
     for upper in range(0, fine.shape[0], 2):

@@ -22,16 +22,16 @@ from perception.surfaces import curvature_rows
 from perception.times import time_rows
 
 from exploration.sensing.baselines.table import baselines
-from exploration.sensing.frame import TactileImage
-from exploration.sensing.lines.hough import find_lines
-from exploration.sensing.lines.line import Line
+from exploration.sensing.lines.hough import find_lines, sure_lines
 from exploration.sensing.lines.outline import find_outline
 from exploration.sensing.spec import load_sensor
 
+SURE = f"{OURS}, sure lines"
 FRAMES = 2000
 FALSE = 5  # times as many for false lines
 PLAIN = Noise()
 SINGLE = Asked(1.15, 0.02)
+FOUND = Asked(1.10, 0.02, findable=True)
 SEVERAL = Asked(1.3, within=99.0)
 EDGES = {
     "edge": ("5 % noise", presses.edge, PLAIN, Asked(1.10, 0.02, 0.0)),
@@ -43,7 +43,7 @@ EDGES = {
     "dihedral150": ("dihedral 150 deg", partial(presses.edge, dihedral=150.0), PLAIN, SINGLE),
     "dead": ("3 % dead, not known", partial(presses.edge, dead=0.03), PLAIN, Asked(1.25)),
     **{
-        name.partition(" ")[0]: (name, partial(presses.edge, spec=spec), PLAIN, Asked(1.10, 0.02, 0.0))
+        name.partition(" ")[0]: (name, partial(presses.edge, spec=spec), PLAIN, FOUND)
         for name, spec in OTHERS.items()
     },
 }
@@ -73,7 +73,7 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
                 finders |= {OURS: partial(find_lines, dihedral=TOLD[key]), f"{OURS}, not told": find_lines}
             out += edge_rows(name, finders, maker, noise, frames, asked)
         elif key in MANY:
-            finders = {OURS: find_lines, f"{OURS}, outline": _outlined, **baselines()}
+            finders = methods() | {SURE: sure_lines}
             out += many_rows(key, finders, MANY[key], PLAIN, frames, SEVERAL)
         else:
             out += _OTHER_ROWS[key](frames)
@@ -83,10 +83,6 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
 def methods() -> dict[str, Finder]:
     """Ours, and what it is compared with."""
     return {OURS: find_lines, **baselines()}
-
-
-def _outlined(image: TactileImage) -> tuple[Line, ...]:
-    return find_outline(image).lines
 
 
 def _built(frames: int) -> list[dict[str, Any]]:
@@ -104,7 +100,7 @@ def _built(frames: int) -> list[dict[str, Any]]:
 _OTHER_ROWS = {
     "times": lambda frames: time_rows(PLAIN, frames),
     "disc-hole": lambda frames: arc_rows(lambda image: find_outline(image).arcs, PLAIN, frames),
-    "false": lambda frames: false_rows(methods(), WITHOUT, PLAIN, FALSE * frames),
+    "false": lambda frames: false_rows(methods() | {SURE: sure_lines}, WITHOUT, PLAIN, FALSE * frames),
     "hostile": lambda frames: hostile_rows(find_lines, PLAIN, frames),
     "curvature": lambda frames: curvature_rows(PLAIN, frames // 10),
     "built": _built,

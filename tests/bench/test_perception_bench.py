@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from perception import presses
-from perception.arrays import PAD, PRESS
+from perception.arrays import OTHERS, PAD, PRESS
 from perception.bound import ZERO, fisher
 from perception.noise import Noise, observe
 from perception.scene import clean
 from perception.score import line_error, paired
+from perception.told_apart import apart, findable
 from scipy.special import ndtr
 
 MAKERS = (presses.edge, presses.corner, presses.wall, presses.slot, presses.vertex, presses.bar_end)
@@ -105,3 +106,17 @@ def test_the_bound_does_not_depend_on_where_angles_are_counted_from(maker):
     seam = np.pi - scene.numbers["turn"]
     here, there = (fisher(scene.moved(turn=seam + d), Noise()).variances() for d in (-0.0001, 0.0001))
     np.testing.assert_allclose(here, there, rtol=0.05)
+
+
+def test_a_smooth_surface_is_not_told_from_itself():
+    rng = np.random.default_rng(6)
+    for scene in (presses.bar(rng, 57.6), presses.ball(rng, 90.0), presses.flat(rng)):
+        assert apart(scene, Noise()) < 1.0
+
+
+def test_an_edge_across_the_pad_can_be_found_and_one_under_so_few_taxels_cannot():
+    rng = np.random.default_rng(7)
+    edges = [presses.edge(rng) for _ in range(3)]
+    middle = [edge.moved(offset=-edge.numbers["offset"]) for edge in edges]
+    assert findable(middle, Noise()) > 0.999
+    assert findable([presses.edge(rng, OTHERS["4x4 at 2 mm"]) for _ in range(3)], Noise()) < 0.1

@@ -18,7 +18,7 @@ from scipy.optimize import minimize_scalar
 
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.frame import TactileImage, TaxelArray, TaxelFrame
-from exploration.sensing.lines.hough import find_lines
+from exploration.sensing.lines.hough import sure_lines
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.line_fit import fit_line, softened
 from exploration.sensing.response import Response
@@ -52,7 +52,7 @@ def spread_from_edges(
     """The spread that explains presses over an edge best, each the mean of `averaged` frames."""
     known = replace(calibration, noise=calibration.noise / np.sqrt(averaged))
     images = [correct(press, known, array) for press in presses]
-    found = [(image, lines[0]) for image in images if (lines := find_lines(image, 1))]
+    found = [(image, lines[0]) for image in images if (lines := sure_lines(image, 1))]
     if len(found) < LEAST_PRESSES:
         raise PalpateError(
             f"{len(found)} of {len(presses)} presses show a straight edge; press one across the pad's middle, "

@@ -41,16 +41,16 @@ BLURRED = 3.0  # [sigma] of the width
 CLEAR = 30.0  # [chi2] by which no smooth rim explains the step
 
 
-def single_edge(image: TactileImage, response: Response, dihedral: float = pi / 2) -> tuple[int, Line | None]:
+def single_edge(image: TactileImage, response: Response) -> tuple[int, Line | None]:
     """The verdict on a usable frame, and its line where that is `SURE`."""
-    found = _looked(*_arguments(image, response), pi - dihedral)
+    found = _looked(*_arguments(image, response), pi / 2)
     verdict = int(found[0])
     return verdict, _line(found) if verdict == SURE else None
 
 
-def first_look(image: TactileImage, response: Response) -> tuple[int, Line | None]:
-    """The same for who fits smooth surfaces anyway: a frame that one might explain stays `DOUBTFUL`."""
-    found = _single_edge(*_arguments(image, response), pi / 2)
+def first_look(image: TactileImage, response: Response, dihedral: float = pi / 2) -> tuple[int, Line | None]:
+    """The same for who weighs smooth surfaces anyway: a frame that one might explain stays `DOUBTFUL`."""
+    found = _single_edge(*_arguments(image, response), pi - dihedral)
     verdict = int(found[0])
     return verdict, _line(found) if verdict == SURE else None
 

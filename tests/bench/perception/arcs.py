@@ -1,6 +1,7 @@
 """Rows of circular edges: radius over the bound, and how far the rim lies off where it is nearest the center.
 
-A straight line through the same frames says what is lost without arcs.
+A straight line through the same frames says what is lost without arcs.  An arc of curvature k that its bound
+leaves open by s is told from a line with the chance Phi(k/s - z), by whoever takes `FALSE` of all lines for arcs.
 """
 
 from collections.abc import Callable
@@ -13,6 +14,8 @@ from perception.noise import Noise, observe
 from perception.presses import ARC_RADII, disc, hole
 from perception.scene import Scene
 from perception.score import row
+from perception.told_apart import FALSE
+from scipy.special import ndtr, ndtri
 
 from exploration.sensing.baselines.erf_fit import SLOPED, erf_fit
 from exploration.sensing.frame import TactileImage
@@ -40,12 +43,13 @@ def arc_rows(find: Finder, noise: Noise, frames: int) -> list[dict[str, Any]]:
 def _rows(
     name: str, find: Finder, scenes: list[Scene], noise: Noise, rng: np.random.Generator
 ) -> list[dict[str, Any]]:
-    turns, shifts, least, straight, missed = [], [], [], [], 0
+    turns, shifts, least, straight, told, missed = [], [], [], [], [], 0
     pitch, radius = scenes[0].spec.array.pitch[0], scenes[0].numbers["radius"]
     for scene in scenes:
         image = observe(scene, noise, rng)
         known, truth = fisher(scene, noise), scene.found[0]
         covariance = known.joint()
+        told.append(ndtr(truth[2] / np.sqrt(covariance[2, 2]) - ndtri(1 - FALSE)))
         inward = _inward(truth)
         of_shift = np.append(inward, -1.0)
         arcs = find(image)
@@ -75,6 +79,8 @@ def _rows(
             row(OURS, f"{name}: rim bias toward the center", float(np.mean(shifts)), "mm", 0.02),
             row(OURS, f"{name}: rim bias, its own sigma", float(np.std(shifts)) / np.sqrt(len(shifts)), "mm"),
         ]
+    least_missed = 100 * (1 - float(np.mean(told)))
+    rows.append(row("bound", f"{name}: not told from a line", least_missed, "%"))
     rows.append(row(OURS, f"{name}: not found", 100 * missed / len(scenes), "%"))
     if straight:
         rows.append(

@@ -71,7 +71,7 @@ def fisher(scene: Scene, noise: Noise, unknown: Iterable[str] | None = None) -> 
     unknown = tuple(scene.unknown if unknown is None else unknown)
     sigma = noise.sigma_at(clean(scene))
     weight = 1 / sigma if scene.dead is None else np.where(scene.dead, 0.0, 1 / sigma)
-    jacobian = np.array([(_difference(scene, name) * weight).ravel() for name in unknown])
+    jacobian = np.array([(difference(scene, name) * weight).ravel() for name in unknown])
     turn = np.stack([_turn(scene, name) for name in unknown], axis=-1)
     return Fisher(unknown, jacobian @ jacobian.T, turn)
 
@@ -85,7 +85,7 @@ def _half(scene: Scene, name: str) -> float:
     return max(STEP[name], RELATIVE.get(name, 0.0) * abs(scene.numbers[name]))
 
 
-def _difference(scene: Scene, name: str) -> Floats:
+def difference(scene: Scene, name: str) -> Floats:
     if name == "background":
         return np.ones(scene.spec.array.shape)
     h = _half(scene, name)

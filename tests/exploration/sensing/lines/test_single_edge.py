@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from exploration.sensing.lines.hough import find_lines
-from exploration.sensing.lines.single_edge import DOUBTFUL, NOTHING, SURE, single_edge
+from exploration.sensing.lines.single_edge import DOUBTFUL, NOTHING, SURE, first_look, single_edge
 from exploration.sensing.response import response_of
 from primitives.errors import PalpateError
 
 
-def look(image, **told):
-    return single_edge(image, response_of(image), **told)
+def look(image):
+    return single_edge(image, response_of(image))
 
 
 def error(line, angle, offset, side):
@@ -59,7 +59,7 @@ def test_a_wide_dihedral_costs_what_is_stated_and_nothing_if_told(frames, dihedr
         return depth * np.clip(1.0 + t / run, 0.0, 1.0)
 
     image = frames(field)
-    verdict, line = look(image, dihedral=np.radians(dihedral))
+    verdict, line = first_look(image, response_of(image), np.radians(dihedral))
     assert verdict == SURE
     assert abs(error(line, angle, offset, 1)[1]) < 0.01
     verdict, line = look(image)
