@@ -73,6 +73,12 @@ class Body:
         return frozen(triangle_neighbors(self.triangles), np.int64)
 
     @cached_property
+    def triangle_areas(self) -> Floats:
+        """(t,) [mm^2]."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        return frozen(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
+    @cached_property
     def triangle_normals(self) -> Floats:
         """(t, 3) unit."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)

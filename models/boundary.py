@@ -39,6 +39,8 @@ class BoundaryConfig:
     parallel: float = 1e-2  # [1] ratio of singular values at which surfaces that meet count as tangent
 
 
+_FARTHEST = 0.5  # [mm] that a point may move onto its surfaces; farther is a step gone wrong
+
 RECOVERED = BoundaryConfig(smooth=8.0, on_curve=0.02, parallel=0.1)
 """For surfaces that were fitted: a radius off by d tilts the normal at a tangent edge by sqrt(2 d / r)."""
 
@@ -70,11 +72,11 @@ def _boundary(body: Body, tolerances: BoundaryConfig) -> tuple[Brep, Ints]:
     if body.surfaces:
         surface = _merged(surface, known.surfaces, tolerances.same_surface)
     face = _faces(surface, body.neighbors)
-    face = _without_slivers(face, body.neighbors, _areas(body.vertices[body.triangles]), tolerances.sliver)
+    face = _without_slivers(face, body.neighbors, body.triangle_areas, tolerances.sliver)
     if body.surfaces:
         face = _tidied(face, surface, known.surfaces, body)
-    areas = np.bincount(face, weights=_areas(body.vertices[body.triangles]))
-    surfaces = [known.surfaces[i] for i in _majority(face, surface, _areas(body.vertices[body.triangles]))]
+    areas = np.bincount(face, weights=body.triangle_areas)
+    surfaces = [known.surfaces[i] for i in _majority(face, surface, body.triangle_areas)]
     pieces = chains(body.triangles, body.neighbors, face)
     runs = loops(pieces, body.triangles, body.neighbors, face)
     round_ = handles(face, body.triangles, body.neighbors, [len(r) for r in runs])
@@ -108,9 +110,9 @@ def _boundary(body: Body, tolerances: BoundaryConfig) -> tuple[Brep, Ints]:
 
 def _tidied(face: Ints, surface: Ints, surfaces: tuple[LabeledSurface, ...], body: Body) -> Ints:
     """(t,) faces without the islands that facets of tangent surfaces leave in each other."""
-    areas = _areas(body.vertices[body.triangles])
     while True:
-        whole = absorbed(face, [surfaces[i] for i in _majority(face, surface, areas)], body)
+        most = _majority(face, surface, body.triangle_areas)
+        whole = absorbed(face, [surfaces[i] for i in most], body)
         if np.array_equal(whole, face):
             return face
         face = np.asarray(np.unique(whole, return_inverse=True)[1])
@@ -230,11 +232,3 @@ def _on_surfaces(
         kept = np.linalg.norm(points - out[rows], axis=1) < _FARTHEST
         out[np.asarray(rows)[kept]] = points[kept]
     return out
-
-
-_FARTHEST = 0.5  # [mm] that a point may move onto its surfaces; farther is a step gone wrong
-
-
-def _areas(corners: Floats) -> Floats:
-    a, b, c = np.moveaxis(corners, 1, 0)
-    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)

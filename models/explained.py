@@ -34,8 +34,7 @@ def unassigned_area_fraction(
     astray = astray or AstrayConfig()
     brep, face_of = labeled_boundary(solid, config)
     corners = solid.body.vertices[solid.body.triangles]
-    a, b, c = np.moveaxis(corners, 1, 0)
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    area = solid.body.triangle_areas
     away = np.zeros(len(area))
     for face in brep.faces:
         if face.shape is not None:

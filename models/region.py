@@ -144,9 +144,10 @@ def _inside(solid: Solid, whole: Brep, keeper: Csg) -> PartialBrep:
     brep, face_of = labeled_boundary(piece)
     source = {}
     for f in range(len(brep.faces)):
-        counts = np.bincount(piece.face_of_triangle[face_of == f], minlength=len(surfaces))
-        if counts[: len(surfaces)].any():
-            source[f] = int(counts[: len(surfaces)].argmax())
+        mine = face_of == f
+        most = int(np.bincount(piece.face_of_triangle[mine], piece.body.triangle_areas[mine]).argmax())
+        if most < len(surfaces):
+            source[f] = most
     lost = {edge.id for edge in brep.edges if sum(f in source for f in edge.faces) == 1}
     return _kept(brep, source, frozenset(lost))
 

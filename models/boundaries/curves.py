@@ -88,7 +88,7 @@ def curve_of(points: Floats, tolerance: float) -> tuple[Curve, float]:
             return "line", span
     if len(points) < 4:
         return "other", length
-    center, radius, plane = _circle(points)
+    center, radius, plane = circle_through(points)
     flat = (points - center) @ plane.T
     off_circle = np.hypot(np.hypot(flat[:, 0], flat[:, 1]) - radius, flat[:, 2])
     if float(off_circle.max()) > tolerance:
@@ -100,7 +100,7 @@ def refined(edge: Edge, parts: int = 8) -> Floats:
     """(m, 3) points along an edge, in order, a circle's closer together and still on it."""
     if edge.curve != "circle":
         return edge.points
-    center, radius, _ = _circle(edge.points)
+    center, radius, _ = circle_through(edge.points)
     share = np.arange(parts)[:, None] / parts
     chords = edge.points[:-1, None] * (1 - share) + edge.points[1:, None] * share - center
     on_circle: Floats = center + radius * chords / np.linalg.norm(chords, axis=2, keepdims=True)
@@ -163,7 +163,7 @@ def handles(face: Ints, triangles: Ints, neighbors: Ints, loops_of_face: list[in
     return [round((2 - n - e) / 2) for n, e in zip(loops_of_face, euler.tolist(), strict=True)]
 
 
-def _circle(points: Floats) -> tuple[Floats, float, Floats]:
+def circle_through(points: Floats) -> tuple[Floats, float, Floats]:
     """Center (3,), radius and frame rows (3, 3), the normal last, of the least-squares circle (Kasa 1976)."""
     middle = points.mean(axis=0)
     frame = np.linalg.svd(points - middle, full_matrices=False)[2]

@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from models.body import Body, LabeledSurface
-from models.boundaries.curves import _circle
+from models.boundaries.curves import circle_through
 from primitives.arrays import Floats, Ints
 from primitives.shapes import Shape
 
@@ -32,9 +32,8 @@ def absorbed(face: Ints, surface: Sequence[LabeledSurface], body: Body) -> Ints:
     """(t,) faces after those that lie on a larger neighbor's surface, to within the facets', have joined it."""
     vertices, triangles, neighbors = body.vertices, body.triangles, body.neighbors
     slack = _SLACK * _facet_tolerance(body) + 1e-9
-    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
-    area = np.bincount(face, np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
-    middles = (a + b + c) / 3
+    area = np.bincount(face, body.triangle_areas)
+    middles = vertices[triangles].mean(axis=1)
     order = np.argsort(face, kind="stable")
     begin = np.searchsorted(face[order], np.arange(len(area) + 1))
     out = face.copy()
@@ -80,7 +79,7 @@ def forward(points: Floats, tolerance: float) -> Ints:
     if span <= tolerance or np.abs(points - points[0] - np.outer(along, chord / span)).max() > tolerance:
         if len(points) < 4:
             return everything
-        center, radius, frame = _circle(points)
+        center, radius, frame = circle_through(points)
         x, y, z = ((points - center) @ frame.T).T
         if np.hypot(np.hypot(x, y) - radius, z).max() > tolerance:
             return everything

@@ -81,6 +81,14 @@ def test_any_region_is_sound_and_no_larger_than_the_whole(
             assert face.area == pytest.approx(whole.faces[source].area, rel=1e-6)
 
 
+def test_a_ball_that_just_dips_through_a_face_cuts_every_face_that_it_meets() -> None:
+    low, _ = BRACKET.bounds
+    part = region(BRACKET, ball=((low[0], low[1], low[2] + 21.86), 21.866))
+    assert part.check() == ()
+    assert part.cut_faces == {face.id for face in part.faces}
+    assert {face.kind for face in part.faces} == {"plane", "cylinder"}
+
+
 def test_the_graph_marks_rim_and_cuts_for_partial_matching() -> None:
     solid = Solid.from_csg(Cube((60, 40, 12)) - Cylinder(6, 30))
     hole = next(f.id for f in boundary(solid).faces if f.kind == "cylinder")
