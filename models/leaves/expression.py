@@ -9,6 +9,7 @@ section 3.4): a sound clearance, not the distance.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import reduce
@@ -34,7 +35,7 @@ class Leaf(NamedTuple):
     adds: bool  # whether it adds material; false under an odd number of subtractions
 
 
-class Csg:
+class Csg(ABC):
     """A solid as an expression; see the module for what it may be made of."""
 
     name: str
@@ -66,28 +67,29 @@ class Csg:
         """The same solid under a name that files show."""
         return replace(self, name=name)  # type: ignore[type-var]
 
+    @abstractmethod
     def leaves(self, part_from_self: Floats | None = None, adds: bool = True) -> Iterator[Leaf]:
         """Every primitive, left to right, with its pose in the part frame."""
-        raise NotImplementedError
 
     def bounds(self) -> Floats:
         """(2, 3) least and greatest corner of a box that holds the solid [mm]; tight for one primitive."""
         return self._bounds(np.eye(4))
 
+    @abstractmethod
     def signed_distance(self, points: Floats) -> Floats:
         """(n,) distance of (n, 3) points [mm], negative inside: exact for primitives, else a bound."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _bounds(self, part_from_self: Floats) -> Floats:
-        raise NotImplementedError
+        """Of the solid in the part frame."""
 
 
 class Primitive(Csg):
     """A leaf of the tree."""
 
+    @abstractmethod
     def support(self, directions: Floats) -> Floats:
         """(n,) the farthest that the solid reaches along each of (n, 3) unit directions [mm]."""
-        raise NotImplementedError
 
     def leaves(self, part_from_self: Floats | None = None, adds: bool = True) -> Iterator[Leaf]:
         """Itself."""

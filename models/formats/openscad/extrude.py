@@ -22,7 +22,11 @@ from models.leaves.polygons import cleaned
 from primitives.arrays import Floats
 from primitives.pose import pose
 
-_OPERATIONS = {"union": Union, "difference": Difference, "intersection": Intersection}
+_OPERATIONS: dict[str, Callable[[tuple[Csg, ...]], Csg]] = {
+    "union": Union,
+    "difference": Difference,
+    "intersection": Intersection,
+}
 _OVERREACH = 0.5  # of the height, that a cutter stands out at each end
 _SQUARE = 1e-9  # [1] cosine of a corner that is taken to be right
 
