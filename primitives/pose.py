@@ -174,6 +174,15 @@ def random_rotation(rng: np.random.Generator) -> Floats:
     return from_quaternion(rng.standard_normal(4))[:3, :3]
 
 
+@numba.njit(cache=True, error_model="numpy")
+def apart(a_from_b: Floats, a_from_c: Floats) -> float:
+    """[mm] between the origins of two (4, 4) poses."""
+    total = 0.0
+    for i in range(3):
+        total += (a_from_b[i, 3] - a_from_c[i, 3]) ** 2
+    return float(np.sqrt(total))
+
+
 def turn_about(point: ArrayLike, axis: ArrayLike, angle: float) -> Floats:
     """The pose that turns the world by `angle` [rad] about a line through `point` [mm] along unit `axis`."""
     p = np.asarray(point, dtype=float)

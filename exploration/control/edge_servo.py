@@ -10,6 +10,7 @@ flat on the face.
 """
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numba
 import numpy as np
@@ -87,7 +88,7 @@ class EdgeServo:
         config = self.config
         angle, offset = _carried(edge.angle, edge.offset, before, after)
         drift = config.bend_drift**2 * config.speed * self.guard.period
-        sigma = float(np.sqrt(max(edge.covariance[5, 5], 0.0) + drift))
+        sigma = sqrt(max(edge.covariance[5, 5], 0.0) + drift)
         reach = min(config.reach, config.sharpest / max(abs(edge.bend), 1e-6))
         return Expected(angle, offset, edge.side, edge.bend, sigma, reach)
 

@@ -217,9 +217,9 @@ def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> E
     if home is None and run.travel < config.least_loop:
         return None
     start = home or Home(run.ticks[0].point, run.ticks[0].tangent)
-    if dist(run.ticks[-1].point, start.point) > config.closing + 3.0 * config.overlap:
-        return None
     gap = run.ticks[-1].point - start.point
+    if gap @ gap > (config.closing + 3.0 * config.overlap) ** 2:
+        return None
     past = float(gap @ start.tangent)
     aside = float(np.linalg.norm(gap - past * start.tangent))
     there = config.overlap < past < 3.0 * config.overlap and aside < config.closing

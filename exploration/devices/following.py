@@ -5,6 +5,7 @@ must have told of a place at least a share of that away, in any direction: a str
 count is no stage that stands.  Then the count begins anew.
 """
 
+import numba
 import numpy as np
 
 from primitives.arrays import Floats
@@ -30,11 +31,24 @@ class Following:
         """Whether the stage stood still though told to move; now it is told a (6,) sensor twist for a period."""
         if self._from is None:
             self._from, self._asked, self._farthest = world_from_sensor[:3, 3], np.zeros(3), 0.0
-        away = float(np.linalg.norm(world_from_sensor[:3, 3] - self._from))
+        away, asked, speed = _counted(world_from_sensor, twist, period, self._from, self._asked)
         self._farthest = max(self._farthest, away)
-        self._asked = self._asked + world_from_sensor[:3, :3] @ twist[:3] * period
-        asked = float(np.linalg.norm(self._asked))
-        if asked < LEAST + float(np.linalg.norm(twist[:3])) * (latency + SLACK):
+        if asked < LEAST + speed * (latency + SLACK):
             return False
         self._from = None
-        return self._farthest < SHARE * asked
+        return bool(self._farthest < SHARE * asked)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _counted(
+    pose: Floats, twist: Floats, period: float, start: Floats, asked: Floats
+) -> tuple[float, float, float]:
+    """How far a (4, 4) pose is from the start, how far was asked for, this twist added in place, and its speed."""
+    away = far = speed = 0.0
+    for i in range(3):
+        for j in range(3):
+            asked[i] += pose[i, j] * twist[j] * period
+        away += (pose[i, 3] - start[i]) ** 2
+        far += asked[i] ** 2
+        speed += twist[i] ** 2
+    return np.sqrt(away), np.sqrt(far), np.sqrt(speed)

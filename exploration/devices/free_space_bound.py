@@ -32,7 +32,8 @@ class FreeSpaceBound:
 
     def holds(self, world_from_sensor: Floats) -> bool:
         """Whether the whole sensor is provably off the surface."""
-        x, y, z = (world_from_sensor[:3, 3] + self._depth * world_from_sensor[:3, 2]).tolist()
+        (_, _, ax, x), (_, _, ay, y), (_, _, az, z), _ = world_from_sensor.tolist()
+        x, y, z = x + self._depth * ax, y + self._depth * ay, z + self._depth * az
         if self._center is None or dist((x, y, z), self._center) >= abs(self._free):
             self._center = (x, y, z)
             self._free = float(self._surface.signed_distance(np.array([[x, y, z]]))[0]) - self._radius

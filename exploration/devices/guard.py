@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import dist
 
 import numba
 import numpy as np
@@ -25,6 +24,7 @@ from exploration.sensing.load import NO_LOAD, load_of
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
+from primitives.pose import apart
 
 _TRAIL = 80  # ticks of the way back that are remembered
 _TRAIL_STEP = 10  # ticks between its stops
@@ -188,7 +188,7 @@ class Guard:
     def _count(self, seen: Observation) -> None:
         self.cost.frames += 1
         if self._last is not None:
-            self.cost.travel += dist(seen.world_from_sensor[:3, 3], self._last.world_from_sensor[:3, 3])
+            self.cost.travel += apart(seen.world_from_sensor, self._last.world_from_sensor)
             self.cost.seconds += seen.time - self._last.time
         self._last = seen
         self._trail.append(seen.world_from_sensor)

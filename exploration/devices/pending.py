@@ -6,12 +6,13 @@ from there, so that latency costs them nothing but what the object springs on th
 plant that integrates).
 """
 
-from collections import deque
-
+import numba
 import numpy as np
 
 from primitives.arrays import Floats
 from primitives.pose import exp
+
+_ROOM = 64  # twists, at first
 
 
 class Pending:
@@ -19,24 +20,43 @@ class Pending:
 
     def __init__(self, latency: float) -> None:
         self.latency = latency
-        self._said: deque[tuple[float, Floats]] = deque()
+        self._times, self._twists = np.empty(_ROOM), np.empty((_ROOM, 6))
+        self._first = self._end = 0  # of those that may still be on their way
 
     def say(self, time: float, twist: Floats) -> None:
         """A (6,) twist [mm/s, rad/s] was commanded at `time` [s] and holds until the next."""
-        self._said.append((time, np.asarray(twist, dtype=float)))
-        while len(self._said) > 1 and self._said[1][0] <= time - self.latency:
-            self._said.popleft()
+        if self._end == len(self._times):
+            self._make_room()
+        self._times[self._end], self._twists[self._end] = time, twist
+        self._end += 1
+        while self._end > self._first + 1 and self._times[self._first + 1] <= time - self.latency:
+            self._first += 1
 
     def motion(self, time: float) -> Floats:
         """(4, 4) sensor_now_from_sensor_soon: what is still to be done at `time` [s].
 
         Twists are added up, as they may be over times in which the pad hardly turns.
         """
-        still = np.zeros(6)
-        ended = time
-        for began, twist in reversed(self._said):
-            began = max(began, time - self.latency)
-            if ended > began:
-                still += twist * (ended - began)
-                ended = began
-        return exp(still)
+        return exp(_still(self._times, self._twists, self._first, self._end, time, self.latency))
+
+    def _make_room(self) -> None:
+        kept = slice(self._first, self._end)
+        size = max(_ROOM, 2 * (self._end - self._first))
+        times, twists = np.empty(size), np.empty((size, 6))
+        self._first, self._end = 0, self._end - self._first
+        times[: self._end], twists[: self._end] = self._times[kept], self._twists[kept]
+        self._times, self._twists = times, twists
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _still(times: Floats, twists: Floats, first: int, end: int, time: float, latency: float) -> Floats:
+    """(6,) the twists from `first` to `end` [mm, rad], each times what is left of it at `time`."""
+    out = np.zeros(6)
+    ended = time
+    for k in range(end - 1, first - 1, -1):
+        began = max(times[k], time - latency)
+        if ended > began:
+            for i in range(6):
+                out[i] += twists[k, i] * (ended - began)
+            ended = began
+    return out

@@ -4,6 +4,8 @@ What a real array cannot know (the surface, the true pose, the unit's gains) is 
 the evaluator.
 """
 
+from math import ceil
+
 import numpy as np
 
 from exploration.devices.free_space_bound import FreeSpaceBound
@@ -45,6 +47,7 @@ class SimulatedArray:
             self._material = TouchedMaterial(surface, skin_of(spec), spec.elastomer.stiffness)
         self._far = FreeSpaceBound(surface, spec, stage.limits)
         self._nothing = np.zeros(spec.array.shape)
+        self._share = _scan_share(spec)
         self._unit = draw_unit(spec, rng)
         self._memory = Memory.fresh(spec)
         self._index = 0
@@ -78,18 +81,21 @@ class SimulatedArray:
     def read(self) -> TaxelFrame:
         """The next frame, after the time that it takes."""
         stage, spec = self._stage, self._spec
-        self._due = max(self._due + 1, int(np.ceil(stage._time / spec.period - 1e-6)))
+        self._due = max(self._due + 1, ceil(stage._time / spec.period - 1e-6))
         end = self._due * spec.period
         stage._advance(end)
         begin = end - spec.electronics.scan
-        if self._far.holds(stage._true @ self._mount):
+        here = stage._true @ self._mount
+        if self._far.holds(here):
             pressed, self._touching = self._nothing, False
         else:
-            poses = self._poses(begin, end)
+            poses = here[None]
+            if self._share is not None:
+                poses = stage._trail.at(begin + (end - begin) * self._share, self._mount)
             deepest = self._gap.feel(poses)
             if self._material is not None:
                 deepest = self._material.give_way(poses, self._gap.modes, self._gap.partial, deepest)
-            self._watch(end, deepest)
+            self._watch(end, deepest, here)
             pressed = self._taxels.press(self._gap.modes, self._gap.partial)
         counts, self._memory = read_out(pressed, spec, self._unit, self._memory, end - self._last, self._rng)
         felt = None
@@ -100,23 +106,23 @@ class SimulatedArray:
         self._index += 1
         return frame
 
-    def _poses(self, begin: float, end: float) -> Floats:
-        """(1, 4, 4) where the skin is, or (2 R + 1, 4, 4) where its rows are when each is scanned."""
-        rows = self._spec.array.rows
-        if begin == end or rows == 1:
-            only: Floats = (self._stage._at(end) @ self._mount)[None]
-            return only
-        cells = len(skin_of(self._spec).y_edges) - 1
-        row = np.clip((np.arange(2 * cells + 1) - cells) / 2 + (rows - 1) / 2, 0, rows - 1)
-        return np.stack([self._stage._at(t) @ self._mount for t in begin + (end - begin) * row / (rows - 1)])
-
-    def _watch(self, time: float, deepest: float) -> None:
+    def _watch(self, time: float, deepest: float, here: Floats) -> None:
         if deepest > 0.0 and not self._touching:
             self._stage._touch()
         self._touching = deepest > 0.0
         if deepest >= self._spec.elastomer.thickness - 1e-6:
             over = deepest - self._spec.elastomer.thickness
             self._stage._events.append(StageEvent("overpress", time, over, self.array.name))
-        overlap = self._housing.overlap(self._stage._true @ self._mount)
+        overlap = self._housing.overlap(here)
         if overlap > 0.0:
             self._stage._events.append(StageEvent("collision", time, overlap, self.array.name))
+
+
+def _scan_share(spec: SensorSpec) -> Floats | None:
+    """(2 R + 1,) share of the scan after which each row of corners and cells is read; None: all at once."""
+    rows = spec.array.rows
+    if spec.electronics.scan == 0.0 or rows == 1:
+        return None
+    cells = len(skin_of(spec).y_edges) - 1
+    row = np.clip((np.arange(2 * cells + 1) - cells) / 2 + (rows - 1) / 2, 0, rows - 1)
+    return frozen(row / (rows - 1))

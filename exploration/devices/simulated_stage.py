@@ -11,9 +11,10 @@ import numpy as np
 
 from exploration.devices.protocols import StageEvent, StageLimits, checked_twist
 from exploration.devices.stage_motion import follow, run
+from exploration.devices.stage_trail import StageTrail
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
-from primitives.pose import exp, inverse, log, rotation_log
+from primitives.pose import exp, rotation_log
 
 _STEP = 0.005  # [s] between the poses that are remembered
 
@@ -58,6 +59,8 @@ class SimulatedStage:
         lim = self._limits
         self._bounds = np.array([lim.speed, lim.turn_speed, lim.acceleration, lim.turn_acceleration])
         self._noise = noise or PoseNoise()
+        self._white = np.repeat([self._noise.white, self._noise.white_turn], 3)
+        self._errs = bool(self._white.any())
         self._rng = rng
         self._latency = latency
         self._time = 0.0
@@ -67,7 +70,7 @@ class SimulatedStage:
         self._goal: Floats | None = None
         self._move: _Move | None = None
         self._commands: deque[tuple[float, str, Floats]] = deque()
-        self._trail: deque[tuple[float, Floats]] = deque([(0.0, self._true)], maxlen=128)
+        self._trail = StageTrail(0.0, self._true)
         self._bias = np.eye(4)
         self._events: list[StageEvent] = []
 
@@ -84,9 +87,8 @@ class SimulatedStage:
 
     def pose(self) -> Floats:
         """(4, 4) world_from_flange as the encoders say."""
-        n = self._noise
         where = self._true @ self._bias
-        return where @ n.draw(n.white, n.white_turn, self._rng) if n.white or n.white_turn else where
+        return where @ exp(self._white * self._rng.standard_normal(6)) if self._errs else where
 
     def move(self, twist: Floats) -> None:
         """Follow a (6,) twist in the flange frame until told otherwise."""
@@ -125,7 +127,7 @@ class SimulatedStage:
                 step = min(step, max(self._commands[0][0] - self._time, 1e-6))
             self._true = self._true.copy()
             self._integrate(step)
-            self._trail.append((self._time, self._true))
+            self._trail.add(self._time, self._true)
 
     def _integrate(self, dt: float) -> None:
         if self._goal is not None and not self._velocity.any():
@@ -156,18 +158,6 @@ class SimulatedStage:
         speed = min(lim.speed / max(length, 1e-12), lim.turn_speed / max(angle, 1e-12))
         acceleration = min(lim.acceleration / max(length, 1e-12), lim.turn_acceleration / max(angle, 1e-12))
         self._move = _Move(self._true.copy(), np.concatenate([line, turn]), self._time, speed, acceleration)
-
-    def _at(self, time: float) -> Floats:
-        """True pose at a recent time."""
-        later = self._trail[-1]
-        if time >= later[0]:
-            return later[1]
-        for earlier in reversed(self._trail):
-            if earlier[0] <= time:
-                share = (time - earlier[0]) / (later[0] - earlier[0])
-                return np.asarray(earlier[1] @ exp(share * log(inverse(earlier[1]) @ later[1])))
-            later = earlier
-        return later[1]
 
     def _touch(self) -> None:
         """A contact begins: draw its constant error."""

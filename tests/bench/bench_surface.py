@@ -1,18 +1,17 @@
 """Surface strokes and four-direction curvature in closed loop: late stage, erring poses, noisy array."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from tracking.plant import LATE, POSE_NOISE, SPEC
 
 from exploration.control.latency import measure_latency
 from exploration.control.procedures.land import land
 from exploration.control.procedures.stroke_curvature import stroke_curvature
 from exploration.control.track_surface import follow_surface
 from exploration.devices.guard import Guard
-from exploration.devices.simulated import PoseNoise, simulate
+from exploration.devices.simulated import simulate
 from exploration.sensing.calibration import Calibration
-from exploration.sensing.spec import load_sensor
 from models.csg import Csg, Cube, Cylinder, Sphere
 from models.solid import Solid
 from primitives.pose import pose
@@ -48,13 +47,10 @@ def run(seeds: int = SEEDS) -> list[dict[str, Any]]:
 
 def _one(solid: Solid, top: float, kind: str, seed: int) -> tuple[float, float, float, float, float]:
     """RMS error [mm] and of the normal [deg], force share, whether the type is right, radius in sigmas."""
-    spec = load_sensor("lts210")
-    spec = replace(spec, electronics=replace(spec.electronics, noise=0.05))
     rng = np.random.default_rng(seed)
-    noise = PoseNoise(0.05, 0.02, 0.0, np.radians(0.02))
     start = pose(DOWN, [1.0, -1.0, top + 6.0])
-    stage, arrays = simulate(solid, [spec], rng, pose_noise=noise, start_pose=start, latency=0.02)
-    guard = Guard(stage, arrays, [Calibration.nominal(spec)])
+    stage, arrays = simulate(solid, [SPEC], rng, pose_noise=POSE_NOISE, start_pose=start, latency=LATE)
+    guard = Guard(stage, arrays, [Calibration.nominal(SPEC)])
     guard.pending.latency = measure_latency(guard).seconds
     land(guard, np.array([0.0, 0.0, -1.0]), 20.0, 25.0)
     found = stroke_curvature(guard)

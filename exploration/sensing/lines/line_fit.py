@@ -13,14 +13,14 @@ The same with every response integrated once (`order` 1) is the rim of a smooth 
 a step, depth = (A + c v) w ramp(t/w) + b w^2 bend(t/w): the cheap alternative that an edge must beat.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numba
 import numpy as np
 from scipy.special import ndtr
 
-from exploration.sensing.frame import TactileImage
+from exploration.sensing.frame import TactileImage, TaxelArray
 from exploration.sensing.response import Response, look_up
 from exploration.sensing.surfaces.normal_equations import HUBER, invert
 from primitives.arrays import Floats, frozen
@@ -49,18 +49,45 @@ def softened(image: TactileImage) -> TactileImage:
     """
     if image.margin > ENOUGH_SKIN * image.spread:
         return image
-    rows, columns = image.array.shape
-    lost = _lost(columns, image.array.pitch[0], image.spread, image.margin)[None, :]
-    lost = lost + _lost(rows, image.array.pitch[1], image.spread, image.margin)[:, None]
-    return replace(image, sigma=frozen(np.hypot(image.sigma, lost * image.depth.max())))
+    sigma = _trusted_less(image.sigma, image.depth, _lost(image.array, image.spread, image.margin))
+    sigma.flags.writeable = False
+    return TactileImage(
+        image.array,
+        image.depth,
+        sigma,
+        image.spread,
+        image.stiffness,
+        image.time,
+        image.margin,
+        image.gain_sigma,
+        image.response,
+    )
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _trusted_less(sigma: Floats, depth: Floats, lost: Floats) -> Floats:
+    deepest = depth.max()
+    out = np.empty(sigma.shape)
+    for i in range(sigma.shape[0]):
+        for j in range(sigma.shape[1]):
+            out[i, j] = np.hypot(sigma[i, j], lost[i, j] * deepest)
+    return out
 
 
 @lru_cache(maxsize=32)
-def _lost(count: int, pitch: float, spread: float, margin: float) -> Floats:
+def _lost(array: TaxelArray, spread: float, margin: float) -> Floats:
+    """(rows, columns) share of a taxel's blur that the skin's ends cut off."""
+    (rows, columns), (px, py) = array.shape, array.pitch
+    by_row, by_column = _lost_along(rows, py, spread, margin), _lost_along(columns, px, spread, margin)
+    return frozen(by_row[:, None] + by_column)
+
+
+def _lost_along(count: int, pitch: float, spread: float, margin: float) -> Floats:
     x = (np.arange(count) - (count - 1) / 2) * pitch
     width = np.hypot(spread, pitch / np.sqrt(12.0)) + 1e-9
     end = count * pitch / 2 + margin
-    return frozen(ndtr((x - end) / width) + ndtr((-x - end) / width))
+    out: Floats = ndtr((x - end) / width) + ndtr((-x - end) / width)
+    return out
 
 
 def fit_line(

@@ -5,6 +5,7 @@ draws nothing.  All stages of a frame are one pass over its taxels.
 """
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numba
 import numpy as np
@@ -49,7 +50,7 @@ def read_out(
 ) -> tuple[Floats, Memory]:
     """(rows, columns) counts of one frame, `dt` [s] after the frame before."""
     e = spec.electronics
-    zero = drift(memory.drift, e.drift * e.plateau * np.sqrt(dt), rng)
+    zero = drift(memory.drift, e.drift * e.plateau * sqrt(dt), rng)
     counts, play = _counted(
         pressure,
         (unit.gain, unit.dead),

@@ -1,5 +1,6 @@
 """The plant of the tracking benchmarks: 5 % noise, 200 Hz, a stage that obeys 20 ms late and reads its pose badly.
 
+The rows of the array are scanned one after another, over most of a period.
 The tracker is told nothing of it: latency is measured by a shake in free air before each track.
 """
 
@@ -23,13 +24,14 @@ from primitives.pose import pose
 from recognition.tracking.traced import set_back
 
 NOISE = 0.05  # of the full-contact signal
+SCAN = 0.004  # [s] from the first row to the last
 LATE = 0.02  # [s]
 POSE_NOISE = PoseNoise(0.05, 0.02, 0.0, np.radians(0.02))
 PRESS = 0.5  # [mm]
 INSIDE = 1.0  # [mm] of the pad's center within the material
 BOX = np.array([-200.0, -200, -200, 200, 200, 200])
 LTS = load_sensor("lts210")
-SPEC = replace(LTS, electronics=replace(LTS.electronics, noise=NOISE))
+SPEC = replace(LTS, electronics=replace(LTS.electronics, noise=NOISE, scan=SCAN))
 
 
 @dataclass(frozen=True)

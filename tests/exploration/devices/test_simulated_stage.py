@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from exploration.devices.protocols import StageLimits
 from exploration.devices.simulated_stage import PoseNoise, SimulatedStage
+from exploration.devices.stage_trail import StageTrail
 from primitives.errors import PalpateError
 from primitives.pose import inverse, pose, random_rotation, rotation_exp, rotation_log
 
@@ -13,10 +14,10 @@ LIMITS = StageLimits(100.0, 1000.0, 1.5, 20.0)
 
 def watched(stage, seconds, dt=0.001):
     """True poses every `dt` while the stage runs on."""
-    found = [stage._at(stage._time)]
+    found = [stage._true]
     for _ in range(round(seconds / dt)):
         stage._advance(stage._time + dt)
-        found.append(stage._at(stage._time))
+        found.append(stage._true)
     return np.array(found)
 
 
@@ -113,10 +114,31 @@ def test_reads_back_where_rows_were_sampled():
     stage = SimulatedStage(np.eye(4), np.random.default_rng(0), LIMITS)
     stage.move(np.array([50.0, 0, 0, 0, 0, 1.0]))
     stage._advance(0.5)
-    before = stage._at(0.5)
+    before, when, mount = stage._true, np.array([0.5, 0.505]), pose(None, [0.0, 0.0, 7.0])
     stage._advance(0.51)
-    moved = inverse(before) @ stage._at(0.505)
+    then, later = stage._trail.at(when, mount)
+    assert then == pytest.approx(before @ mount)
+    moved = inverse(then) @ later
     assert moved[0, 3] == pytest.approx(0.25, rel=0.01)
+    assert rotation_log(moved[:3, :3]) == pytest.approx([0.0, 0.0, 0.005], rel=1e-3, abs=1e-9)
+
+
+def test_the_way_between_two_steps_is_a_straight_line_and_an_even_turn():
+    turn, line = np.array([0.02, -0.05, 0.03]), np.array([1.0, 2.0, -0.5])
+    first = pose(random_rotation(np.random.default_rng(4)), [5.0, 6.0, 7.0])
+    last = pose(first[:3, :3] @ rotation_exp(turn), first[:3, 3] + line)
+    trail = StageTrail(0.0, first)
+    trail.add(1.0, last)
+    for share, found in zip((0.0, 0.3, 1.0), trail.at(np.array([0.0, 0.3, 1.0]), np.eye(4)), strict=True):
+        expected = pose(first[:3, :3] @ rotation_exp(share * turn), first[:3, 3] + share * line)
+        assert found == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_trail_remembers_however_long_it_runs():
+    trail = StageTrail(0.0, np.eye(4))
+    for k in range(1, 1001):
+        trail.add(0.01 * k, pose(None, [float(k), 0.0, 0.0]))
+    assert trail.at(np.array([9.945]), np.eye(4))[0, 0, 3] == pytest.approx(994.5)
 
 
 @pytest.mark.parametrize("twist", [np.full(6, np.nan), np.zeros(3)])
