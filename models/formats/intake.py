@@ -17,6 +17,7 @@ SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".
 _ALIASES = {".stp": ".step"}
 LARGEST = 500_000_000  # [bytes] of a file that is read
 MOST_TRIANGLES = 1_000_000
+_ASCII = bytes(range(128)) + b"?" * 128
 _PLY_SIZES = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
     **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
@@ -100,7 +101,7 @@ def _sniff(data: bytes) -> str | None:
         return ".ply"
     if re.match(rb"(ST)?(C)?(N)?OFF\b", head):
         return ".off"
-    if re.match(rb"solid\b.*?\bfacet\b", data[:4096].lstrip(), re.DOTALL):
+    if re.match(rb"solid\b.*?\bfacet\b", data[:4096].lstrip(), re.DOTALL | re.IGNORECASE):
         return ".stl"
     if head.startswith(b"ISO-10303-21"):
         return ".step"
@@ -110,8 +111,9 @@ def _sniff(data: bytes) -> str | None:
 
 
 def _stl(data: bytes, name: str) -> bytes:
-    if _is_text(data) and data.lstrip().startswith(b"solid"):
-        if not data.rstrip().lower().rsplit(b"\n", 1)[-1].lstrip().startswith(b"endsolid"):
+    if _is_text(data) and data.lstrip()[:5].lower() == b"solid":
+        data = _plain(data).lower()
+        if not data.rstrip().rsplit(b"\n", 1)[-1].lstrip().startswith(b"endsolid"):
             raise PalpateError(f"{name} ends in the middle (no endsolid); it is truncated: export it again")
         check_triangles(data.count(b"endfacet"), name)
         return data
@@ -146,7 +148,7 @@ def _ply(data: bytes, name: str) -> bytes:
         raise PalpateError(
             f"{name} announces {need} bytes and holds {held}; it is truncated: export it again"
         )
-    return data
+    return header.translate(_ASCII) + data[len(header) :]
 
 
 def _glb(data: bytes, name: str) -> bytes:
@@ -176,14 +178,20 @@ def _step(data: bytes, name: str) -> bytes:
 
 
 def _obj(data: bytes, name: str) -> bytes:
+    data = _plain(_text(data, name))
     check_triangles(data.count(b"\nf "), name)
-    return _text(data, name)
+    return data
 
 
 def _text(data: bytes, name: str) -> bytes:
     if not _is_text(data):
         raise PalpateError(f"{name} is binary where text should be; export it again")
     return data
+
+
+def _plain(data: bytes) -> bytes:
+    """The text in ASCII, its lines ended by line feeds; names, which may be in any code, are not kept."""
+    return data.translate(_ASCII).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 
 def _truncated(name: str, wanted: str, held: int) -> PalpateError:

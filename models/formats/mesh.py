@@ -25,6 +25,7 @@ from primitives.surface import TriangleSurface
 
 SUFFIXES = (".stl", ".obj", ".ply", ".off")
 OUT_SUFFIXES = (".stl", ".ply", ".glb")
+_OPTIONS = {".obj": {"skip_materials": True}, ".ply": {"skip_materials": True, "fix_texture": False}}
 
 
 def save(surface: TriangleSurface, path: str | Path) -> None:
@@ -51,7 +52,7 @@ def parse(data: bytes, suffix: str, name: str) -> tuple[Floats, Ints]:
     if suffix == ".off":
         return off.parse(data, name)
     try:
-        options = {"skip_materials": True} if suffix == ".obj" else {}
+        options = _OPTIONS.get(suffix, {})
         with _quiet_trimesh():
             loaded = trimesh.load(io.BytesIO(data), file_type=suffix[1:], process=False, **options)
         mesh = loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded

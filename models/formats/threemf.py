@@ -13,6 +13,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from typing import NamedTuple
+from urllib.parse import unquote
 
 import numpy as np
 
@@ -27,6 +28,7 @@ MOST_INFLATED = 1_000_000_000  # [bytes]
 _MOST_ENTRIES = 10_000
 _MOST_PLACED = 1_000  # meshes
 _DEEPEST = 32
+_AROUND = ("support", "solidsupport")  # objects that a printer builds to hold the part
 _MM = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
 
 
@@ -80,18 +82,22 @@ def _model(archive: _Archive, path: str) -> Model:
 
 
 def _text(archive: _Archive, path: str) -> bytes:
-    if path not in archive.files.namelist():
-        raise PalpateError(f"{archive.name} names {path[:60]!r}, which is not in it; export it again")
-    return archive.files.read(path)
+    """A part of the archive; names differ by more than their case (OPC, section 6.2.2.3)."""
+    for entry in archive.files.namelist():
+        if entry.lstrip("/").lower() == path.lower():
+            return archive.files.read(entry)
+    raise PalpateError(f"{archive.name} names {path[:60]!r}, which is not in it; export it again")
 
 
 def _inside(path: str) -> str:
     """A path of the archive, whose root nothing leaves."""
-    return posixpath.normpath("/" + path.replace("\\", "/")).lstrip("/")
+    return posixpath.normpath("/" + unquote(path).replace("\\", "/")).lstrip("/")
 
 
 def _built(archive: _Archive, root: str, model: Model) -> Iterator[LabeledMesh]:
     """Every mesh of every placed object."""
+    if not model.items:
+        raise PalpateError(f"{archive.name} places none of its objects; export it again")
     triangles = count = 0
     for item in model.items:
         for placed in _placed(archive, root, item, np.eye(4), 0, [0]):
@@ -112,6 +118,8 @@ def _placed(
     if found is None or depth > _DEEPEST or visits[0] > 10 * _MOST_PLACED:
         why = "that is not there" if found is None else "built of itself without end"
         raise PalpateError(f"{archive.name} places the object {told.object[:20]!r} {why}; export it again")
+    if found.kind in _AROUND:
+        return
     pose = told.pose @ parent
     if len(found.triangles):
         points = found.vertices @ pose[:3, :3] + pose[3, :3]

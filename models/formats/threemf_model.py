@@ -27,6 +27,7 @@ class Object3mf:
     """A mesh, or components, or neither."""
 
     name: str
+    kind: str  # "model", or what it is else
     vertices: Floats  # (v, 3) in the model's unit
     triangles: Ints  # (t, 3)
     components: tuple[Reference, ...]
@@ -67,6 +68,7 @@ class _Reader:
     items: list[Reference] = field(default_factory=list)
     _id: str = ""
     _name: str = ""
+    _kind: str = ""
     _vertices: array[float] = field(default_factory=lambda: array("d"))
     _triangles: array[int] = field(default_factory=lambda: array("q"))
     _components: list[Reference] = field(default_factory=list)
@@ -81,6 +83,7 @@ class _Reader:
         if tag.rsplit(" ", 1)[-1] == "object":
             self.objects[self._id] = Object3mf(
                 self._name,
+                self._kind,
                 frozen(np.array(self._vertices).reshape(-1, 3)),
                 frozen(np.array(self._triangles, dtype=np.int64).reshape(-1, 3), np.int64),
                 tuple(self._components),
@@ -93,6 +96,7 @@ class _Reader:
     def object(self, attributes: dict[str, str]) -> None:
         """An object opens."""
         self._id, self._name = attributes["id"], attributes.get("name", "")
+        self._kind = attributes.get("type", "model")
         self._vertices, self._triangles, self._components = array("d"), array("q"), []
 
     def vertex(self, attributes: dict[str, str]) -> None:

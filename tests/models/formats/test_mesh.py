@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -71,6 +72,18 @@ def test_meshes_of_other_writers_are_read(tmp_path: Path, suffix: str) -> None:
 def test_off_with_comments_blank_lines_and_polygons_is_read(tmp_path: Path) -> None:
     (tmp_path / "box.off").write_text(LEGO_STYLE)
     assert load_part(tmp_path / "box.off").solid.volume == pytest.approx(24000)
+
+
+@pytest.mark.parametrize("changed", [str.upper, lambda text: text.replace("\n", "\r"), str])
+def test_text_of_old_writers_is_read_with_names_in_any_code(tmp_path: Path, changed: Callable) -> None:
+    box = trimesh.creation.box((20, 30, 40))
+    text = trimesh.exchange.stl.export_stl_ascii(box).replace("solid", "solid Stück")
+    (tmp_path / "part.stl").write_bytes(changed(text).encode("latin-1"))
+    points = "\n".join(f"v {x} {y} {z}" for x, y, z in box.vertices)
+    faces = "\n".join(f"f {a} {b} {c}" for a, b, c in box.faces + 1)
+    (tmp_path / "part.obj").write_bytes(f"o Stück\n{points}\n{faces}\n".encode("latin-1"))
+    for name in ("part.stl", "part.obj"):
+        assert load_part(tmp_path / name).solid.volume == pytest.approx(24000)
 
 
 def test_triangles_that_meet_side_to_part_of_a_side_are_stitched(tmp_path: Path) -> None:

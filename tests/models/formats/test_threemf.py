@@ -67,6 +67,20 @@ def test_a_mirrored_object_still_faces_out(tmp_path) -> None:
     assert part.warnings == ()
 
 
+@pytest.mark.parametrize("kind", ["support", "solidsupport"])
+def test_what_a_printer_adds_to_hold_the_part_is_no_body(tmp_path, kind) -> None:
+    held = mesh_object(2, trimesh.creation.box((5, 5, 5))).replace('type="model"', f'type="{kind}"')
+    part = load(tmp_path, archive(model(mesh_object(1) + held, ITEM + '<item objectid="2"/>')))
+    assert part.solid.volume == pytest.approx(24000)
+    assert part.warnings == ()
+
+
+@pytest.mark.parametrize("target", ["/3D/My%20Part.model", "/3d/my part.MODEL"])
+def test_the_model_is_found_however_its_name_is_written(tmp_path, target) -> None:
+    data = archive(None, target, **{"3D/My Part.model": model(mesh_object(1))})
+    assert load(tmp_path, data).solid.volume == pytest.approx(24000)
+
+
 def test_objects_are_bodies_with_names(tmp_path) -> None:
     small = trimesh.creation.box((5, 5, 20))
     data = archive(
@@ -116,7 +130,7 @@ BROKEN = {
     "unknown unit": (archive(model(mesh_object(1), unit="parsec")), "parsec"),
     "corners not there": (archive(model(mesh_object(1).replace('v1="0"', 'v1="99"'))), "do not exist"),
     "not a number": (archive(model(mesh_object(1).replace('x="10.0"', 'x="nan"'))), "not finite"),
-    "nothing to build": (archive(model(mesh_object(1), "")), "no faces"),
+    "nothing to build": (archive(model(mesh_object(1), "")), "none of its objects"),
 }
 
 
