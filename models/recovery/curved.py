@@ -139,21 +139,33 @@ def _candidates(
     found: Sequence[Region],
     options: CurvedOptions,
 ) -> Iterator[Region]:
-    """What a patch grows to: as cones and tori about the axes of what was found, then as any kind that fits it."""
+    """What a patch grows to: as cones and tori about the axes of what was found, then as any kind that fits it.
+
+    A free fit of a cone to what a cylinder holds creeps towards that cylinder, and is left out.
+    """
     axes = [
         (region.shape.anchor, region.shape.direction) for region in found if region.shape.kind != "sphere"
     ]
+    straight = False
     for shape, convex in coaxial(mesh, patch, axes, noise):
         if shape.kind in options.fewest and (
             region := _grown(mesh, shape, convex, patch, turn, free, noise, options)
         ):
+            straight = straight or _is_cylinder_of(region, patch)
             yield region
     for kind in _possible(mesh.flats.normal[patch], options):
+        if straight and kind in ("cylinder", "cone"):
+            continue
         fitted = fit_facets(kind, evidence(mesh, patch, turn, noise, options.fit), options.fit)
         if isinstance(fitted, NoFit):
             continue
         if region := _grown(mesh, fitted.shape, fitted.convex, patch, turn, free, noise, options):
+            straight = straight or _is_cylinder_of(region, patch)
             yield region
+
+
+def _is_cylinder_of(region: Region, patch: Ints) -> bool:
+    return region.shape.kind == "cylinder" and bool(np.isin(patch, region.facets).all())
 
 
 def _possible(normals: Floats, options: CurvedOptions) -> list[str]:
