@@ -17,7 +17,7 @@ LEAST_PLATEAU = 3.0  # [noise sigma] lower contact is not told from noise
 
 
 def usable(image: TactileImage) -> bool:
-    """Whether the frame can be read at all: finite, and some taxel alive."""
+    """Whether the frame can be read at all: finite, dead taxels too, and some taxel alive."""
     return bool(_usable(image.depth, image.sigma))
 
 
@@ -26,10 +26,10 @@ def _usable(depth: Floats, sigma: Floats) -> bool:
     alive = False
     for i in range(depth.shape[0]):
         for j in range(depth.shape[1]):
-            if sigma[i, j] != np.inf:
-                if not (np.isfinite(depth[i, j]) and sigma[i, j] > 0.0):
-                    return False
-                alive = True
+            dead = sigma[i, j] == np.inf
+            if not (np.isfinite(depth[i, j]) and (dead or sigma[i, j] > 0.0)):
+                return False
+            alive |= not dead
     return alive
 
 

@@ -73,6 +73,14 @@ def test_hostile_frames_are_nothing(frames, value):
     assert len(contacts_of(touch, np.eye(4))) == 0
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_one_taxel_that_is_no_number_makes_a_frame_unreadable_though_it_counts_for_nothing(frames, value):
+    image = frames(frames.edge(0.4, 0.5), np.random.default_rng(4))
+    depth, sigma = image.depth.copy(), image.sigma.copy()
+    depth[4, 7], sigma[4, 7] = value, np.inf
+    assert perceive(replace(image, depth=depth, sigma=sigma)).kind == "nothing"
+
+
 @pytest.mark.filterwarnings("error")
 def test_one_hot_taxel_is_no_line(frames):
     image = frames(frames.plane(0.0), np.random.default_rng(5))
