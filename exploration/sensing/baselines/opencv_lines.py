@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exploration.sensing.baselines.picture import (
     distinct,
@@ -143,13 +144,16 @@ def fitted_crossings(image: TactileImage, most: int = 1) -> tuple[Line, ...]:
 
 
 def _edges(image: TactileImage, config: CannyConfig) -> Any:
+    gray = picture(image)
+    return None if gray is None else canny(gray, config)
+
+
+def canny(gray: NDArray[np.uint8], config: CannyConfig) -> Any:
+    """(rows, columns) times the enlargement: 255 where Canny marks an edge of a picture."""
     import cv2
 
-    gray = picture(image)
-    if gray is None:
-        return None
     if config.enlarge > 1:
-        size = (image.array.columns * config.enlarge, image.array.rows * config.enlarge)
+        size = (gray.shape[1] * config.enlarge, gray.shape[0] * config.enlarge)
         gray = cv2.resize(gray, size, interpolation=cv2.INTER_CUBIC)
     if config.smooth > 0:
         gray = cv2.GaussianBlur(gray, (0, 0), config.smooth * config.enlarge)

@@ -37,6 +37,7 @@ DEAD = 14.0  # [chi2] -2 ln of the odds that a taxel is dead rather than noisy: 
 def design(
     depth: Floats,
     variance: Floats,
+    certainty: Floats,
     gain: float,
     views: Floats,
     kinds: Ints,
@@ -54,8 +55,9 @@ def design(
 
     The row after the unknowns says how far each taxel is trusted.
 
-    `variance` (n,) is of the noise, infinite where dead; `views` (3, k) x, y and weight, `kinds` (k,) which of
-    `blurs` (m, 2) each has, `first` (n + 1,) the views of each taxel; `fall` is the angle pi - dihedral.
+    `variance` (n,) is of the noise, infinite where dead, and `certainty` (n,) one over its root; `views` (3, k)
+    x, y and weight, `kinds` (k,) which of `blurs` (m, 2) each has, `first` (n + 1,) the views of each taxel;
+    `fall` is the angle pi - dihedral.
     """
     ca, sa = np.cos(p[ANGLE]), np.sin(p[ANGLE])
     offset, height, rise, along, background = p[1], p[2], p[3], p[4], p[5]
@@ -89,9 +91,10 @@ def design(
                 by_t = a * change + rise * step
             by_a, by_b = step, slant
             if step > 1e-9:
-                s = w * np.sqrt(along * along + rise * rise * step) + 1e-12
+                spread = w * w * (along * along + rise * rise * step)
                 mean = q / step
-                if mean < CLIPPED * s:
+                if mean <= 0.0 or mean * mean < CLIPPED * CLIPPED * spread:
+                    s = np.sqrt(spread) + 1e-12
                     _, kept, left = look_up(table, mean / s, 0)
                     by_t = kept * by_t + change * (left * s - kept * mean)
                     q = step * left * s
@@ -103,15 +106,18 @@ def design(
             by_height += share * by_a
             by_rise += share * by_b
             by_along += share * v * by_a
-        per_sigma = 1.0 / np.sqrt(variance[i] + (gain * max(0.0, model)) ** 2)
+        per_sigma = certainty[i]
+        if gain > 0.0:
+            per_sigma = 1.0 / np.sqrt(variance[i] + (gain * max(0.0, model)) ** 2)
         r = (depth[i] - model) * per_sigma
         square = r * r
         count += 1
-        trust = 1.0
+        trust, root = 1.0, 1.0
         if settled:
             if square > 5.0:
                 odds = np.exp(0.5 * (min(square, 100.0) - DEAD))
                 trust = 1.0 / (1.0 + odds)
+                root = np.sqrt(trust)
                 if trust < 0.5:
                     count -= 1
                     square = 0.0
@@ -120,9 +126,9 @@ def design(
         elif square > HUBER * HUBER:
             size = abs(r)
             trust = HUBER / size
+            root = np.sqrt(trust)
             square = HUBER * (2.0 * size - HUBER)
         chi2 += square
-        root = np.sqrt(trust)
         rows[UNKNOWNS, i] = trust
         scale = per_sigma * root
         rows[ANGLE, i] = by_angle * scale

@@ -55,11 +55,26 @@ def polish(
     """
     widths = np.empty(len(blurs))
     lower, step = np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS)
+    certainty = 1.0 / np.sqrt(variance)
     slopes, ground = 1.0 / TILT**2, 1.0 / (TARED * quiet) ** 2
     least = np.inf  # [chi2] gained by a step so far
     for _ in range(STEPS):
         chi2, count = design(
-            z, variance, gain, views, kinds, first, blurs, table, p, side, fall, least < NEAR, widths, rows
+            z,
+            variance,
+            certainty,
+            gain,
+            views,
+            kinds,
+            first,
+            blurs,
+            table,
+            p,
+            side,
+            fall,
+            least < NEAR,
+            widths,
+            rows,
         )
         products(rows, UNKNOWNS, normal, rhs)
         for a, prior in ((RISE, slopes), (ALONG, slopes), (BACKGROUND, ground)):
