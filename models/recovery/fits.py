@@ -25,7 +25,7 @@ class FacetFitOptions:
     most_middles: int = 80
     normal: float = 0.4  # deviation of a facet's normal, in units of the typical turn between facets
     sag: float = 0.1  # and of its middle, in units of its size times that turn
-    fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-3, iterations=20, starts=2))
+    fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-4, iterations=30, starts=2))
 
 
 def corners_of(mesh: Mesh, facets: Ints) -> Ints:
