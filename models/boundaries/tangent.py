@@ -85,6 +85,8 @@ def forward(points: Floats, tolerance: float) -> Ints:
             return everything
         along = radius * np.unwrap(np.arctan2(y, x))
         along = (along - along[0]) * np.sign(along[-1] - along[0])
+        if along[-1] <= tolerance:  # closed, and not round the middle of the circle
+            return everything
     before = np.maximum.accumulate(np.concatenate([[0.0], along[:-1]]))
     kept = (along > before + 1e-9) & (along < along[-1] - 1e-9)
     kept[[0, -1]] = True

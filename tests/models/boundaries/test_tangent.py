@@ -102,3 +102,8 @@ def test_running_back_along_a_line_or_a_circle_is_left_out() -> None:
     turn = np.array([0, 1, 0.9, 2, 3, 4, 3.5, 5, 2 * pi])
     circle = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
     assert forward(circle, 1e-6).tolist() == [0, 1, 3, 4, 5, 7, 8]
+
+
+def test_a_closed_run_that_is_not_round_its_circle_keeps_all_its_points() -> None:
+    thin = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0.1, 0], [0, 0, 0]])
+    assert forward(thin, 1e-6).tolist() == [0, 1, 2, 3]
