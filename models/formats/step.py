@@ -25,6 +25,7 @@ from primitives.errors import PalpateError
 SUFFIXES = (".step", ".stp")
 _WORKER = Path(__file__).with_name("step_worker.py")
 _MM_PER_M = 1000.0
+_END = 4_000_000  # [bytes]
 _PREFIXES = {"MILLI": 1.0, "CENTI": 10.0, "DECI": 100.0, "MICRO": 1e-3, "$": 1000.0}
 
 
@@ -64,7 +65,8 @@ def parse(data: bytes, name: str, config: StepConfig | None = None) -> list[Labe
 
 def unit_mm(data: bytes) -> float:
     """How many mm the file's own unit of length has; 1 where it does not say."""
-    text = data[:4_000_000].decode("latin-1")
+    ends = data if len(data) <= 2 * _END else data[:_END] + data[-_END:]  # the unit stands near either
+    text = ends.decode("latin-1")
     if conversion := re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'(INCH|IN|FOOT|FT)\b", text, re.IGNORECASE):
         return 25.4 if conversion[1].upper() in ("INCH", "IN") else 304.8
     if plain := re.search(r"SI_UNIT\s*\(\s*\.?(\w+|\$)\.?\s*,\s*\.METRE\.\s*\)", text, re.IGNORECASE):

@@ -31,6 +31,12 @@ def test_a_told_unit_overrides_that_of_the_file(tmp_path, step_box) -> None:
     assert load_part(file, "cm", 0.5).solid.extent == pytest.approx([100, 150, 200], rel=1e-6)
 
 
+@pytest.mark.parametrize("before", [0, 20_000_000])
+def test_the_unit_is_found_at_either_end_of_a_long_file(before) -> None:
+    unit = b"#9=(CONVERSION_BASED_UNIT('INCH',#8)LENGTH_UNIT()NAMED_UNIT(#7));"
+    assert step.unit_mm(b" " * before + unit + b" " * (20_000_000 - before)) == 25.4
+
+
 def test_halves_of_a_cylinder_are_one_face_with_its_exact_radius(tmp_path, step_bar) -> None:
     solid = load_part(_write(tmp_path, step_bar(10.0, 30.0), "BAR.STP")).solid
     whole = boundary(solid)
