@@ -9,7 +9,8 @@ from __future__ import annotations
 import tempfile
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,21 +24,18 @@ _WAIT = 30.0  # [s] for a scheduler to answer
 _LOOK = 0.25  # [s]
 
 
-def on_cluster(address: str, trials: Sequence[Trial], kinds: Sequence[str], limits: Limits) -> Iterator[Row]:
-    """Rows in the order in which they end."""
-    try:
-        from distributed import Client, as_completed
-    except ImportError:
-        raise PalpateError('--scheduler needs dask: pip install "palpate[cluster]"') from None
-    try:
-        client = Client(address, timeout=_WAIT)
-    except (OSError, ValueError, TypeError) as error:
-        raise PalpateError(
-            f"no dask scheduler answers at {address} ({str(error).splitlines()[0]})"
-        ) from error
-    with client:
+@dataclass(frozen=True)
+class Cluster:
+    """A scheduler that answers."""
+
+    client: Any
+
+    def rows(self, trials: Sequence[Trial], kinds: Sequence[str], limits: Limits) -> Iterator[Row]:
+        """In the order in which they end."""
+        from distributed import as_completed
+
         futures = {
-            client.submit(_carry, trial.as_json(), list(kinds), asdict(limits), pure=False): trial
+            self.client.submit(_carry, trial.as_json(), list(kinds), asdict(limits), pure=False): trial
             for trial in trials
         }
         for future in as_completed(list(futures)):
@@ -47,6 +45,23 @@ def on_cluster(address: str, trials: Sequence[Trial], kinds: Sequence[str], limi
             else:
                 row = trial.row(LOST, f"dask gave it up ({type(future.exception()).__name__})")
             yield row
+
+
+@contextmanager
+def connected(address: str) -> Iterator[Cluster]:
+    """The cluster at an address, or one line why there is none."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise PalpateError('--scheduler needs dask: pip install "palpate[cluster]"') from None
+    try:
+        client = Client(address, timeout=_WAIT)
+    except (OSError, ValueError, TypeError) as error:
+        raise PalpateError(
+            f"no dask scheduler answers at {address} ({(str(error) or type(error).__name__).splitlines()[0]})"
+        ) from error
+    with client:
+        yield Cluster(client)
 
 
 def _carry(told: Mapping[str, Any], kinds: Sequence[str], limits: Mapping[str, float]) -> Row:

@@ -22,7 +22,10 @@ class SuiteFolder(RunFolder):
 
     @staticmethod
     def of(suite: Suite, out: Path | None, resume: bool, overwrite: bool, shared: bool) -> SuiteFolder:
-        """A new folder, or that of the same suite where it is gone on with, or `shared` among shards."""
+        """A new folder, or that of the same suite where it is gone on with, or `shared` among shards.
+
+        A folder of the same suite that holds no row yet is as good as new.
+        """
         path = out if out is not None else Path("runs") / suite.name
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -39,26 +42,42 @@ class SuiteFolder(RunFolder):
         if present and overwrite:
             folder._clear(present)
         elif present:
-            folder._require_same(suite, resume or shared)
+            folder._require_same(suite)
+            if not (resume or shared) and folder._begun(present):
+                raise PalpateError(
+                    f"--out {path} already holds this suite; add --resume to go on, or --overwrite to begin anew"
+                )
         if not (path / MARK).exists():
             folder.write_text("suite.toml", suite.source)
             folder.write_json(MARK, {"suite": suite.name, "fingerprint": suite.fingerprint})
         return folder
 
-    def _require_same(self, suite: Suite, wanted: bool) -> None:
+    @staticmethod
+    def merged(suite: Suite, path: Path) -> SuiteFolder:
+        """The folder of other shards, which must be of the same suite."""
+        folder = SuiteFolder(path)
+        if not (path / MARK).is_file():
+            what = "holds no suite" if path.is_dir() else "is no folder"
+            raise PalpateError(f"--merge {path} {what}; give the --out of another shard of this suite")
+        folder._require_same(suite, "--merge", "give the --out of another shard of this suite")
+        return folder
+
+    def _require_same(
+        self, suite: Suite, flag: str = "--out", fix: str = "give a new folder, or --overwrite"
+    ) -> None:
         try:
             told = json.loads((self.path / MARK).read_text(encoding="utf-8"))["fingerprint"]
         except (OSError, ValueError, KeyError, TypeError):
             told = ""
         if told != suite.fingerprint:
             raise PalpateError(
-                f"--out {self.path} holds another suite, or this one before it was changed; "
-                "give a new folder, or --overwrite"
+                f"{flag} {self.path} holds another suite, or this one before it was changed; {fix}"
             )
-        if not wanted:
-            raise PalpateError(
-                f"--out {self.path} already holds this suite; add --resume to go on, or --overwrite to begin anew"
-            )
+
+    def _begun(self, present: list[str]) -> bool:
+        """Whether there is a row, or a result."""
+        logs = [self.path / name for name in present if name.startswith("trials")]
+        return "summary.json" in present or any(log.stat().st_size for log in logs)
 
     def _clear(self, present: list[str]) -> None:
         import shutil

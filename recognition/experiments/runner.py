@@ -9,6 +9,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from primitives.errors import PalpateError
 from recognition.console import interrupts
 from recognition.experiments.account import account
 from recognition.experiments.carried import carried
+from recognition.experiments.cluster import Cluster
 from recognition.experiments.crew import Crew
 from recognition.experiments.folder import SuiteFolder
 from recognition.experiments.log import Log, rows_of
@@ -43,6 +45,12 @@ class ExperimentOptions:
     def __post_init__(self) -> None:
         if self.workers < 0:
             raise PalpateError(f"--workers must be 0 (in this process) or more, not {self.workers}")
+        if self.overwrite and self.resume:
+            raise PalpateError("--resume goes on and --overwrite begins anew; give one of them")
+        if self.overwrite and self.shard[1] > 1:
+            raise PalpateError(
+                "--overwrite with --shard would remove the rows of other shards; give a new --out"
+            )
 
 
 def parse_shard(text: str) -> tuple[int, int]:
@@ -57,9 +65,26 @@ def run(options: ExperimentOptions, told: Told = lambda *_: None) -> tuple[dict[
     """Run what is not there yet of a suite, and write its results; the summary, and the folder."""
     began = time.perf_counter()
     suite = load_suite(options.suite)
+    shards = options.shard[1]
+    merged = [SuiteFolder.merged(suite, path).path for path in options.merge]
+    with _connected(options.scheduler) as cluster:
+        folder = SuiteFolder.of(suite, options.out, options.resume, options.overwrite, shards > 1)
+        folders = (folder.path, *merged)
+        _fill(suite, options, folder, folders, cluster, told)
+    summary = write_results(suite, folder, folders, time.perf_counter() - began)
+    return summary, folder.path
+
+
+def _fill(
+    suite: Suite,
+    options: ExperimentOptions,
+    folder: SuiteFolder,
+    folders: Iterable[Path],
+    cluster: Cluster | None,
+    told: Told,
+) -> None:
+    """Run every trial of this shard that has no row yet."""
     number, shards = options.shard
-    folder = SuiteFolder.of(suite, options.out, options.resume, options.overwrite, shards > 1)
-    folders = (folder.path, *options.merge)
     there = rows_of(folders)
     mine = [trial for trial in suite.trials if trial.number % shards == number - 1]
     open_ = [trial for trial in mine if trial.number not in there]
@@ -68,13 +93,11 @@ def run(options: ExperimentOptions, told: Told = lambda *_: None) -> tuple[dict[
     ended, bad = len(mine) - len(open_), 0
     told(ended, len(mine), bad)
     with Log(folder.path / name) as log:
-        for row in _rows(open_, suite, options, keep):
+        for row in _rows(open_, suite, options.workers, keep, cluster):
             log.append(row)
             ended, bad = ended + 1, bad + (row["outcome"] != "done")
             told(ended, len(mine), bad)
             interrupts.checkpoint()
-    summary = write_results(suite, folder, folders, time.perf_counter() - began)
-    return summary, folder.path
 
 
 def write_results(
@@ -93,19 +116,28 @@ def write_results(
     return summary
 
 
-def _rows(trials: list[Trial], suite: Suite, options: ExperimentOptions, keep: Path | None) -> Iterator[Row]:
-    kinds = sorted({trial.kind for trial in trials})
-    if options.scheduler:
-        from recognition.experiments.cluster import on_cluster
+def _connected(address: str) -> AbstractContextManager[Cluster | None]:
+    """The cluster, before anything is written; none without an address."""
+    if not address:
+        return nullcontext()
+    from recognition.experiments.cluster import connected
 
-        yield from on_cluster(options.scheduler, trials, kinds, suite.limits)
+    return connected(address)
+
+
+def _rows(
+    trials: list[Trial], suite: Suite, workers: int, keep: Path | None, cluster: Cluster | None
+) -> Iterator[Row]:
+    kinds = sorted({trial.kind for trial in trials})
+    if cluster is not None:
+        yield from cluster.rows(trials, kinds, suite.limits)
     elif not trials:
         return
-    elif options.workers == 0:
+    elif workers == 0:
         with tempfile.TemporaryDirectory(prefix=ROOM) as room:
             for trial in trials:
                 kept = keep / f"{trial.number:06d}" if keep else None
                 yield carried(trial, Path(room) / "trial", suite.limits, kept)
     else:
-        with Crew(min(options.workers, len(trials)), kinds, suite.limits, keep) as crew:
+        with Crew(min(workers, len(trials)), kinds, suite.limits, keep) as crew:
             yield from crew.run(trials)

@@ -33,15 +33,21 @@ class Setting:
             value = float(value)
         if not isinstance(value, str | int | float | bool) or type(value) is not self.type:
             raise PalpateError(f"{where} must be {_WORDS[self.type]}, not {value!r}")
+        if isinstance(value, str) and not value.isprintable():
+            raise PalpateError(f"{where} must be one line of plain text, not {value!r}")
         if self.choices and value not in self.choices:
             raise PalpateError(f"{where} is {value!r}; it may be {', '.join(self.choices)}")
-        if isinstance(value, int | float) and not self.least <= value <= self.most:
+        if isinstance(value, int | float) and not self._within(value):
             raise PalpateError(f"{where} is {value}; it must be {self._bounds()}")
         return value
 
+    def _within(self, value: float) -> bool:
+        """Within the bounds, and a number that the table can hold."""
+        return abs(value) < (math.inf if self.type is float else 2**63) and self.least <= value <= self.most
+
     def _bounds(self) -> str:
         if self.most == math.inf:
-            return f"{self.least:g} or more"
+            return f"{self.least:g} or more, and finite"
         return f"between {self.least:g} and {self.most:g}"
 
 

@@ -16,9 +16,11 @@ The first key turns slowest and the seed fastest, whatever the order of the file
 
 from __future__ import annotations
 
+import glob
 import hashlib
 import itertools
 import json
+import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -27,13 +29,14 @@ from typing import Any
 
 from primitives.errors import PalpateError
 from recognition.experiments.kinds import KINDS, Kind
+from recognition.experiments.named import require_there
 from recognition.experiments.settings import Setting, Value, closest
 from recognition.experiments.trial import Row, Trial
 
 _TOP = {"name": "", "about": "", "limits": "", "trials": "", "keep_runs": ""}
 _LIMITS = {
-    "seconds": Setting(float, 600.0, "a trial that takes longer is ended", 0.0),
-    "memory_mb": Setting(float, 4000.0, "a trial that needs more is ended", 1.0),
+    "seconds": Setting(float, 600.0, "a trial that takes longer is ended", 1e-3, 1e8),
+    "memory_mb": Setting(float, 4000.0, "a trial that needs more is ended", 1.0, 1e9),
 }
 _MANY = 1_000_000  # trials; a suite of more is a slip of the pen
 
@@ -111,6 +114,10 @@ def load_suite(path: Path) -> Suite:
     name, about, keep = told.get("name", path.stem), told.get("about", ""), told.get("keep_runs", False)
     if not isinstance(name, str) or not isinstance(about, str) or not isinstance(keep, bool):
         raise PalpateError(f"{where}: name and about must be texts, keep_runs true or false")
+    if not _is_file_name(name):
+        raise PalpateError(
+            f"{where}: name must be a plain file name, as {path.stem or 'noise'}, not {name!r}"
+        )
     tables = told.get("trials")
     if not isinstance(tables, list) or not tables or not all(isinstance(t, dict) for t in tables):
         raise PalpateError(f"{where} tries nothing; it needs a table [[trials]] with a kind")
@@ -142,7 +149,7 @@ def _limits(told: object, where: str) -> Limits:
 def _group(table: Mapping[str, Any], where: str, base: Path) -> tuple[Group, Iterator[dict[str, Value]]]:
     told = dict(table)
     kind_name = told.pop("kind", None)
-    if kind_name not in KINDS:
+    if not isinstance(kind_name, str) or kind_name not in KINDS:
         what = "no kind" if kind_name is None else f"the unknown kind {kind_name!r}"
         raise PalpateError(f"{where} has {what}; it may be {', '.join(KINDS)}")
     kind = KINDS[kind_name]
@@ -164,6 +171,9 @@ def _group(table: Mapping[str, Any], where: str, base: Path) -> tuple[Group, Ite
     for key, values in axes.items():
         if key in kind.needed and values == ("",):
             raise PalpateError(f"{where}: {kind.name} needs {key!r}, {kind.settings[key].about}")
+    count = math.prod(len(values) for values in axes.values())
+    if count > _MANY:
+        raise PalpateError(f"{where} makes {count} trials, more than {_MANY}; make its lists shorter")
     points = (dict(zip(axes, point, strict=True)) for point in itertools.product(*axes.values()))
     ordered = ({key: point[key] for key in kind.settings} for point in points)
     return Group(name, kind, {key: values for key, values in axes.items() if len(values) > 1}), ordered
@@ -175,6 +185,8 @@ def _with_seeds(told: dict[str, Any], where: str) -> dict[str, Any]:
     count = told.pop("seeds")
     if not isinstance(count, int) or isinstance(count, bool) or count < 1:
         raise PalpateError(f"{where}: seeds must be how many there are, 1 or more, not {count!r}")
+    if count > _MANY:
+        raise PalpateError(f"{where}: seeds = {count} is more than the {_MANY} trials that a suite may have")
     if "seed" in told:
         raise PalpateError(f"{where} has both seed and seeds; keep one")
     return told | {"seed": list(range(count))}
@@ -193,7 +205,9 @@ def _values(kind: Kind, key: str, told: object, where: str, base: Path) -> tuple
             values.append("")
         else:
             checked = setting.checked(value, place)
-            values += _expanded(checked, place, base) if key in ("part", "known") else [checked]
+            found = _expanded(checked, place, base) if key == "part" else [checked]
+            require_there(key, found, place, base)
+            values += found
     return tuple(dict.fromkeys(values))
 
 
@@ -211,11 +225,16 @@ def _expanded(value: Value, place: str, base: Path) -> list[Value]:
             raise PalpateError(f"{place} is {text!r}; it may be @convex, @all, a built-in part or a file")
         return list[Value](chosen[text])
     if any(mark in text for mark in "*?["):
-        found = sorted(str(path.relative_to(base)) for path in base.glob(text))
+        found = sorted(n for n in glob.glob(text, root_dir=base, recursive=True) if (base / n).is_file())
         if not found:
             raise PalpateError(f"{place}: no file in {base} is like {text}")
         return list[Value](found)
     return [text]
+
+
+def _is_file_name(name: str) -> bool:
+    """Whether a folder of that name lies where it is made, on any system."""
+    return name.isprintable() and name.strip(". ") != "" and not set(name) & set("/\\:") and len(name) < 100
 
 
 def _refuse_unknown(told: Mapping[str, object], valid: Mapping[str, object], where: str) -> None:

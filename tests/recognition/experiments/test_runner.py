@@ -9,6 +9,7 @@ import pytest
 from primitives.errors import PalpateError
 from recognition.experiments.carried import carried
 from recognition.experiments.crew import Worker
+from recognition.experiments.folder import SuiteFolder
 from recognition.experiments.kinds import KINDS
 from recognition.experiments.log import Log, rows_of
 from recognition.experiments.runner import ExperimentOptions, parse_shard, run
@@ -24,13 +25,14 @@ count = 2
 seeds = 2
 [[trials]]
 kind = "track"
-part = "nonsense"
+part = "broken.stl"
 """
 
 
 @pytest.fixture
 def suite(tmp_path):
     path = tmp_path / "little.toml"
+    (tmp_path / "broken.stl").write_text("no triangles")
     path.write_text(SUITE)
     return path
 
@@ -123,6 +125,47 @@ def test_rows_told_twice_count_once(tmp_path):
         with Log(tmp_path / name) as log:
             log.append({"trial": 3, "outcome": "done"})
     assert list(rows_of([tmp_path])) == [3]
+
+
+def test_rows_of_another_suite_or_of_none_are_not_merged(suite, tmp_path):
+    other = tmp_path / "other.toml"
+    other.write_text(SUITE.replace("seeds = 2", "seeds = 1"))
+    run(ExperimentOptions(other, tmp_path / "other", workers=0))
+    for wrong, said in (("other", "another suite"), ("missing", "is no folder"), ("", "holds no suite")):
+        with pytest.raises(PalpateError, match=said) as error:
+            run(ExperimentOptions(suite, tmp_path / "out", workers=0, merge=(tmp_path / wrong,)))
+        assert "\n" not in str(error.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_folders_of_shards_are_merged_into_the_table_of_all(suite, tmp_path):
+    run(ExperimentOptions(suite, tmp_path / "one", workers=0, shard=(1, 2)))
+    told, _ = run(
+        ExperimentOptions(suite, tmp_path / "two", workers=0, shard=(2, 2), merge=(tmp_path / "one",))
+    )
+    assert told["complete"]
+
+
+@pytest.mark.parametrize("also", [{"resume": True}, {"shard": (1, 2)}])
+def test_overwriting_goes_with_nothing_that_keeps_rows(suite, also):
+    with pytest.raises(PalpateError, match="--overwrite"):
+        ExperimentOptions(suite, overwrite=True, **also)
+
+
+def test_a_scheduler_that_does_not_answer_leaves_no_folder(suite, tmp_path, monkeypatch):
+    cluster = pytest.importorskip("recognition.experiments.cluster")
+    pytest.importorskip("distributed", reason="left out: dask is not installed (palpate[cluster])")
+    monkeypatch.setattr(cluster, "_WAIT", 0.2)
+    with pytest.raises(PalpateError, match="no dask scheduler answers") as error:
+        run(ExperimentOptions(suite, tmp_path / "out", scheduler="tcp://127.0.0.1:9"))
+    assert "\n" not in str(error.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_without_rows_is_as_good_as_new(suite, tmp_path):
+    SuiteFolder.of(load_suite(suite), tmp_path / "out", False, False, False)
+    told, _ = run(ExperimentOptions(suite, tmp_path / "out", workers=0))
+    assert told["complete"]
 
 
 @pytest.mark.parametrize("text", ["5/4", "1", "a/b", "1/0", "-1/2"])

@@ -37,12 +37,38 @@ def test_lists_are_axes_and_the_seed_turns_fastest(tmp_path):
         ("name=", "not valid TOML"),
         ('[[trials]]\nkind="explore"\npart="@conv"', "may be @convex"),
         ('[[trials]]\nkind="explore"\npart="*.stl"', "no file"),
+        ('[[trials]]\nkind="explore"\npart="**.stl"', "no file"),
+        ('[[trials]]\nkind="explore"\npart="/nowhere/*.stl"', "no file"),
+        ('[[trials]]\nkind="explore"\npart="a\\u0000*"', "plain text"),
+        ('[[trials]]\nkind=["explore"]', "unknown kind"),
+        ('[[trials]]\nkind="explore"\npart="blok"', "no part 'blok'; did you mean block"),
+        ('[[trials]]\nkind="explore"\npart="missing.stl"', "no file missing.stl"),
+        ('[[trials]]\nkind="explore"\npart="block"\nsensor="lts211"', "did you mean lts210"),
+        ('[[trials]]\nkind="recognize"\npart="block"\nlibrary="missing"', "no folder missing"),
+        ('[[trials]]\nkind="frames"\nnoise=inf', "finite"),
+        ('[[trials]]\nkind="frames"\nseed=9223372036854775808', "finite"),
+        ('[[trials]]\nkind="frames"\nseeds=1000000000', "more than the 1000000 trials"),
+        ('[limits]\nseconds=0\n[[trials]]\nkind="frames"', "0.001"),
+        ('[limits]\nseconds=1e300\n[[trials]]\nkind="frames"', "between"),
+        *(
+            (f'name="{name}"\n[[trials]]\nkind="frames"', "plain file name")
+            for name in ("../../evil", "", "/tmp/x", "..")
+        ),
     ],
 )
 def test_what_is_wrong_is_said_with_what_would_be_right(tmp_path, text, said):
     with pytest.raises(PalpateError, match=said) as error:
         suite(tmp_path, text)
     assert "\n" not in str(error.value)
+
+
+def test_patterns_are_relative_to_the_suite_or_absolute(tmp_path):
+    for name in ("a.stl", "b.stl"):
+        (tmp_path / name).touch()
+    for pattern, first in (("*.stl", "a.stl"), (f"{tmp_path}/*.stl", f"{tmp_path}/a.stl")):
+        made = suite(tmp_path, f'[[trials]]\nkind="explore"\npart="{pattern}"')
+        assert len(made.trials) == 2
+        assert made.trials[0].settings["part"] == first
 
 
 def test_the_columns_are_those_of_the_kinds_whatever_the_trials_tell(tmp_path):
