@@ -15,6 +15,8 @@ from exploration.sensing.response import look_up
 from exploration.sensing.surfaces.normal_equations import HUBER
 from primitives.arrays import Floats
 
+WIDEST = 1.4  # [rad] of a bent edge, either way, that taxels are taken from
+
 
 @numba.njit(cache=True, inline="always")
 def inside(d: float, v: float, bend: float) -> tuple[float, float, float, float]:
@@ -32,11 +34,18 @@ def chosen(
     px: float,
     py: float,
     line: tuple[float, float, float, float],
-    window: tuple[float, float, float],
+    window: tuple[float, float, float, float],
 ) -> Floats:
-    """(n, 4) x, y, depth and 1/sigma of the taxels from `low` to `high` along the line and not beyond `far`."""
+    """(n, 4) x, y, depth and 1/sigma of the taxels from `low` to `high` along the line and not beyond `far`.
+
+    Of a bent edge only those beside `reach` of it, either way: behind the circle's center another part of the
+    outline is nearer, which need not be of this circle.
+    """
     angle, offset, side, bend = line
-    low, high, far = window
+    low, high, far, reach = window
+    beside = reach
+    if bend != 0.0 and abs(bend) * reach > 1e-6:
+        beside = np.tan(min(abs(bend) * reach, WIDEST)) / abs(bend)
     rows, columns = depth.shape
     ca, sa = np.cos(angle), np.sin(angle)
     out = np.empty((rows * columns, 4))
@@ -46,8 +55,10 @@ def chosen(
         for j in range(columns):
             x = (j - (columns - 1) / 2) * px
             v = ca * x + sa * y
-            t = inside(side * (ca * y - sa * x - offset), v, bend)[0]
-            if sigma[i, j] < np.inf and low < v < high and t < far:
+            d = side * (ca * y - sa * x - offset)
+            t = inside(d, v, bend)[0]
+            near = abs(v) < beside * (1.0 - bend * d)
+            if near and sigma[i, j] < np.inf and low < v < high and t < far:
                 out[n, 0], out[n, 1] = x, y
                 out[n, 2], out[n, 3] = depth[i, j], 1.0 / sigma[i, j]
                 n += 1
@@ -61,16 +72,15 @@ def weighed(
     width: float,
     p: Floats,
     side: float,
-    prior: tuple[float, float],
+    prior: tuple[float, float, float],
     normal: Floats,
     rhs: Floats,
 ) -> float:
-    """Fill the normal equations at p; the chi2 there (Huber's), the prior (bend, sigma) among it."""
-    normal[:] = 0.0
-    rhs[:] = 0.0
+    """Fill the normal equations at p; the chi2 there (Huber's), the prior (bend, its sigma, the slopes') in it."""
     ca, sa = np.cos(p[0]), np.sin(p[0])
     chi2 = 0.0
-    j6 = np.empty(6)
+    rows = np.empty((7, len(taxels)))  # slopes by the unknowns, and the residual, all weighed
+    n = 0
     for k in range(len(taxels)):
         x, y, weight = taxels[k, 0], taxels[k, 1], taxels[k, 3]
         u, v = ca * y - sa * x, ca * x + sa * y
@@ -89,20 +99,30 @@ def weighed(
         if step == 0.0:
             continue
         steep = (p[2] + p[4] * v) * change + p[3] * step
-        j6[0] = ((by_v * u - by_d * side * v) * steep + p[4] * u * step) * weight
-        j6[1] = -side * by_d * steep * weight
-        j6[2] = step * weight
-        j6[3] = slant * weight
-        j6[4] = v * step * weight
-        j6[5] = by_bend * steep * weight
-        for a in range(6):
-            rhs[a] += j6[a] * r
-            for b in range(a + 1):
-                normal[a, b] += j6[a] * j6[b]
+        rows[0, n] = ((by_v * u - by_d * side * v) * steep + p[4] * u * step) * weight
+        rows[1, n] = -side * by_d * steep * weight
+        rows[2, n] = step * weight
+        rows[3, n] = slant * weight
+        rows[4, n] = v * step * weight
+        rows[5, n] = by_bend * steep * weight
+        rows[6, n] = r
+        n += 1
     for a in range(6):
-        for b in range(a):
-            normal[b, a] = normal[a, b]
-    surprise = (prior[0] - p[5]) / prior[1]
-    normal[5, 5] += 1.0 / prior[1] ** 2
-    rhs[5] += surprise / prior[1]
-    return float(chi2 + surprise * surprise)
+        rhs[a] = _product(rows[a], rows[6], n)
+        for b in range(a + 1):
+            normal[a, b] = normal[b, a] = _product(rows[a], rows[b], n)
+    bend, bend_sigma, tilt = prior
+    for a, expected, sigma in ((3, 0.0, tilt), (4, 0.0, tilt), (5, bend, bend_sigma)):
+        surprise = (expected - p[a]) / sigma
+        normal[a, a] += 1.0 / sigma**2
+        rhs[a] += surprise / sigma
+        chi2 += surprise * surprise
+    return float(chi2)
+
+
+@numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy", inline="always")
+def _product(a: Floats, b: Floats, count: int) -> float:
+    total = 0.0
+    for k in range(count):
+        total += a[k] * b[k]
+    return total

@@ -27,6 +27,7 @@ from primitives.arrays import Bools, Floats, frozen
 STEPS = 8
 CLEAR = 1.5  # [response widths] kept from such ends
 LEAST = 12  # taxels that a fit needs
+TILT = 0.05  # [mm/mm] of a pad that is kept level; a face of few taxels says little of it
 
 
 @dataclass(frozen=True)
@@ -217,13 +218,13 @@ def _follow(
     if level <= 0.0:
         return p, covariance, 0.0, ends, contact, False
     clear = CLEAR * width
-    low, high = max(-reach, -ends[1] + clear), min(reach, min(ends[0], ends[2]) - clear)
-    taxels = chosen(depth, sigma, px, py, line, (low, high, max(ends[3] - clear, 0.5 * width)))
+    low, high, far = -ends[1] + clear, min(ends[0], ends[2]) - clear, max(ends[3] - clear, 0.5 * width)
+    taxels = chosen(depth, sigma, px, py, line, (low, high, far, reach))
     count = len(taxels)
     if count < LEAST:
         return p, covariance, 0.0, ends, contact, False
     p[2] = level
-    prior = (bend, bend_sigma)
+    prior = (bend, bend_sigma, TILT)
     chi2 = weighed(taxels, table, width, p, side, prior, normal, rhs)
     damping = 0.0
     for _ in range(STEPS):
