@@ -14,16 +14,14 @@ import numpy as np
 
 from exploration.control.corners import CornerConfig, Meeting, agreed, meeting
 from exploration.control.dwell import dwell
+from exploration.control.edge_profile import EdgeProfile, profile_of
+from exploration.control.edge_seen import first_expected
 from exploration.control.edge_servo import EdgeServo, EdgeServoConfig
 from exploration.control.edge_trace import EdgeTick, smoothed
 from exploration.control.hybrid import PRESS
 from exploration.devices.guard import Guard, Observation
-from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
-from exploration.sensing.lines.hough import sure_lines
-from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.line_fit import softened
-from exploration.sensing.lines.outline import find_outline
 from exploration.sensing.response import rubber
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
@@ -64,6 +62,7 @@ class Tracked:
     """What a tracked edge yielded; false where nothing was."""
 
     draw: Callable[[], EdgeTrace | None]  # the trace, from what the ticks saw
+    average: Callable[[], EdgeProfile | None]  # their profile across the edge
     ended: Ended
     travel: float  # [mm]
     forces: tuple[float, ...] = ()  # [N] at every tick
@@ -78,6 +77,11 @@ class Tracked:
     def trace(self) -> EdgeTrace | None:
         """Where the edge ran; drawn when it is asked for, because of two ways along an edge one is enough."""
         return self.draw()
+
+    @cached_property
+    def profile(self) -> EdgeProfile | None:
+        """The mean depth across the edge."""
+        return self.average()
 
 
 @dataclass
@@ -109,7 +113,7 @@ def follow_edge(
     response = rubber(guard.calibrations[guard.active].spread, guard.sensor.array.pitch)
     run, missed, retries = _Run(), 0, 0
     seen = dwell(guard, 3)
-    expected = _first(seen, along, config)
+    expected = first_expected(seen, along, config)
     rest = np.pi if expected is not None and np.cos(expected.angle) < 0 else 0.0
     servo = EdgeServo(guard, press, config, rest)
     last: Followed | None = None
@@ -144,9 +148,10 @@ def follow_edge(
         step = seen.world_from_sensor[:3, 3] - before[:3, 3]
         run.travel += max(0.0, float(step @ run.ticks[-1].tangent))
         expected = servo.expected(edge, before, seen.world_from_sensor)
+    clear = _clear(run.ticks, corner, config)
     draw = partial(
         smoothed,
-        _clear(run.ticks, corner, config),
+        clear,
         ended == "closed",
         touch,
         stroke,
@@ -155,7 +160,9 @@ def follow_edge(
         config.bend_drift,
     )
     forces, wanted = tuple(t.force for t in run.ticks), tuple(servo.wanted)
-    return Tracked(draw, ended, run.travel, forces, wanted, last, corner)
+    return Tracked(
+        draw, partial(profile_of, clear, response), ended, run.travel, forces, wanted, last, corner
+    )
 
 
 def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) -> list[EdgeTick]:
@@ -164,49 +171,6 @@ def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) ->
     if corner is None:
         return clear
     return [t for t in clear if dist(t.point, corner.point) > config.bent]
-
-
-def _first(seen: Observation, along: Floats, config: EdgeConfig) -> Expected | None:
-    """The line or arc that runs most nearly along a (3,) world direction and under the pad's middle."""
-    heading = seen.world_from_sensor[:3, :2].T @ along
-    heading = heading / max(float(np.linalg.norm(heading)), 1e-9)
-    outline = find_outline(seen.image, 3)
-    found = [expected_of(line, heading, config) for line in (*outline.lines, *sure_lines(seen.image, 3))]
-    found += [expected_on(arc, heading, config) for arc in outline.arcs]
-    fitting = [e for e in found if np.cos(e.angle) * heading[0] + np.sin(e.angle) * heading[1] > 0.7]
-    return min(fitting, key=lambda e: abs(e.offset), default=None)
-
-
-def expected_on(arc: Arc, heading: Floats, config: EdgeConfig) -> Expected:
-    """An arc beside the pad's center, directed the way of a (2,) heading."""
-    away = -arc.center / max(
-        float(np.linalg.norm(arc.center)), 1e-9
-    )  # from the center of the arc to the pad's
-    foot = arc.center + arc.radius * away
-    direction = np.array([-away[1], away[0]])
-    direction = direction * (1.0 if direction @ heading > 0 else -1.0)
-    normal = np.array([-direction[1], direction[0]])
-    inward = -away if arc.material_inside else away
-    return Expected(
-        float(np.arctan2(direction[1], direction[0])),
-        float(foot @ normal),
-        1 if float(inward @ normal) > 0 else -1,
-        bend=(1.0 if arc.material_inside else -1.0) / arc.radius,
-        bend_sigma=0.02,
-        reach=min(config.reach, config.sharpest * arc.radius),
-    )
-
-
-def expected_of(line: Line, heading: Floats, config: EdgeConfig) -> Expected:
-    """A line, directed the way of a (2,) heading, as what the next frame should show."""
-    ahead = bool(line.direction @ heading > 0)
-    return Expected(
-        line.angle if ahead else line.angle + np.pi,
-        line.offset if ahead else -line.offset,
-        line.material_side if ahead else -line.material_side,
-        bend_sigma=0.02,
-        reach=config.reach,
-    )
 
 
 def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> Ended | None:
@@ -244,5 +208,5 @@ def _gone_back(guard: Guard, run: _Run, config: EdgeConfig) -> Expected | None:
     steps = max(1, round(config.back / (config.speed * guard.period)))
     tick = run.ticks[max(0, len(run.ticks) - 1 - steps)]
     guard.go_to(tick.world_from_sensor)
-    found = _first(dwell(guard, 4), tick.tangent, config)
+    found = first_expected(dwell(guard, 4), tick.tangent, config)
     return None if found is None else replace(found, bend=tick.edge.bend)

@@ -12,6 +12,7 @@ import numpy as np
 
 from exploration.control.corners import meeting
 from exploration.control.dwell import dwell
+from exploration.control.edge_profile import EdgeProfile
 from exploration.control.hybrid import PRESS
 from exploration.control.track_edge import EdgeConfig, Home, Tracked, follow_edge
 from exploration.devices.guard import Guard
@@ -34,6 +35,7 @@ class TrackedOutline:
     travel: float  # [mm]
     forces: tuple[float, ...]  # [N] at every tick
     set_points: tuple[float, ...]  # [N] that were wanted
+    profiles: tuple[EdgeProfile | None, ...] = ()  # across each edge
 
     def __bool__(self) -> bool:
         return bool(self.traces)
@@ -62,7 +64,8 @@ def follow_outline(
             home = Home(edge.trace.points[0], edge.trace.tangents[0])
         heading = _turned(guard, edge, config)
     last = edges[-1].ended
-    traces = tuple(edge.trace for edge in edges if edge.trace is not None)
+    seen = [edge for edge in edges if edge.trace is not None]
+    traces = tuple(edge.trace for edge in seen if edge.trace is not None)
     return TrackedOutline(
         traces,
         np.array([_meeting(a, b) for a, b in pairwise(traces)]).reshape(-1, 3),
@@ -70,6 +73,7 @@ def follow_outline(
         sum(edge.travel for edge in edges),
         tuple(force for edge in edges for force in edge.forces),
         tuple(force for edge in edges for force in edge.set_points),
+        tuple(edge.profile for edge in seen),
     )
 
 

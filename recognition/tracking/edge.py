@@ -11,12 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from exploration.control.edge_profile import EdgeProfile
 from exploration.control.hybrid import PRESS
 from exploration.control.sighting import Sighting
 from exploration.control.track_edge import EdgeConfig
 from exploration.control.track_outline import TrackedOutline, follow_outline
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, pressed, reach_edge
+from exploration.sensing.lines.edge_rounding import Rounding, rounding_of
+from exploration.sensing.response import rubber
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 from recognition.running.felt_run import FeltRun
@@ -51,6 +54,7 @@ class EdgeTrack:
     ended: str = "no edge"  # or closed, lost, length, or the fault
     why: str = ""  # nothing was tracked
     dihedrals: tuple[float | None, ...] = ()  # [rad] of every edge
+    roundings: tuple[Rounding | None, ...] = ()
     forces: tuple[float, ...] = ()  # [N] at every tick
     set_points: tuple[float, ...] = ()  # [N]
     travel: float = 0.0  # [mm]
@@ -88,7 +92,11 @@ class EdgeTrack:
         closed = self.ended == "closed"
         whole = whole_edges(self.traces, self.dihedrals, closed)
         corners = corners_of([trace for trace, _ in whole], closed)
-        edges = [described(trace, angle) for trace, angle in whole]
+        rounded = [rounding for _, rounding in whole_edges(self.traces, self.roundings, closed)]
+        edges = [
+            replace(described(trace, angle), rounding=rounding)
+            for (trace, angle), rounding in zip(whole, rounded, strict=True)
+        ]
         if len(corners) == len(edges) > 1:
             ends = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
             edges = [
@@ -162,10 +170,23 @@ def _felt_behind(
         tuple(traces),
         outline.ended if came_round else "lost",
         dihedrals=tuple(angles),
+        roundings=tuple(
+            _rounding(run, profile, angle) for profile, angle in zip(outline.profiles, angles, strict=True)
+        ),
         forces=outline.forces,
         set_points=outline.set_points,
         travel=outline.travel,
     )
+
+
+def _rounding(run: FeltRun, profile: EdgeProfile | None, dihedral: float | None) -> Rounding | None:
+    """How an edge is rounded whose dihedral angle [rad] was felt."""
+    if profile is None or dihedral is None:
+        return None
+    calibration = run.guard.calibrations[run.guard.active]
+    response = calibration.response or rubber(calibration.spread, run.guard.sensor.array.pitch)
+    known = calibration.spread_sigma * calibration.spread / profile.width
+    return rounding_of(profile.place, profile.depth, profile.sigma, profile.width, response, dihedral, known)
 
 
 def _dihedral(run: FeltRun, trace: EdgeTrace, outward: Floats) -> float | None:

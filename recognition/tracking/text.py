@@ -69,4 +69,5 @@ def _edge_row(number: int, edge: Mapping[str, Any]) -> dict[str, object]:
         "length_mm": told("length_mm"),
         "radius_mm": told("radius_mm"),
         "dihedral_deg": told("dihedral_deg"),
+        "rounding_mm": told("rounding_mm"),
     }

@@ -16,14 +16,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
+from exploration.sensing.lines.edge_rounding import Rounding
 from primitives.arrays import Floats, frozen
 from primitives.evidence import EdgeTrace
 
 Curve = Literal["line", "circle", "other"]
+_Felt = TypeVar("_Felt")
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,7 @@ class TracedEdge:
     center: Floats | None = None  # (3,) [mm] of a circle
     radius: float | None = None  # [mm] of a circle
     dihedral: float | None = None  # [rad] through the material
+    rounding: Rounding | None = None
 
     def as_json(self) -> dict[str, Any]:
         """As `found` lists it."""
@@ -58,6 +61,8 @@ class TracedEdge:
             "center_mm": self.center,
             "radius_mm": self.radius,
             "dihedral_deg": None if self.dihedral is None else float(np.degrees(self.dihedral)),
+            "rounding_mm": None if self.rounding is None else self.rounding.radius,
+            "rounding_sigma_mm": None if self.rounding is None else self.rounding.sigma,
         }
 
 
@@ -168,16 +173,17 @@ def loop_gap(traces: Sequence[EdgeTrace], reach: float = 6.0) -> float | None:
 
 
 def whole_edges(
-    traces: Sequence[EdgeTrace], dihedrals: Sequence[float | None], closed: bool, straight_on: float = 0.3
-) -> list[tuple[EdgeTrace, float | None]]:
-    """The edges of an outline: where it closed along the edge that it began on, the two parts of that are one.
+    traces: Sequence[EdgeTrace], felt: Sequence[_Felt | None], closed: bool, straight_on: float = 0.3
+) -> list[tuple[EdgeTrace, _Felt | None]]:
+    """The edges of an outline, each with what was felt of it.
 
-    `straight_on` [rad] is the least angle between two edges.
+    Where it closed along the edge that it began on, the two parts of that are one.  `straight_on` [rad] is the
+    least angle between two edges.
     """
-    edges = list(zip(traces, dihedrals, strict=True))
+    edges = list(zip(traces, felt, strict=True))
     if not closed or len(edges) < 2:
         return edges
-    (first, angle), (last, other) = edges[0], edges[-1]
+    (first, known), (last, other) = edges[0], edges[-1]
     if float(last.tangents[-1] @ first.tangents[0]) < np.cos(straight_on):
         return edges
     before = (last.points - first.points[0]) @ first.tangents[0] < 0.0
@@ -188,7 +194,7 @@ def whole_edges(
         normals=_joined(last.normals[before], first.normals),
         sigma=_joined(last.sigma[before], first.sigma),
     )
-    return [(joined, other if angle is None else angle), *edges[1:-1]]
+    return [(joined, other if known is None else known), *edges[1:-1]]
 
 
 def corners_of(traces: Sequence[EdgeTrace], closed: bool) -> Floats:

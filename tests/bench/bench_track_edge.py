@@ -1,4 +1,4 @@
-"""Edges tracked in closed loop: straight ones by dihedral angle and speed, circles, outlines; force; time.
+"""Edges tracked in closed loop: straight ones by dihedral angle and speed, circles, outlines, roundings; time.
 
 The plant is `tracking.plant`.  An error is the distance of a point of the final trace perpendicular to the true
 edge, in space; the dihedral angle is felt by one touch behind the edge, and the trace set back by it.  A row
@@ -13,11 +13,13 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from tracking.outlines import disc, off_outline, outlines, prism
-from tracking.plant import Start, guard_over, outlined, tracked, with_dihedral
+from tracking.outlines import disc, off_outline, outlines, prism, rounded_bar
+from tracking.plant import SPEC, Start, guard_over, outlined, tracked, with_dihedral
 
 from exploration.control.track_edge import Tracked
 from exploration.control.track_outline import TrackedOutline
+from exploration.sensing.lines.edge_rounding import rounding_of
+from exploration.sensing.response import rubber
 from models.raycast import has_embree
 from models.solid import Solid
 from recognition.tracking.traced import described, loop_gap
@@ -27,7 +29,8 @@ DIHEDRALS = (60.0, 90.0, 120.0, 150.0)
 RADII = (10.0, 20.0, 40.0, 60.0)
 LENGTH = 100.0  # [mm] of a straight edge
 LOOP = 600.0  # [mm] at most
-ROWS = ("time", *(f"{d:.0f}" for d in DIHEDRALS), "fast", "circles", "outlines")
+ROUNDINGS = (0.5, 1.0, 2.0, 3.0, 5.0)  # [mm]
+ROWS = ("time", *(f"{d:.0f}" for d in DIHEDRALS), "fast", "circles", "outlines", "roundings")
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,9 @@ def run(rows: tuple[str, ...] = ROWS, seeds: int = SEEDS) -> list[dict[str, Any]
     if "outlines" in rows:
         for name, (solid, ring, at) in outlines().items():
             out += _loop_rows(name, [loop(solid, ring, at, seed) for seed in range(seeds)])
+    if "roundings" in rows:
+        for radius in ROUNDINGS:
+            out += rounding_rows(radius, [rounding(radius, seed) for seed in range(seeds)])
     return out + (time_rows() if "time" in rows else [])
 
 
@@ -100,6 +106,31 @@ def loop(solid: Solid, ring: np.ndarray, at: int, seed: int) -> Trial:
         loop_gap(found.traces) if found.ended == "closed" else None,
         described(whole).radius if whole else None,
     )
+
+
+def rounding(radius: float, seed: int) -> float | None:
+    """[mm] to which a square edge is felt to be rounded, from one track along it."""
+    x, y, z = np.eye(3)
+    start = Start(np.array([-min(radius, 3.0), 0.0, 60.0]), -z, x, y)
+    guard = guard_over(rounded_bar(radius), start, seed)
+    found = tracked(guard, start, LENGTH, 20.0)
+    if found.ended != "length" or found.profile is None:
+        return None
+    p, response = found.profile, rubber(SPEC.elastomer.spread, SPEC.array.pitch)
+    return rounding_of(p.place, p.depth, p.sigma, p.width, response, 0.5 * np.pi, 0.0).radius
+
+
+def rounding_rows(radius: float, found: list[float | None]) -> list[dict[str, Any]]:
+    """What is told of edges that are rounded to `radius` [mm]."""
+    name, felt = f"rounded {radius:g} mm", np.array([r for r in found if r is not None])
+    out = [_row(name, "lost", len(found) - len(felt), f"of {len(found)}", "0")]
+    if len(felt):
+        off = np.abs(felt - radius)
+        out += [
+            _row(name, "rounding, rms error", rms(off), "mm"),
+            _row(name, "rounding within 0.3 mm", 100.0 * np.mean(off <= 0.3), "%", "100"),
+        ]
+    return out
 
 
 def time_rows(tracks: int = 5) -> list[dict[str, Any]]:

@@ -5,7 +5,7 @@ from typing import Any
 import manifold3d
 import numpy as np
 
-from models.csg import Cylinder, Prism
+from models.csg import Cube, Cylinder, Prism
 from models.solid import Solid
 
 HEIGHT = 30.0  # [mm]
@@ -17,6 +17,13 @@ def prism(dihedral_deg: float, length: float = 200.0) -> Solid:
     a = np.radians(dihedral_deg)
     corners = np.array([[-60.0, 0.0], [-60.0 * np.cos(a), -60.0 * np.sin(a)], [0.0, 0.0]])
     return Solid.from_csg(Prism(tuple(map(tuple, corners)), length))
+
+
+def rounded_bar(radius: float, length: float = 200.0) -> Solid:
+    """A square bar along z: its faces x = 0 and y = 0 meet in an edge that is rounded."""
+    bar = Cube((60.0, 60.0, length)).at(-30.0, -30.0, 0.0)
+    corner = Cube((2.0 * radius, 2.0 * radius, 1.1 * length))
+    return Solid.from_csg(bar - corner | Cylinder(radius, length).at(-radius, -radius, 0.0), FACET)
 
 
 def disc(radius: float) -> tuple[Solid, np.ndarray]:
