@@ -12,7 +12,7 @@ from exploration.sensing.contact_mask import usable
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.fitted_peaks import DEFAULT, HoughConfig, fitted_peaks
 from exploration.sensing.lines.line import Line
-from exploration.sensing.lines.outline import UNMISTAKABLE, OutlineConfig, find_outline
+from exploration.sensing.lines.outline import LIKELIEST, UNMISTAKABLE, OutlineConfig, find_outline
 from exploration.sensing.lines.single_edge import DOUBTFUL, first_look, single_edge
 from exploration.sensing.response import Response, response_of
 from primitives.errors import PalpateError
@@ -39,7 +39,7 @@ def find_lines(
     verdict, line = first_look(image, response, dihedral)
     if verdict != DOUBTFUL:
         return () if line is None else (line,)
-    return _several(image, max_lines, response, config or DEFAULT, None)
+    return _several(image, max_lines, response, config or DEFAULT, LIKELIEST)
 
 
 def sure_lines(image: TactileImage, max_lines: int = 3) -> tuple[Line, ...]:
@@ -70,7 +70,7 @@ def _several(
     max_lines: int,
     response: Response,
     config: HoughConfig,
-    outlines: OutlineConfig | None,
+    outlines: OutlineConfig,
 ) -> tuple[Line, ...]:
     """The lines of a frame that more than one edge may explain."""
     outline = find_outline(image, max_lines, response, outlines)

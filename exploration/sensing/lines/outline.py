@@ -38,6 +38,7 @@ class OutlineConfig:
 
     odds: float = 2.94  # [log] of an outline against all smooth surfaces: 19 to 1
     arc_odds: float = 0.0  # [log] of one arc, the same: what is likelier
+    line_odds: float = inf  # [log] of one line that fits no better, the same
     narrow: bool = True  # also of a wall or pin that may as well be a cylinder or ball narrower than the pad
     strength: float = 5.0  # [sigma] of the step's height
     length: float = 1.6  # [taxels] of a line that is seen
@@ -66,6 +67,7 @@ class Outline:
 NOTHING = Outline()
 _BOSS = Region((), NO_TERMS, (1.0,))
 DEFAULT = OutlineConfig()
+LIKELIEST = OutlineConfig(line_odds=0.0)  # a line, too, that is likelier though it fits no better
 UNMISTAKABLE = OutlineConfig(narrow=False)  # nothing that might as well be a smooth surface
 
 
@@ -120,12 +122,12 @@ def _leveled(image: TactileImage, response: Response, fit: RegionFit) -> RegionF
 def _likely(
     image: TactileImage, best: RegionFit, contact: SmoothContact, smooth: Footprint, config: OutlineConfig
 ) -> bool:
-    """Whether an outline is likely enough beside smooth surfaces; of a lone line, whether it fits better."""
-    lines, arcs = len(best.region.sides), len(best.region.signs)
-    if (lines, arcs) == (1, 0):
-        return not smooth.converged or smooth.chi2 >= best.chi2
-    asked = config.arc_odds if (lines, arcs) == (0, 1) else config.odds
-    return log_odds(image, best, contact, smooth, config.narrow) > asked
+    """Whether an outline is likely enough beside smooth surfaces; a lone line is, too, where it fits better."""
+    kind = len(best.region.sides), len(best.region.signs)
+    if kind == (1, 0) and (not smooth.converged or smooth.chi2 >= best.chi2):
+        return True
+    asked = {(1, 0): config.line_odds, (0, 1): config.arc_odds}.get(kind, config.odds)
+    return asked < inf and log_odds(image, best, contact, smooth, config.narrow) > asked
 
 
 def outline_of(
