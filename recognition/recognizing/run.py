@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,12 +13,14 @@ import numpy as np
 
 from models.formats.units import Units
 from models.library import Library
+from primitives.errors import PalpateError
 from recognition.matching import Evidence, Prior, match
 from recognition.matching.hypotheses import SearchConfig
 from recognition.matching.match import MatchConfig
 from recognition.recognizing.answer import modes, objects, warnings_of, why
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
+from recognition.reconstructing.options import require_sigma
 from recognition.sources import read_source
 
 _MADE = 0.02  # [mm] by which an object differs from its model, at least
@@ -33,6 +36,13 @@ class Asked:
     center: Sequence[float] | None = None  # (3,) [mm] of the prior
     radius: float = 200.0  # [mm]
     seed: int = 0  # of the turns that the search begins with where no normals were felt
+
+    def __post_init__(self) -> None:
+        require_sigma(self.sigma)
+        if not (math.isfinite(self.radius) and self.radius > 0):
+            raise PalpateError(f"--prior-radius must be a positive length in mm, not {self.radius:g}")
+        if self.seed < 0:
+            raise PalpateError(f"--seed must be 0 or more, not {self.seed}")
 
     @property
     def matching(self) -> MatchConfig:

@@ -20,9 +20,7 @@ class ReconstructSourceOptions:
     overwrite: bool = False
 
     def __post_init__(self) -> None:
-        sigma = self.contact_sigma
-        if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
-            raise PalpateError(f"--contact-sigma must be a length in mm above 0, or auto, not {sigma}")
+        require_sigma(self.contact_sigma)
         if self.seed < 0:
             raise PalpateError(f"--seed must be 0 or more, not {self.seed}")
         if self.out is not None and self.source.is_dir() and self.out.resolve() == self.source.resolve():
@@ -39,6 +37,14 @@ def parse_sigma(text: str) -> float | None:
     if text == "auto":
         return None
     try:
-        return float(text)
+        sigma = float(text)
     except ValueError:
-        raise PalpateError(f"--contact-sigma {text!r} is neither auto nor a length in mm") from None
+        sigma = math.nan
+    require_sigma(sigma, text)
+    return sigma
+
+
+def require_sigma(sigma: float | None, text: str = "") -> None:
+    """Refuse what no contact's sigma can be."""
+    if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
+        raise PalpateError(f"--contact-sigma must be auto or a positive length in mm, not {text or sigma}")

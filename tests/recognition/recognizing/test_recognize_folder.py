@@ -1,10 +1,17 @@
 """Recognizing from files, in a folder where not every file can be read."""
 
 import numpy as np
+import pytest
+from typer.testing import CliRunner
 
 from models import parts
 from models.formats.openscad.writer import write
+from primitives.errors import PalpateError
+from recognition import cli
+from recognition.matching import Belief
+from recognition.recognizing.answer import objects
 from recognition.recognizing.run import Asked, recognize
+from recognition.recognizing.text import summary_text
 
 
 def test_a_file_that_is_left_out_is_told(tmp_path):
@@ -15,5 +22,43 @@ def test_a_file_that_is_left_out_is_told(tmp_path):
     source.write_text("\n".join(rows))
     answer = recognize(Asked(str(source), sigma=0.1), tmp_path, "auto", 1.0)
     assert any("broken.stl is left out" in warning for warning in answer["warnings"])
-    total = answer["unknown"] + sum(c["probability"] for c in answer["candidates"])
-    assert np.isclose(total, 1.0, atol=1e-3)
+    told = {c["name"]: c["probability"] for c in answer["candidates"]}
+    assert np.isclose(sum(told.values()), 1.0, atol=1e-3)
+    assert told["unknown"] == answer["unknown"]
+
+
+def test_none_of_these_is_the_first_candidate_where_it_is_decided_for(tmp_path):
+    belief = Belief((), {"wedge": 0.3, "unknown": 0.7})
+    told = objects(belief, {})
+    assert told[0]["name"] == "unknown"
+    assert told[0]["probability"] == 0.7
+    said = {"decision": "unknown", "confidence": 0.7, "contacts": 9, "wall_seconds": 0.1, "warnings": []}
+    assert "unknown" in summary_text({**said, "candidates": told}).splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        *(({"sigma": sigma}, "positive length in mm") for sigma in (-1.0, 0.0, float("nan"))),
+        *(({"radius": radius}, "--prior-radius") for radius in (0.0, -5.0, float("inf"))),
+        ({"seed": -1}, "--seed"),
+    ],
+)
+def test_lengths_that_are_none_are_refused(told, said):
+    with pytest.raises(PalpateError, match=said):
+        Asked("contacts.csv", **told)
+
+
+@pytest.mark.parametrize("text", ["-1", "0", "nan", "inf", "wide"])
+@pytest.mark.parametrize(
+    "command",
+    [["locate", "c.csv", "block"], ["recognize", "c.csv", "--library", "."], ["reconstruct", "c.csv"]],
+)
+def test_a_sigma_that_is_no_length_is_a_wrong_flag(command, text):
+    told = CliRunner().invoke(cli.app, [*command, "--contact-sigma", text])
+    assert told.exit_code == 2
+    assert "auto or a positive length in mm" in told.stderr
+
+
+def test_a_prior_without_extent_is_a_wrong_flag():
+    assert CliRunner().invoke(cli.app, ["locate", "c.csv", "block", "--prior-radius", "0"]).exit_code == 2
