@@ -92,8 +92,8 @@ def truth_json(belief: Belief | None, library: Library, name: str, solid: Solid)
 def reason_in_words(summary: Mapping[str, Any]) -> str:
     """The answer in one line."""
     decision, share = summary["decision"], summary["confidence"]
-    if decision is None:
-        return "nothing was met"
+    if not summary["met"]:
+        return f"nothing was met, so nothing is known ({decision} is as likely as before, {share:.1%})"
     if decision == UNKNOWN:
         return f"none of the library's {summary['library']['objects']} objects, {share:.1%} sure"
     return f"it is {decision}, {share:.1%} sure"

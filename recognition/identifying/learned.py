@@ -16,6 +16,7 @@ from models.library import Library
 from primitives.arrays import frozen
 from primitives.evidence import Contacts
 from recognition.matching import Belief, Evidence, Prior, match
+from recognition.matching.belief import UNKNOWN
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,12 @@ def evidence_of(touches: Sequence[LoneTouch], config: LearnConfig | None = None)
         untouched=np.concatenate([np.empty((0, 3)), *(t.untouched for t in touches)]),
         missed=joined([t.free for t in touches if not t.met]),
     )
+
+
+def unfelt(library: Library, unknown: float) -> Belief:
+    """What is believed before anything was met: the prior."""
+    each = {name: (1.0 - unknown) / len(library) for name in library}
+    return Belief((), each | ({UNKNOWN: unknown} if unknown > 0 else {}))
 
 
 def learned(

@@ -20,8 +20,10 @@ from recognition.config import settings
 from recognition.identifying.answer import candidates_json, top, truth_json, why_json
 from recognition.identifying.hand import GuardedHand
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step
+from recognition.identifying.learned import unfelt
 from recognition.identifying.options import IdentifyOptions
 from recognition.live import so_far
+from recognition.matching import Belief
 from recognition.matching.next_touch.choose import Choice, choose
 from recognition.report.against import drawn_truth, off_truth
 from recognition.report.page import write_report
@@ -52,6 +54,7 @@ def run(
         hand = GuardedHand(felt.guard, felt.warnings, beside(world, options))
         identifier = Identifier(hand, known, felt.world.box.ravel(), config, rng, felt.announce)
         history: list[dict[str, Any]] = []
+        prior = unfelt(known, options.unknown)
 
         def page() -> RunReport:
             felt_by_now = (identifier.evidence.contacts, identifier.evidence.traces)
@@ -61,7 +64,7 @@ def run(
 
         told(replace(felt.stand("looking for the object"), page=page))
         for step in identifier.run():
-            history.append(_entry(step))
+            history.append(_entry(step, step.belief or prior))
             watch(step, identifier)
             told(replace(felt.stand(step.touch.note), page=page))
         for trace in identifier.evidence.traces:
@@ -78,12 +81,11 @@ def opened(folder: Path | None) -> Library:
     return Library.of({name: Solid.from_csg(parts.build(name)) for name in parts.names()})
 
 
-def _entry(step: Step) -> dict[str, Any]:
-    belief = step.belief
+def _entry(step: Step, belief: Belief) -> dict[str, Any]:
     return {
         "touch": step.touch.touch,
-        "entropy_bits": step.entropy,
-        "top": [] if belief is None else top(belief.probabilities, _TOLD),
+        "entropy_bits": belief.entropy_bits,
+        "top": top(belief.probabilities, _TOLD),
         "felt": step.touch.note,
         "device_seconds": step.seconds,
         "expected_bits": None if step.choice is None else step.choice.bits,
@@ -118,16 +120,17 @@ def _finish(
     separate: Choice | None,
     library: Library,
 ) -> dict[str, Any]:
-    belief = identifier.belief
+    belief = identifier.belief or unfelt(library, options.unknown)
     said: dict[str, Any] = {
-        "decision": None if belief is None else belief.decision,
-        "confidence": 0.0 if belief is None else belief.confidence,
+        "decision": belief.decision,
+        "confidence": belief.confidence,
+        "met": sum(touch.met for touch in identifier.touches),
         "ended": identifier.ended,
         "policy": options.policy,
         "library": {"objects": len(library), "folder": None if options.library is None else str(options.library)},
-        "candidates": [] if belief is None else candidates_json(belief, library),
+        "candidates": candidates_json(belief, library),
         "history": history,
-        "why": None if belief is None else why_json(belief, separate),
+        "why": why_json(belief, separate),
         "truth": truth_json(belief, library, felt.world.part.name, felt.world.solid)
         if felt.world.known
         else None,

@@ -39,11 +39,21 @@ def candidate(h: Hypothesis, entry: Entry, probability: float) -> dict[str, Any]
     }
 
 
+def without_pose(name: str, probability: float) -> dict[str, Any]:
+    """A name that nothing places."""
+    nothing: dict[str, Any] = dict.fromkeys(("pose", "pose_sigma", "symmetry", "residual_mm"))
+    return {"name": name, "probability": probability, **nothing}
+
+
 def objects(belief: Belief, library: Mapping[str, Entry], most: int = 10) -> list[dict[str, Any]]:
-    """One candidate an object, likeliest first, each at its likeliest pose."""
+    """One candidate an object, likeliest first, each at its likeliest pose; "unknown" has none."""
     ranked = sorted(belief.probabilities.items(), key=lambda item: -item[1])
-    best = [(belief.best(name), p) for name, p in ranked if name != UNKNOWN]
-    told = [candidate(h, library[h.name], p) for h, p in best if h is not None]
+    best = [(name, belief.best(name), p) for name, p in ranked]
+    told = [
+        without_pose(name, p) if h is None else candidate(h, library[name], p)
+        for name, h, p in best
+        if h is not None or name == UNKNOWN
+    ]
     return [c for i, c in enumerate(told[:most]) if i == 0 or c["probability"] >= _LEAST]
 
 

@@ -7,6 +7,20 @@ from typing import Any
 
 from recognition.report.terminal import table_text
 
+_TITLES = dict.fromkeys(
+    (
+        "object",
+        "probability",
+        "x, y, z [mm]",
+        "quaternion w, x, y, z",
+        "+- mm",
+        "+- deg",
+        "symmetry",
+        "residual [mm]",
+    ),
+    "",
+)
+
 
 def summary_text(summary: Mapping[str, Any]) -> str:
     """The decision, then the candidates as a table."""
@@ -15,17 +29,19 @@ def summary_text(summary: Mapping[str, Any]) -> str:
         f"{s['decision']}: {100 * s['confidence']:.1f} % sure from {s['contacts']} contacts, "
         f"in {s['wall_seconds']:.2f} s"
     )
-    rows = [
-        {
-            "object": c["name"],
-            "probability": f"{c['probability']:.4f}",
-            "x, y, z [mm]": ", ".join(f"{x:.2f}" for x in c["pose"]["translation_mm"]),
-            "quaternion w, x, y, z": ", ".join(f"{x:.4f}" for x in c["pose"]["quaternion_wxyz"]),
-            "+- mm": f"{c['pose_sigma']['translation_mm']:.2g}",
-            "+- deg": f"{c['pose_sigma']['rotation_deg']:.2g}",
-            "symmetry": c["symmetry"],
-            "residual [mm]": f"{c['residual_mm']:.3g}",
-        }
-        for c in s["candidates"]
-    ]
+    rows = [{**_TITLES, **_row(c)} for c in s["candidates"]]
     return "\n".join([head, table_text(rows), *(f"note: {line}" for line in s["warnings"])])
+
+
+def _row(c: Mapping[str, Any]) -> dict[str, str]:
+    told = {"object": c["name"], "probability": f"{c['probability']:.4f}"}
+    if c["pose"] is None:
+        return told
+    return told | {
+        "x, y, z [mm]": ", ".join(f"{x:.2f}" for x in c["pose"]["translation_mm"]),
+        "quaternion w, x, y, z": ", ".join(f"{x:.4f}" for x in c["pose"]["quaternion_wxyz"]),
+        "+- mm": f"{c['pose_sigma']['translation_mm']:.2g}",
+        "+- deg": f"{c['pose_sigma']['rotation_deg']:.2g}",
+        "symmetry": c["symmetry"],
+        "residual [mm]": f"{c['residual_mm']:.3g}",
+    }

@@ -83,7 +83,7 @@ def _identified_lede(s: Json) -> str:
         verdict = f' That is <span class="state {state}">{word}</span>.'
         if not truth.get("correct"):
             verdict += f" It is {escape(str(truth.get('name')))}."
-    if decision is None:
+    if decision is None or s.get("met") == 0:
         told, verdict = "Nothing was met in the workspace", ""
     elif decision == UNKNOWN:
         told = f"None of the library's {objects} objects, {share:.1%} sure"

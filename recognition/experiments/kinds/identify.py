@@ -33,7 +33,7 @@ def carry(settings: Mapping[str, Value], work: Work) -> dict[str, Value]:
     )
     summary = run(options, library)
     truth, answer = summary["truth"], summary["truth"]["name"]
-    right = [bool(step["top"]) and step["top"][0][0] == answer for step in summary["history"]]
+    right = [led(step["top"], answer) for step in summary["history"]]
     shares = {c["name"]: c["probability"] for c in summary["candidates"]}
     return {
         "decision": summary["decision"],
@@ -47,6 +47,11 @@ def carry(settings: Mapping[str, Value], work: Work) -> dict[str, Value]:
         "touches_to_correct": since(right),
         "first_touches_right": "".join(str(int(led)) for led in right),
     }
+
+
+def led(top: Sequence[Sequence[Any]], name: str) -> bool:
+    """Whether a name is the likeliest, alone."""
+    return bool(top) and top[0][0] == name and (len(top) < 2 or top[0][1] > top[1][1])
 
 
 def since(right: Sequence[bool]) -> int | None:

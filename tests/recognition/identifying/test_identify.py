@@ -48,6 +48,21 @@ def test_an_object_of_no_library_is_unknown(library: Library, tmp_path: Path) ->
     assert summary["truth"]["correct"]
 
 
+@pytest.mark.slow
+def test_where_nothing_was_met_the_prior_is_the_answer(library: Library, tmp_path: Path) -> None:
+    options = IdentifyOptions(
+        "block", pose=(250.0, 250.0, 250.0, 1.0, 0.0, 0.0, 0.0), max_touches=2, out=tmp_path / "run"
+    )
+    summary = run(options, library)
+    assert summary["met"] == 0
+    told = {c["name"]: c["probability"] for c in summary["candidates"]}
+    assert told == pytest.approx({**dict.fromkeys(NAMES, 0.225), "unknown": 0.1})
+    assert summary["confidence"] == pytest.approx(told[summary["decision"]]) == max(told.values())
+    bits = -sum(p * np.log2(p) for p in told.values())
+    assert [step["entropy_bits"] for step in summary["history"]] == pytest.approx([bits] * 2)
+    assert "nothing was met" in summary_text(summary)
+
+
 @pytest.mark.parametrize("policy", sorted(POLICY))
 def test_every_approach_of_a_policy_begins_outside_and_crosses_the_ball(policy: str) -> None:
     ball, rng = Ball(np.array([10.0, -20.0, 30.0]), 60.0), np.random.default_rng(0)
