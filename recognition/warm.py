@@ -17,6 +17,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from exploration.devices.kinematic_chain import KinematicChain
+from exploration.devices.stage_trail import StageTrail
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
 from models.csg import Sphere
@@ -70,6 +71,7 @@ def the_rest(folder: Path) -> None:
     distance_field(Solid.from_csg(Sphere(10.0))).signed_distance(np.zeros((1, 3)))
     match_once()
     KinematicChain.gantry().reach(np.eye(4), np.ones(6))
+    StageTrail(0.0, np.eye(4)).at(np.zeros(1), np.eye(4))
 
 
 def match_once() -> None:
