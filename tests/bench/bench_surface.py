@@ -1,4 +1,4 @@
-"""Surface strokes and four-direction curvature in closed loop: late stage, erring poses, noisy array."""
+"""First contact, surface strokes and four-direction curvature in closed loop, over `tracking.plant`."""
 
 from typing import Any
 
@@ -17,6 +17,7 @@ from models.solid import Solid
 from primitives.pose import pose
 
 SEEDS = 100
+REST = 20  # ticks
 DOWN = np.diag([1.0, -1.0, -1.0])
 BODIES: dict[str, tuple[Csg, float, str]] = {
     "plane": (Cube((160.0, 160.0, 40.0)), 20.0, "plane"),
@@ -38,6 +39,7 @@ def run(seeds: int = SEEDS) -> list[dict[str, Any]]:
             ("normal, RMS", normal, "deg", "<= 0.3"),
             ("mean force against set point", float(np.mean(felt[:, 2])), "share", "0.9 to 1.1"),
             ("type right", 100.0 * float(np.mean(felt[:, 3])), "%", ">= 98"),
+            ("first contact's force over that at rest, greatest", float(felt[:, 5].max()), "x", "< 1.3"),
             ("radius error over stated sigma", float(np.sqrt(np.mean(felt[:, 4] ** 2))), "", "<= 1.3"),
         ):
             row = {"bench": "surface", "method": name, "metric": metric, "value": float(value), "unit": unit}
@@ -45,14 +47,14 @@ def run(seeds: int = SEEDS) -> list[dict[str, Any]]:
     return rows
 
 
-def _one(solid: Solid, top: float, kind: str, seed: int) -> tuple[float, float, float, float, float]:
-    """RMS error [mm] and of the normal [deg], force share, whether the type is right, radius in sigmas."""
+def _one(solid: Solid, top: float, kind: str, seed: int) -> tuple[float, ...]:
+    """RMS error [mm] and of the normal [deg], force share, type right, radius in sigmas, first contact's force."""
     rng = np.random.default_rng(seed)
     start = pose(DOWN, [1.0, -1.0, top + 6.0])
     stage, arrays = simulate(solid, [SPEC], rng, pose_noise=POSE_NOISE, start_pose=start, latency=LATE)
     guard = Guard(stage, arrays, [Calibration.nominal(SPEC)])
     guard.pending.latency = measure_latency(guard).seconds
-    land(guard, np.array([0.0, 0.0, -1.0]), 20.0, 25.0)
+    contact = _first_contact(guard)
     found = stroke_curvature(guard)
     radius, sigma = found.radius
     z = (radius - top) / sigma if np.isfinite(radius) and kind != "plane" else 0.0
@@ -62,4 +64,14 @@ def _one(solid: Solid, top: float, kind: str, seed: int) -> tuple[float, float, 
     facing = np.clip(np.sum(solid.normals(trace.points) * trace.normals, axis=1), -1.0, 1.0)
     turn = float(np.degrees(np.sqrt(np.mean(np.arccos(facing) ** 2))))
     force = float(np.mean(stroke.forces) / np.mean(stroke.set_points))
-    return off, turn, force, float(found.type == kind), z
+    return off, turn, force, float(found.type == kind), z, contact
+
+
+def _first_contact(guard: Guard) -> float:
+    """The greatest force of an approach and a landing, over that at rest."""
+    forces: list[float] = []
+    watching = guard.observers
+    guard.observers = (*watching, lambda seen: forces.append(seen.force))
+    land(guard, np.array([0.0, 0.0, -1.0]), 20.0, 25.0)
+    guard.observers = watching
+    return max(forces) / float(np.mean([guard.hold().force for _ in range(REST)]))
