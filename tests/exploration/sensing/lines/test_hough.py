@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from exploration.sensing.lines.hough import find_lines, sure_lines
+from exploration.sensing.lines.outline import find_outline
 
 
 def error(line, angle, offset, side):
@@ -73,6 +74,17 @@ def test_a_wall_that_a_narrow_cylinder_explains_has_edges_but_none_to_steer_by(f
             [-2.8, -2.2], abs=0.6
         )
         assert not sure_lines(image)
+
+
+def test_an_edge_by_the_rim_is_not_given_up_for_a_dome_that_fits_as_well(frames):
+    rng = np.random.default_rng(18)
+    found, fits_better = 0, 0
+    for _ in range(60):
+        image = frames(frames.edge(rng.uniform(-0.3, 0.3), rng.uniform(4.0, 5.2)), rng)
+        found += len(find_lines(image)) == 1
+        fits_better += len(find_outline(image).lines) == 1
+    assert found >= 57
+    assert found > fits_better + 4
 
 
 @pytest.mark.parametrize("find", [find_lines, sure_lines])
