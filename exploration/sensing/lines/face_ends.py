@@ -13,6 +13,7 @@ from primitives.arrays import Floats
 
 INSIDE = (1.0, 5.0)  # [response widths] from the edge, of the strip whose end is the face's end
 OUTSIDE = (-5.0, -2.0)  # the strip in which contact means that the material goes round a corner
+LEAST = 0.3  # taxels of a bin that says something
 
 
 @numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
@@ -27,17 +28,19 @@ def face_ends(
     bend: float,
     width: float,
 ) -> tuple[Floats, Floats, float]:
-    """Where the face ends ahead, behind, begins outside, ends opposite; area and centroid; its middle depth."""
+    """Where the face ends ahead, behind, begins outside, ends opposite, and how far across was looked [mm]; the
+    contact's area and centroid; the face's middle depth.
+    """
     rows, columns = depth.shape
     ca, sa = np.cos(angle), np.sin(angle)
     pitch = max(px, py)
     reach = 0.5 * np.hypot(rows * py, columns * px)
-    bins = 2 * int(np.ceil(reach / pitch)) + 1
+    bins = 2 * int(np.ceil(reach / pitch)) + 3
     middle = bins // 2
     inner, n_inner = np.zeros(bins), np.zeros(bins)
     outer, n_outer = np.zeros(bins), np.zeros(bins)
     across, n_across = np.zeros(2 * bins), np.zeros(2 * bins)
-    level, n_level = 0.0, 0
+    level, n_level = np.zeros(2), np.zeros(2)  # behind and ahead: the face may end within either
     for i in range(rows):
         y = (i - (rows - 1) / 2) * py
         for j in range(columns):
@@ -46,22 +49,19 @@ def face_ends(
             x = (j - (columns - 1) / 2) * px
             v = ca * x + sa * y
             t = inside(side * (ca * y - sa * x - offset), v, bend)[0] / width
-            k = middle + int(np.rint(v / pitch))
             if INSIDE[0] < t < INSIDE[1]:
-                inner[k] += depth[i, j]
-                n_inner[k] += 1.0
+                _shared(inner, n_inner, middle + v / pitch, depth[i, j])
                 if abs(v) < 2.0 * pitch:
-                    level += depth[i, j]
-                    n_level += 1
+                    level[int(v > 0.0)] += depth[i, j]
+                    n_level[int(v > 0.0)] += 1.0
             elif OUTSIDE[0] < t < OUTSIDE[1]:
-                outer[k] += depth[i, j]
-                n_outer[k] += 1.0
-    ends = np.full(4, np.inf)
+                _shared(outer, n_outer, middle + v / pitch, depth[i, j])
+    ends = np.full(5, np.inf)
     contact = np.zeros(3)
-    if n_level < 2:
+    if n_level.sum() < 2.0:
         return ends, contact, 0.0
-    level /= n_level
-    half = 0.5 * level
+    middle_depth = np.max(level / np.maximum(n_level, 1.0))
+    half = 0.5 * middle_depth
     ends[0] = (_profile_end(inner, n_inner, middle, 1, half, True) - middle) * pitch
     ends[1] = (middle - _profile_end(inner, n_inner, middle, -1, half, True)) * pitch
     if ends[1] == -np.inf:
@@ -90,13 +90,25 @@ def face_ends(
     for k in range(2 * bins):
         if n_across[k] > 1.0:
             peak = max(peak, across[k] / n_across[k])
+            ends[4] = (k + 1) * pitch
     half = 0.5 * peak
     ends[3] = (_profile_end(across, n_across, int(np.ceil(width / pitch)), 1, half, True) + 0.5) * pitch
     if contact[0] > 0.0:
         contact[1] /= contact[0]
         contact[2] /= contact[0]
     contact[0] *= px * py
-    return ends, contact, level
+    return ends, contact, middle_depth
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _shared(total: Floats, count: Floats, place: float, depth: float) -> None:
+    """Give a taxel to the two bins round it, by nearness: rounding would move a column halfway by a whole bin."""
+    k = int(place)
+    near = place - k
+    total[k] += (1.0 - near) * depth
+    count[k] += 1.0 - near
+    total[k + 1] += near * depth
+    count[k + 1] += near
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -105,7 +117,7 @@ def _profile_end(total: Floats, count: Floats, start: int, step: int, level: flo
     last = np.nan
     k = start
     while 0 <= k < len(total):
-        if count[k] > 0:
+        if count[k] > LEAST:
             mean = total[k] / count[k]
             if (mean < level) == falling:
                 if np.isnan(last):

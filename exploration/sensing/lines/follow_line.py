@@ -50,7 +50,7 @@ class Followed:
     covariance: Floats  # (6, 6) of them
     side: int
     misfit: float  # chi2 per degree of freedom
-    ends: Floats  # (4,) `ahead`, `behind`, `opens`, `width`
+    ends: Floats  # (5,) `ahead`, `behind`, `opens`, `width`, and how far across was looked
     contact: Floats  # (3,) `area`, `centroid`
     found: bool
 
@@ -218,7 +218,8 @@ def _follow(
     if level <= 0.0:
         return p, covariance, 0.0, ends, contact, False
     clear = CLEAR * width
-    low, high, far = -ends[1] + clear, min(ends[0], ends[2]) - clear, max(ends[3] - clear, 0.5 * width)
+    low, high = -ends[1] + clear, min(ends[0], ends[2]) - clear
+    far = max(min(ends[3], ends[4]) - clear, 0.5 * width)  # beyond what was looked at it may end, too
     taxels = chosen(depth, sigma, px, py, line, (low, high, far, reach))
     count = len(taxels)
     if count < LEAST:
