@@ -4,7 +4,8 @@
 const nameColor = (theme, k) => theme.names[k % theme.names.length];
 
 function beliefAt({ belief, frames }, moment) {
-  const now = frames.count ? frames.times[moment] - frames.times[0] : Infinity;
+  const ended = moment >= frames.count - 1; // the last touch is told after the last frame that is shown
+  const now = ended ? Infinity : frames.times[moment] - frames.times[0];
   let step = -1;
   while (step < belief.times.length - 1 && belief.times[step + 1] <= now + 1e-6) step++;
   return step;

@@ -13,14 +13,14 @@ from exploration.recordings.mcap import RecordedEvent, RecordedFrame, read
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.lines.hough import sure_lines
 from exploration.sensing.spec import SensorSpec, load_sensor, sensor_from_toml, sensor_names
-from primitives.arrays import Bools, Floats, Ints
+from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.toml_text import toml_lines
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
+from recognition.running.logbook import APPROACH
 
 _CONTACT, _FREE = 400, 150  # frames that are shown
 _SHARE = 0.02  # of the largest force, above which a frame is in contact
-_GAP = 60  # frames without contact that part two touches
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,17 @@ class Recorded:
 
 def recorded(path: Path, spec: SensorSpec | None = None) -> Recorded:
     """What to show of an episode; `spec` describes its array where that is not a built-in one."""
-    first, forces, traces = "", list[float](), list[Floats]()
+    first, forces, begun, traces = "", list[float](), list[int](), list[Floats]()
+    touches = 0
     for item in read(path):
         if isinstance(item, RecordedEvent):
             traces += _trace(item)
+            touches = _begun(item, touches)
             continue
         first = first or item.sensor
         if item.sensor == first:
             forces.append(-float(item.wrench[2]))
+            begun.append(touches)
     if spec is None and first in sensor_names():
         spec = load_sensor(first)
     pad, housing = ((0.0, 0.0), (0.0, 0.0, 0.0)) if spec is None else (spec.array.size, spec.housing.size)
@@ -50,7 +53,7 @@ def recorded(path: Path, spec: SensorSpec | None = None) -> Recorded:
         return Recorded(EMPTY_FRAMES, traces, pad, housing)
     force = np.array(forces)
     pressed = force > _SHARE * max(float(force.max()), 1e-9)
-    touch = _touches(pressed)
+    touch = np.where(pressed, np.maximum(begun, 1) - 1, -1)
     wanted = {*_spread(np.flatnonzero(pressed), _CONTACT), *_spread(np.flatnonzero(~pressed), _FREE)}
     chosen = sorted(wanted)
     kept = _kept(path, first, wanted)
@@ -65,15 +68,10 @@ def recorded(path: Path, spec: SensorSpec | None = None) -> Recorded:
     return Recorded(frames, traces, pad, housing)
 
 
-def _touches(pressed: Bools) -> Ints:
-    """(n,) which touch each frame belongs to, -1 between two; a gap of few frames parts no touch."""
-    out = np.full(len(pressed), -1, dtype=np.int64)
-    number, last = -1, -_GAP - 1
-    for place in np.flatnonzero(pressed).tolist():
-        number += place - last > _GAP
-        out[place] = number
-        last = place
-    return out
+def _begun(event: RecordedEvent, before: int) -> int:
+    """How many touches had begun after an event; a recording of another maker tells of none."""
+    number = event.detail.get("number") if event.kind == APPROACH else None
+    return number if isinstance(number, int) else before
 
 
 def resolved_spec(resolved: Mapping[str, Any]) -> SensorSpec | None:

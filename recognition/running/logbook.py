@@ -24,6 +24,8 @@ from primitives.evidence import EdgeTrace
 from recognition.console.interrupts import checkpoint
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 
+APPROACH = "approach"  # the event with which a touch begins
+
 
 @dataclass(frozen=True)
 class LogConfig:
@@ -54,12 +56,15 @@ class Logbook:
         self._config = config or LogConfig()
         self._contact = Thinned(self._config.contact_frames)
         self._free = Thinned(self._config.free_frames)
-        self._time = 0.0
+        self._time, self._touches = 0.0, 0
         self._drawn: set[str] = set()  # arrays whose size is recorded
 
     def observe(self, guard: Guard, seen: Observation) -> None:
         """Write one observation down; whoever wants to end the run does so after it."""
         self._time = seen.time
+        if guard.cost.touches > self._touches:
+            self._touches = guard.cost.touches
+            self.announce(APPROACH, {"number": self._touches})
         array = seen.image.array
         if array.name not in self._drawn:
             self._recorder.pad(array.name, array.size, seen.time)

@@ -59,7 +59,7 @@ def test_every_frame_is_recorded_and_those_in_contact_are_preferred(tmp_path):
         logbook.announce("move", {"note": "here"})
     items = list(read(tmp_path / "episode.mcap"))
     assert [item.frame.index for item in items if isinstance(item, RecordedFrame)] == list(range(200))
-    assert [item.kind for item in items if isinstance(item, RecordedEvent)] == ["move"]
+    assert [item.kind for item in items if isinstance(item, RecordedEvent)] == ["approach", "move"]
     frames = logbook.frames()
     assert (frames.touch == 2).sum() == 30
     assert (frames.touch == -1).sum() <= 10
