@@ -58,6 +58,7 @@ class Metric:
     type: type
     about: str
     better: str = ""  # "high", "low", or "" where neither is
+    most: float = math.inf  # 1 for a share; no metric is below 0
 
 
 def closest(key: str, valid: Mapping[str, object]) -> str:

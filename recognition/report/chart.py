@@ -30,17 +30,19 @@ class Series:
 
     name: str
     points: Sequence[Point]
+    color: int = 0  # of --name-0 to --name-5
 
 
 @dataclass(frozen=True)
 class Frame:
-    """What both axes mean; a range that is not given is that of the points."""
+    """What both axes mean; a range that is not given is that of the points, within what y may be."""
 
     title: str
     x: str
     y: str
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
+    y_bounds: tuple[float, float] = (-math.inf, math.inf)
     diagonal: bool = False  # the line on which y is x
     steps: bool = False  # whether a value holds until the next
     width: float = 400.0
@@ -54,41 +56,47 @@ def line_chart(series: Sequence[Series], frame: Frame) -> str:
         return ""
     xs = [p.x for one in told for p in one.points]
     ys = [v for one in told for p in one.points for v in (p.y, p.low, p.high) if v is not None]
-    x, y = _Axis.over(xs, frame.x_range), _Axis.over(ys, frame.y_range)
+    x, y = _Axis.over(xs, frame.x_range), _Axis.over(ys, frame.y_range, frame.y_bounds)
     place = _Place(frame, x, y)
     marks = [place.grid()]
     if frame.diagonal:
         ends = (max(x.low, y.low), min(x.high, y.high))
         path = " ".join(f"{place.x(v):.1f},{place.y(v):.1f}" for v in ends)
         marks.append(f'<polyline points="{path}" class="even"/>')
-    for k, one in enumerate(told):
-        marks.append(_drawn(one, place, f"var(--name-{k % COLORS})", frame.steps))
+    marks += [_drawn(one, place, f"var(--name-{one.color})", frame.steps) for one in told]
     label = escape(f"{frame.title}: {frame.y} over {frame.x}")
     svg = (
         f'<svg viewBox="0 0 {frame.width:g} {frame.height:g}" role="img" aria-label="{label}">'
         f"{''.join(marks)}</svg>"
     )
     key = "".join(
-        f'<li><span class="swatch" style="background: var(--name-{k % COLORS})"></span>{escape(one.name)}</li>'
-        for k, one in enumerate(told)
+        f'<li><span class="swatch" style="background: var(--name-{one.color})"></span>{escape(one.name)}</li>'
+        for one in told
         if one.name
     )
     legend = f'<ul class="legend">{key}</ul>' if key else ""
     return f'<figure class="chart"><figcaption>{escape(frame.title)}</figcaption>{svg}{legend}</figure>'
 
 
-def dot_chart(rows: Sequence[tuple[str, Point]], title: str, x: str, zero: bool = False) -> str:
-    """One estimate a row, along x; `zero` draws where nothing differs.  The points' x is not used."""
+def dot_chart(
+    rows: Sequence[Series],
+    title: str,
+    x: str,
+    zero: bool = False,
+    bounds: tuple[float, float] = (-math.inf, math.inf),
+) -> str:
+    """A row for each series, its points along x, whose own x is not used; `zero` draws where nothing differs."""
     if not rows:
         return ""
-    values = [v for _, p in rows for v in (p.y, p.low, p.high) if v is not None]
-    axis = _Axis.over([*values, 0.0] if zero else values, None)
-    left = min(170.0, 14.0 + 6.2 * max(len(name) for name, _ in rows))
+    values = [v for row in rows for p in row.points for v in (p.y, p.low, p.high) if v is not None]
+    axis = _Axis.over([*values, 0.0] if zero else values, None, bounds)
+    left = min(170.0, 14.0 + 6.2 * max(len(row.name) for row in rows))
     width, step, top = 400.0, 22.0, 10.0
     height = top + step * len(rows) + 36.0
 
     def at(value: float) -> float:
-        return left + (value - axis.low) / (axis.high - axis.low) * (width - left - 16.0)
+        inside = min(max(value, axis.low), axis.high)
+        return left + (inside - axis.low) / (axis.high - axis.low) * (width - left - 16.0)
 
     base = top + step * len(rows)
     marks = [
@@ -98,15 +106,16 @@ def dot_chart(rows: Sequence[tuple[str, Point]], title: str, x: str, zero: bool 
     ]
     if zero:
         marks.append(f'<line x1="{at(0):.1f}" y1="{top}" x2="{at(0):.1f}" y2="{base}" class="even"/>')
-    for k, (name, p) in enumerate(rows):
-        y = top + step * (k + 0.5)
-        if p.low is not None and p.high is not None:
-            marks.append(
-                f'<line x1="{at(p.low):.1f}" y1="{y}" x2="{at(p.high):.1f}" y2="{y}" class="interval" '
-                f'style="stroke: var(--name-0)"/>'
-            )
-        marks.append(f'<circle cx="{at(p.y):.1f}" cy="{y}" r="3.6" style="fill: var(--name-0)"/>')
-        marks.append(f'<text x="{left - 8}" y="{y + 4}" text-anchor="end">{escape(_short(name))}</text>')
+    for k, row in enumerate(rows):
+        y, color = top + step * (k + 0.5), f"var(--name-{row.color})"
+        for p in row.points:
+            if p.low is not None and p.high is not None:
+                marks.append(
+                    f'<line x1="{at(p.low):.1f}" y1="{y}" x2="{at(p.high):.1f}" y2="{y}" class="interval" '
+                    f'style="stroke: {color}"/>'
+                )
+            marks.append(f'<circle cx="{at(p.y):.1f}" cy="{y}" r="3.6" style="fill: {color}"/>')
+        marks.append(f'<text x="{left - 8}" y="{y + 4}" text-anchor="end">{escape(_short(row.name))}</text>')
     marks.append(
         f'<text x="{(left + width) / 2:.1f}" y="{height - 3}" text-anchor="middle">{escape(x)}</text>'
     )
@@ -123,7 +132,12 @@ class _Axis:
     ticks: tuple[float, ...]
 
     @staticmethod
-    def over(values: Sequence[float], fixed: tuple[float, float] | None) -> _Axis:
+    def over(
+        values: Sequence[float],
+        fixed: tuple[float, float] | None,
+        bounds: tuple[float, float] = (-math.inf, math.inf),
+    ) -> _Axis:
+        """Round ends about the values, or fixed ones; never past what the values may be."""
         low, high = fixed or (min(values), max(values))
         if high - low < 1e-12:
             pad = abs(low) * 0.1 or 0.5
@@ -131,6 +145,7 @@ class _Axis:
         step = _nice((high - low) / 4.0)
         if fixed is None:
             low, high = step * math.floor(low / step + 1e-9), step * math.ceil(high / step - 1e-9)
+            low, high = max(low, bounds[0]), min(high, bounds[1])
         first = math.ceil(low / step - 1e-9)
         count = math.floor((high - first * step) / step + 1e-9) + 1
         return _Axis(low, high, tuple((first + k) * step for k in range(count)))
@@ -147,7 +162,8 @@ class _Place:
         return _LEFT + share * (self.frame.width - _LEFT - _RIGHT)
 
     def y(self, value: float) -> float:
-        share = (value - self.up.low) / (self.up.high - self.up.low)
+        inside = min(max(value, self.up.low), self.up.high)
+        share = (inside - self.up.low) / (self.up.high - self.up.low)
         return self.frame.height - _BOTTOM - share * (self.frame.height - _TOP - _BOTTOM)
 
     def grid(self) -> str:

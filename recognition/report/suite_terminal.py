@@ -37,8 +37,14 @@ def _rows(cells: Sequence[Mapping[str, Any]], shown: Sequence[str]) -> list[dict
     for cell in cells:
         row: dict[str, object] = {worded(a).lower(): word(value) for a, value in cell["settings"].items()}
         row["trials"] = str(cell["trials"])
+        row["done"] = str(_done(cell["done"]))
         out.append(row | {worded(name).lower(): _told(cell["metrics"].get(name)) for name in names})
     return out
+
+
+def _done(finished: Mapping[str, Any] | None) -> int:
+    """How many trials ended well."""
+    return 0 if finished is None else round(finished["value"] * finished["count"])
 
 
 def _told(estimate: Mapping[str, Any] | None) -> str:

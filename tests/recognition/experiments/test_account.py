@@ -1,5 +1,7 @@
 """What a suite comes to: conditions kept apart, policies paired by part, names against touches."""
 
+import copy
+import re
 from pathlib import Path
 
 import pytest
@@ -7,6 +9,8 @@ import pytest
 from recognition.experiments.account import account
 from recognition.experiments.rates import AREA, calibration, confusion, held
 from recognition.experiments.suite import load_suite
+from recognition.report.chart import Frame, Point, Series, dot_chart, line_chart
+from recognition.report.suite_charts import charts
 from recognition.report.suite_page import suite_html
 from recognition.report.suite_terminal import suite_text
 
@@ -120,6 +124,46 @@ def test_the_page_draws_charts_and_speaks_in_words(told):
     assert "policies &lt;b&gt;" in html
     assert "a stranger" in html
     assert "found share" in suite_text(told, Path("out"))
+
+
+def test_the_terminal_says_how_many_were_done(told):
+    lines = suite_text(told, Path("out")).splitlines()
+    head = next(line for line in lines if line.lstrip().startswith("policy"))
+    first = next(line for line in lines if line.lstrip().startswith("information"))
+    assert head.split()[1:3] == ["trials", "done"]
+    assert first.split()[1:3] == ["6", "5"]
+
+
+def test_no_axis_goes_where_no_metric_can():
+    for values, bounds, lowest, highest in (
+        ([1.0, 1.0], (0.0, 1.0), 0.0, 1.0),
+        ([0.0, 0.0], (0.0, float("inf")), 0.0, float("inf")),
+        ([0.93, 0.99], (0.0, 1.0), 0.0, 1.0),
+    ):
+        dots = dot_chart(
+            [Series(f"c{k}", [Point(0.0, v)]) for k, v in enumerate(values)], "t", "x", bounds=bounds
+        )
+        lines = line_chart(
+            [Series("", [Point(float(k), v) for k, v in enumerate(values)])],
+            Frame("t", "x", "y", y_bounds=bounds),
+        )
+        along = [float(t) for t in re.findall(r'text-anchor="middle">([-0-9.e]+)<', dots)]
+        up = [float(t) for t in re.findall(r'text-anchor="end">([-0-9.e]+)<', lines)]
+        for ticks in (along, up):
+            assert len(ticks) > 1
+            assert lowest <= min(ticks)
+            assert max(ticks) <= highest
+
+
+def test_a_condition_has_one_color_in_every_chart_of_its_group(told):
+    group = copy.deepcopy(told["groups"][0])
+    group["cells"][0]["touch_curve"] = []  # the first has nothing to show there
+    curves, *others = charts(group).split("</figure>")
+    assert "--name-1" in curves
+    assert "--name-0" not in curves
+    rows = re.findall(r'fill: (var\(--name-\d\))"/><text [^>]*>(information|random)<', "".join(others))
+    assert rows
+    assert set(rows) == {("var(--name-0)", "information"), ("var(--name-1)", "random")}
 
 
 @pytest.mark.slow
