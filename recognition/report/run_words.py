@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+import numpy as np
+
 from recognition.report import tables
 from recognition.report.ended import ended_words
 from recognition.report.tables import Column, Json
@@ -138,8 +140,16 @@ def _traced_figures(s: Json) -> Cells:
 
 
 def _traced_sections(s: Json) -> str:
-    found = {k: v for k, v in (s.get("found") or {}).items() if not isinstance(v, list) or len(v) <= 6}
-    return f'<div class="pair">{tables.section("Found", tables.pairs(found))}</div>'
+    found = s.get("found") or {}
+    rows = [{"number": k, **edge} for k, edge in enumerate(found.get("edges") or [])]
+    told = {k: v for k, v in found.items() if not isinstance(v, list | np.ndarray) or len(v) <= _SHORT}
+    told.pop("edges", None)
+    return "".join(
+        [
+            tables.section("Edges", tables.table(rows, _TRACED_EDGES)),
+            f'<div class="pair">{tables.section("Found", tables.pairs(told))}</div>',
+        ]
+    )
 
 
 def _felt_with(s: Json) -> str:
@@ -170,6 +180,23 @@ def _sigma(row: Json, key: str, digits: int) -> str:
     return _rounded((row.get("pose_sigma") or {}).get(key), digits) or ""
 
 
+def _with_sigma(row: Json, key: str, sigma: str) -> str:
+    value = row.get(key)
+    if value is None:
+        return ""
+    return f"{value:.2f}" + (f" <small>± {row[sigma]:.2g}</small>" if row.get(sigma) is not None else "")
+
+
+_SHORT = 6  # points or numbers that a line of a table holds
+_TRACED_EDGES: tuple[Column, ...] = (
+    ("Edge", True, lambda e: str(e["number"])),
+    ("Curve", False, lambda e: escape(str(e.get("curve") or ""))),
+    ("Length, mm", True, lambda e: _rounded(e.get("length_mm"), 2) or ""),
+    ("Radius, mm", True, lambda e: _rounded(e.get("radius_mm"), 2) or ""),
+    ("Dihedral, °", True, lambda e: _rounded(e.get("dihedral_deg"), 1) or ""),
+    ("Rounding, mm", True, lambda e: _with_sigma(e, "rounding_mm", "rounding_sigma_mm")),
+    ("Off its curve, rms, mm", True, lambda e: _rounded(e.get("rms_mm"), 3) or ""),
+)
 _CANDIDATES: tuple[Column, ...] = (
     ("Object", False, lambda c: escape(str(c.get("name")))),
     ("Probability", False, lambda c: _share(c.get("probability"))),

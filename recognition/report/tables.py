@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
@@ -100,12 +101,17 @@ def _flat(values: Json, prefix: str = "") -> Iterable[tuple[str, Any]]:
 
 
 def worded(name: str) -> str:
-    """`surface_rms_mm` as "Surface rms, mm"."""
-    words = name.replace("_", " ").split()
-    unit = next((word for word in words if word in _UNITS), None)
+    """`surface_rms_mm` as "Surface rms, mm", and `share_within_0_1_mm` as "Share within 0.1 mm"."""
+    words = re.sub(r"(?<=_\d)_(?=\d)", ".", name).replace("_", " ").split()
+    unit = next((word for k, word in enumerate(words) if word in _UNITS and not _counted(words, k)), None)
     rest = " ".join(word for word in words if word != unit)
     text = _NAMES.get(rest, rest[:1].upper() + rest[1:])
     return f"{text}, {_UNITS[unit]}" if unit else text
+
+
+def _counted(words: Sequence[str], place: int) -> bool:
+    """Whether a unit belongs to the number before it."""
+    return place > 0 and words[place - 1].replace(".", "").isdigit()
 
 
 def _any(value: Any) -> str:
@@ -116,10 +122,12 @@ def _any(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.5g}"
     if isinstance(value, Mapping):
-        return "; ".join(f"{worded(str(key))} {_any(item)}" for key, item in value.items())
+        return "; ".join(
+            f"{worded(str(key))} {_any(item)}" for key, item in value.items() if item is not None
+        )
     if isinstance(value, list | tuple):
         joint = "; " if any(isinstance(item, list | tuple | np.ndarray | Mapping) for item in value) else ", "
-        return joint.join(_any(item) for item in value) or "none"
+        return joint.join("–" if item is None else _any(item) for item in value) or "none"
     return str(value)
 
 
