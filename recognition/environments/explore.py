@@ -23,10 +23,16 @@ import numpy as np
 from gymnasium import spaces
 from scipy.spatial import cKDTree
 
-from models import parts
 from primitives.arrays import Floats
 from recognition.config import ExploreOptions
 from recognition.environments.actions import SIZE, approach_of
+from recognition.environments.asked import (
+    checked_action,
+    part_names,
+    require_between,
+    require_no_rendering,
+    require_touching,
+)
 from recognition.environments.toucher import Toucher
 from recognition.running.simulation import guarded, load_world
 from recognition.truth import LabeledFaces, TruthOptions, sample_surface
@@ -52,8 +58,16 @@ class ExploreEnv(gymnasium.Env[Observation, np.ndarray]):
         cost: float = 0.005,
         enough: float = 0.95,
         largest_mm: float = 75.0,
+        render_mode: str | None = None,
     ) -> None:
-        self.parts = parts.names() if part == "@all" else [part] if isinstance(part, str) else list(part)
+        self.parts = part_names(part)
+        require_touching(sensor, noise, max_touches)
+        require_between("reach_mm", reach_mm, 0.0)
+        require_between("cost", cost, 0.0)
+        require_between("enough", enough, 0.0, 1.0)
+        require_between("largest_mm", largest_mm, 1.0)
+        require_no_rendering(render_mode)
+        self.render_mode = render_mode
         self.sensor, self.noise, self.max_touches = sensor, noise, max_touches
         self.reach, self.cost, self.enough, self.largest = reach_mm, cost, enough, largest_mm
         self.action_space = spaces.Box(-1.0, 1.0, (SIZE,), np.float32)
@@ -90,7 +104,7 @@ class ExploreEnv(gymnasium.Env[Observation, np.ndarray]):
 
     def step(self, action: np.ndarray) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One touch."""
-        made = self.toucher.touch(approach_of(action, self.toucher.around()))
+        made = self.toucher.touch(approach_of(checked_action(action, SIZE), self.toucher.around()))
         before, self.covered = self.covered, self._covered()
         reward = self.covered - before - self.cost
         spent = self._made() >= self.max_touches

@@ -15,6 +15,7 @@ With `unknown` the object is, with that probability, none of the library's.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -24,16 +25,24 @@ from gymnasium import spaces
 from exploration.planning.lone_touch import Approach
 from exploration.planning.round_ball import Ball
 from models import parts
-from models.library import Library
-from models.solid import Solid
+from models.part import Part
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from recognition.config import ExploreOptions
 from recognition.environments.actions import SIZE, approach_of
+from recognition.environments.asked import (
+    checked_action,
+    library_of,
+    require_between,
+    require_no_rendering,
+    require_touching,
+)
 from recognition.environments.explore import Observation, ball_row, contact_rows, touched_share
 from recognition.identifying.hand import GuardedHand
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step
+from recognition.identifying.learned import unfelt
 from recognition.identifying.policies import gap_touch
+from recognition.matching import Belief
 from recognition.matching.next_touch.held import UNKNOWN
 from recognition.running.simulation import guarded, load_world
 
@@ -47,18 +56,24 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
 
     def __init__(
         self,
-        library: Sequence[str] = ("block", "bracket", "cylinder", "flange", "hex_nut", "wedge"),
+        library: str | Path | Sequence[str] = ("block", "bracket", "cylinder", "flange", "hex_nut", "wedge"),
         sensor: str = "lts210",
         noise: float | None = 0.05,
         max_touches: int = 25,
         cost: float = 0.03,
         unknown: float = 0.0,
+        render_mode: str | None = None,
     ) -> None:
-        if len(library) < 2:
-            raise PalpateError("a library of fewer than two parts leaves nothing to identify")
-        self.names = list(library)
+        require_touching(sensor, noise, max_touches)
+        require_between("cost", cost, 0.0)
+        require_between("unknown", unknown, 0.0, 1.0)
+        require_no_rendering(render_mode)
+        self.render_mode = render_mode
+        self.library = library_of(library)
+        self.names = list(self.library)
         self.strangers = [name for name in parts.names() if name not in self.names]
-        self.library = Library.of({name: Solid.from_csg(parts.build(name)) for name in self.names})
+        if unknown > 0 and not self.strangers:
+            raise PalpateError("the library holds every built-in part, so none is unknown; give unknown=0")
         self.sensor, self.noise, self.max_touches = sensor, noise, max_touches
         self.cost, self.unknown = cost, unknown
         self.action_space = spaces.Box(-1.0, 1.0, (SIZE + 1,), np.float32)
@@ -82,7 +97,7 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
         self.part = (options or {}).get("part") or among[int(self.np_random.integers(len(among)))]
         drawn = int(self.np_random.integers(2**31))
         told = ExploreOptions(self.part, sensors=(self.sensor,), noise=self.noise, seed=drawn)
-        world = load_world(told)
+        world = load_world(told, part=self._of_library())
         self.middle = world.box.mean(axis=0)
         self._action: np.ndarray | None = None
         config = IdentifyConfig(self._policy, _NEVER, 10 * self.max_touches)
@@ -97,7 +112,8 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
 
     def step(self, action: np.ndarray) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One touch, or the answer."""
-        if float(action[SIZE]) > 0.0:
+        told = checked_action(action, SIZE + 1)
+        if told[SIZE] > 0.0:
             answer = self.part if self.part in self.names else UNKNOWN
             info = self._info()
             right = info["decision"] == answer
@@ -108,11 +124,17 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
                 False,
                 info | {"answer": answer, "correct": right},
             )
-        self._action = np.asarray(action)
+        self._action = told
         made = next(self._steps, None)
         self._met = made is not None and made.touch.met
         spent = made is None or self._made() >= self.max_touches
         return self._observed(), -self.cost, False, spent, self._info()
+
+    def _of_library(self) -> Part | None:
+        """The part as the library has it, with the units that its folder says."""
+        if self.part not in self.names:
+            return None
+        return Part(self.part, self.library[self.part].solid, None)
 
     def _policy(self, ball: Ball, places: Floats, tried: int, rng: np.random.Generator) -> Approach:
         action, self._action = self._action, None
@@ -123,8 +145,7 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
         return self.identifier.hand.cost.touches - self._before
 
     def _observed(self) -> Observation:
-        me, belief = self.identifier, self.identifier.belief
-        told = {} if belief is None else belief.probabilities
+        me, told = self.identifier, self._belief().probabilities
         found = me.touches and any(t.met for t in me.touches)
         ball = me.around() if found else Ball(self.middle, 0.0)
         shares = [told.get(name, 0.0) for name in (*self.names, UNKNOWN)]
@@ -135,12 +156,17 @@ class IdentifyEnv(gymnasium.Env[Observation, np.ndarray]):
             "touches": touched_share(self._made(), self.max_touches),
         }
 
+    def _belief(self) -> Belief:
+        """What is believed; before anything was met, the prior."""
+        me = self.identifier
+        return me.belief or unfelt(self.library, me.config.unknown)
+
     def _info(self) -> dict[str, Any]:
-        belief = self.identifier.belief
+        belief = self._belief()
         return {
             "names": [*self.names, UNKNOWN],
-            "decision": None if belief is None else belief.decision,
-            "confidence": 0.0 if belief is None else belief.confidence,
+            "decision": belief.decision,
+            "confidence": belief.confidence,
             "met": self._met,
             "device_seconds": self.identifier.hand.cost.seconds,
         }

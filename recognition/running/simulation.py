@@ -92,8 +92,11 @@ class World:
         }
 
 
-def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> World:
-    """Part and sensor, checked before anything is written; the same for the same seed."""
+def load_world(options: ExploreOptions, config: WorldConfig | None = None, part: Part | None = None) -> World:
+    """Part and sensor, checked before anything is written; the same for the same seed.
+
+    `part` is in place of the one that the options name.
+    """
     config = config or WorldConfig()
     if options.device is not None:
         from recognition.hardware.world import wired
@@ -107,7 +110,10 @@ def load_world(options: ExploreOptions, config: WorldConfig | None = None) -> Wo
         )
     if options.noise is not None:
         spec = replace(spec, electronics=replace(spec.electronics, noise=options.noise))
-    part = load_part(options.part, cast(Units, options.units), options.scale, options.body, options.facets)
+    if part is None:
+        part = load_part(
+            options.part, cast(Units, options.units), options.scale, options.body, options.facets
+        )
     box = np.reshape(options.workspace, (2, 3))
     world_from_part = options.fixed_pose
     if world_from_part is None:
