@@ -7,10 +7,12 @@ reads from the cache.
 """
 
 import os
+import signal
+import sys
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +29,7 @@ from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.grain import Grain
 from recognition.config import ExploreOptions
+from recognition.console import interrupts
 from recognition.explore import run as explore
 from recognition.frames.options import FramesOptions
 from recognition.frames.run import run as frames
@@ -42,16 +45,35 @@ SHAPE = (10, 16)
 def main() -> None:
     """Explore, track and perceive into a folder that is thrown away, and say how long that took."""
     began = time.perf_counter()
+    interrupts.heed()
     print("compiling the kernels, once ...", flush=True)
-    with (
-        tempfile.TemporaryDirectory(dir=Path.cwd()) as name,
-        ProcessPoolExecutor(min(2, os.cpu_count() or 1), get_context("spawn")) as crew,
-    ):
-        for done in [
-            crew.submit(task, Path(name)) for task in (explore_once, perceive_all, the_rest, track_both)
-        ]:
-            done.result()
+    try:
+        _compile()
+    except KeyboardInterrupt:
+        print("palpate: interrupted; what was compiled until then is kept", file=sys.stderr)
+        sys.exit(interrupts.asked() or 130)
     print(f"compiled in {time.perf_counter() - began:.1f} s")
+
+
+def _compile() -> None:
+    with (
+        tempfile.TemporaryDirectory(prefix="palpate-warm-") as name,
+        ProcessPoolExecutor(
+            min(2, os.cpu_count() or 1),
+            get_context("spawn"),
+            initializer=signal.signal,
+            initargs=(signal.SIGINT, signal.SIG_IGN),  # Ctrl-C goes to all of them, and one of them answers
+        ) as crew,
+    ):
+        try:
+            for done in [
+                crew.submit(task, Path(name)) for task in (explore_once, perceive_all, the_rest, track_both)
+            ]:
+                done.result()
+        except BaseException:
+            for child in active_children():  # else they would compile to their end, and keep the folder
+                child.terminate()
+            raise
 
 
 def explore_once(folder: Path) -> None:

@@ -1,17 +1,22 @@
 """Ctrl-C and a polite kill alike end a program where it can end: between two frames, not inside one.
 
-`heed` turns SIGTERM and SIGHUP into a `KeyboardInterrupt` as Ctrl-C is one.  Raised anywhere, it is lost in a
-callback of compiled code, takes a half-made import for a missing one, or cuts a recording in two; so within
-`held` a signal is only noted, and raises at the next `checkpoint` or where the block ends.
+`heed` turns SIGTERM and SIGHUP into a `KeyboardInterrupt` as Ctrl-C is one.  Raised anywhere, it takes a half-made
+import for a missing one, or cuts a recording in two; so within `held` a signal is only noted, and raises at the
+next `checkpoint` or where the block ends.  In a callback of compiled code, as there are while kernels compile,
+Python drops whatever is raised; there the signal is sent again, until it is raised where it is answered.
 """
 
 from __future__ import annotations
 
+import _thread
 import signal
+import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+_AGAIN = 0.02  # [s] until an interrupt that was dropped is sent again
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # a system may lack the last
 
 
@@ -26,6 +31,7 @@ class Interrupted(KeyboardInterrupt):
 class _State:
     depth = 0  # of blocks that hold interrupts
     asked: int | None = None  # the signal that asked to end
+    dropped = staticmethod(sys.__unraisablehook__)  # what is done with other errors that nobody can answer
 
 
 _state = _State()
@@ -39,6 +45,8 @@ def heed() -> None:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) in ours:
             signal.signal(number, _told)
+    if sys.unraisablehook is not _send_again:
+        _state.dropped, sys.unraisablehook = sys.unraisablehook, _send_again
 
 
 @contextmanager
@@ -72,6 +80,17 @@ def behind(error: BaseException | None) -> KeyboardInterrupt | None:
             return error
         error = error.__cause__ or error.__context__
     return None
+
+
+def _send_again(unraisable: sys.UnraisableHookArgs) -> None:
+    """Answer an error that Python drops: an interrupt comes back soon, others are told as ever."""
+    if not isinstance(unraisable.exc_value, Interrupted):
+        _state.dropped(unraisable)
+        return
+    number = unraisable.exc_value.exit_code - 128
+    timer = threading.Timer(_AGAIN, _thread.interrupt_main, (number,))
+    timer.daemon = True
+    timer.start()
 
 
 def _told(number: int, frame: FrameType | None) -> None:

@@ -1,7 +1,10 @@
 """Interrupts are real signals to this process."""
 
+import ctypes
 import os
 import signal
+import sys
+import time
 
 import pytest
 
@@ -14,8 +17,10 @@ def heeded():
     before = {name: signal.getsignal(getattr(signal, name)) for name in names}
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     interrupts.heed()
+    hook = sys.unraisablehook
     yield
     interrupts.heed()  # forgets
+    sys.unraisablehook = hook
     for name, handler in before.items():
         signal.signal(getattr(signal, name), handler)
 
@@ -49,6 +54,31 @@ def test_a_signal_that_is_held_raises_at_a_checkpoint():
         with pytest.raises(interrupts.Interrupted):
             interrupts.checkpoint()
         interrupts.heed()
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_in_a_callback_of_compiled_code_raises_once_that_is_left(number, code, capfd):
+    callback = ctypes.CFUNCTYPE(None)(lambda: os.kill(os.getpid(), number))
+    with pytest.raises(interrupts.Interrupted) as told:
+        compile_for_long(callback)
+    assert told.value.exit_code == code
+    assert interrupts.asked() == code
+    assert capfd.readouterr().err == ""
+
+
+def compile_for_long(callback):
+    callback()
+    until = time.monotonic() + 10.0
+    while time.monotonic() < until:
+        pass
+
+
+def test_other_errors_that_nobody_can_answer_are_told_as_ever(monkeypatch):
+    told = []
+    monkeypatch.setattr(sys, "unraisablehook", told.append)
+    interrupts.heed()
+    ctypes.CFUNCTYPE(None)(lambda: 1 // 0)()
+    assert [type(one.exc_value) for one in told] == [ZeroDivisionError]
 
 
 def test_a_signal_that_is_ignored_stays_ignored():
