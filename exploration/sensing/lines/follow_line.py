@@ -26,6 +26,7 @@ from primitives.arrays import Bools, Floats, frozen
 
 STEPS = 8
 CLEAR = 1.5  # [response widths] kept from such ends
+BENT = 0.05  # [1/mm] of an edge that comes round under the pad
 LEAST = 12  # taxels that a fit needs
 TILT = 0.05  # [mm/mm] of a pad that is kept level; a face of few taxels says little of it
 
@@ -219,7 +220,8 @@ def _follow(
         return p, covariance, 0.0, ends, contact, False
     clear = CLEAR * width
     low, high = -ends[1] + clear, min(ends[0], ends[2]) - clear
-    far = max(min(ends[3], ends[4]) - clear, 0.5 * width)  # beyond what was looked at it may end, too
+    looked = ends[4] if abs(bend) < BENT else np.inf  # a bent edge's wedge of taxels ends by itself
+    far = max(min(ends[3], looked) - clear, 0.5 * width)  # beyond what was looked at it may end, too
     taxels = chosen(depth, sigma, px, py, line, (low, high, far, reach))
     count = len(taxels)
     if count < LEAST:
