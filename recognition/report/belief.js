@@ -14,7 +14,7 @@ function beliefAt({ belief, frames }, moment) {
 function drawBelief(canvas, data, moment, theme) {
   const { belief, frames } = data, [context, w, h] = sized(canvas), top = 12, base = h - 4;
   const span = frames.count ? frames.times[frames.count - 1] - frames.times[0] : belief.times[belief.times.length - 1];
-  const x = (t) => (t / (span || 1)) * w, y = (share) => base - share * (base - top);
+  const x = (t) => (Math.min(t, span) / (span || 1)) * w, y = (share) => base - share * (base - top);
   context.font = `11px ${getComputedStyle(document.body).fontFamily}`;
   context.lineWidth = 1;
   for (const level of [0, 0.5, 1]) {

@@ -185,6 +185,19 @@ def test_belief_is_that_of_the_moment(browser, identified, tmp_path):
 
 
 @pytest.mark.slow
+def test_the_last_frame_shows_the_belief_of_a_touch_that_ended_after_it(browser, identified, tmp_path):
+    first, last = identified.summary["history"]
+    history = [first, last | {"device_seconds": 1e4}]
+    write_report(
+        tmp_path / "report.html", replace(identified, summary={**identified.summary, "history": history})
+    )
+    browser.open(tmp_path / "report.html")
+    seen = "((moment) => { palpate.show(moment); return document.getElementById('felt').innerText; })"
+    assert browser.evaluate(f"{seen}(1498)") == "touch 1: a flat face"
+    assert browser.evaluate(f"{seen}(1499)") == "touch 2: an edge"
+
+
+@pytest.mark.slow
 def test_keys_turn_the_view_and_play_the_run(opened):
     opened.evaluate("document.getElementById('view').focus()")
     before = opened.evaluate("[palpate.scene.camera.yaw, palpate.scene.camera.distance]")
