@@ -12,7 +12,16 @@ import numpy as np
 Row = Mapping[str, Any]
 Column = tuple[str, bool, Callable[[Row], str]]  # title, whether a number, the cell's HTML
 Json = Mapping[str, Any]
-_UNITS = {"mm": "mm", "mm2": "mm²", "mm3": "mm³", "deg": "°", "seconds": "s", "s": "s", "n": "N"}
+_UNITS = {
+    "mm": "mm",
+    "mm/s": "mm/s",
+    "mm2": "mm²",
+    "mm3": "mm³",
+    "deg": "°",
+    "seconds": "s",
+    "s": "s",
+    "n": "N",
+}
 _NAMES = {"iou": "Overlap (IoU)", "wall": "Time here", "device": "Device time", "frame": "Time of a frame"}
 
 
@@ -102,7 +111,8 @@ def _flat(values: Json, prefix: str = "") -> Iterable[tuple[str, Any]]:
 
 def worded(name: str) -> str:
     """`surface_rms_mm` as "Surface rms, mm", and `share_within_0_1_mm` as "Share within 0.1 mm"."""
-    words = re.sub(r"(?<=_\d)_(?=\d)", ".", name).replace("_", " ").split()
+    plain = re.sub(r"(?<=_\d)_(?=\d)", ".", name).replace("_mm_s", "_mm/s")
+    words = plain.replace("_", " ").split()
     unit = next((word for k, word in enumerate(words) if word in _UNITS and not _counted(words, k)), None)
     rest = " ".join(word for word in words if word != unit)
     text = _NAMES.get(rest, rest[:1].upper() + rest[1:])

@@ -42,5 +42,6 @@ def test_tracked_edges_are_a_table_and_nothing_is_printed_as_python_has_it(as_li
 
 def test_a_number_in_a_name_is_read_as_one_and_keeps_its_unit():
     assert worded("share_within_0_1_mm") == "Share within 0.1 mm"
+    assert worded("speed_mm_s") == "Speed, mm/s"
     assert worded("surface_rms_mm") == "Surface rms, mm"
     assert "None" not in pairs({"why": {"runner_up": None}, "list": [{"a": None, "b": 1.5}, None]})
