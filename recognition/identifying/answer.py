@@ -93,7 +93,7 @@ def reason_in_words(summary: Mapping[str, Any]) -> str:
     """The answer in one line."""
     decision, share = summary["decision"], summary["confidence"]
     if not summary["met"]:
-        return f"nothing was met, so nothing is known ({decision} is as likely as before, {share:.1%})"
+        return f"nothing was met; {decision} leads with the {share:.1%} that it had before"
     if decision == UNKNOWN:
         return f"none of the library's {summary['library']['objects']} objects, {share:.1%} sure"
     return f"it is {decision}, {share:.1%} sure"

@@ -73,7 +73,7 @@ def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
         )
     lines += _why(s)
     truth = s.get("truth")
-    if truth:
+    if truth and s["met"]:
         verdict = "right" if truth["correct"] else f"wrong, it is {truth['name']}"
         if truth["translation_error_mm"] is not None:
             verdict += (
