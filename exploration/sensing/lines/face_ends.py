@@ -60,7 +60,7 @@ def face_ends(
     contact = np.zeros(3)
     if n_level.sum() < 2.0:
         return ends, contact, 0.0
-    middle_depth = np.max(level / np.maximum(n_level, 1.0))
+    middle_depth = float(np.max(level / np.maximum(n_level, 1.0)))
     half = 0.5 * middle_depth
     ends[0] = (_profile_end(inner, n_inner, middle, 1, half, True) - middle) * pitch
     ends[1] = (middle - _profile_end(inner, n_inner, middle, -1, half, True)) * pitch
