@@ -17,6 +17,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,11 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from models.part import load_part
+from models.solid import Solid
 from primitives import pose as se3
 from recognition.hardware.emulate import BOX
 from recognition.running.simulation import WorldConfig, random_pose
+from recognition.tracking.truth import edge_truth
 
 PARTS = tuple(os.environ.get("PALPATE_BENCH_PARTS", "block,cylinder,disc,wedge,frustum").split(","))
 RUNS = tuple(os.environ.get("PALPATE_BENCH_RUNS", "track,explore,identify").split(","))
@@ -34,6 +37,7 @@ COMMANDS = {"track": ["track", "edge"], "explore": ["explore"], "identify": ["id
 PALPATE = [sys.executable, "-m", "recognition.cli"]
 EXTENT = 0.1  # [mm] asked
 SEEDS = 12  # poses at most, until the simulation closes
+SAME_FACE = 0.99  # cosine between the normals of two faces that are one
 STARTS = 60.0  # [s] at most until the emulator answers
 
 
@@ -54,14 +58,16 @@ def _compared(name: str, part: str, first: int, folder: Path) -> list[dict[str, 
         pose, box = _pose(part, seed), ",".join(f"{x:g}" for x in BOX)
         common = ["--seed", str(seed), "--json"]
         out = ["--out", str(folder / f"simulated{seed}")]
-        simulated = _json([*COMMANDS[name], part, "--pose", pose, "--workspace", box, *out, *common])
+        simulated = _json([*COMMANDS[name], part, "--pose", _told(pose), "--workspace", box, *out, *common])
         if simulated.get("closed", True):
             break
     began = time.monotonic()
     with _emulated(part, pose, seed, folder) as seen:
         config = str(folder / "rig.toml")
         wired = _json([*COMMANDS[name], "--device", config, "--out", str(folder / "wired"), *common])
-    rows = {"explore": _model, "identify": _decision, "track": _track}[name](simulated, wired)
+    solid = load_part(part).solid
+    compared = {"explore": _model, "identify": _decision, "track": partial(_track, solid=solid.placed(pose))}
+    rows = compared[name](simulated, wired)
     most, hits, refused = seen
     rows += [
         ("refused lines", refused, "", 0),
@@ -125,12 +131,21 @@ def _decision(simulated: dict[str, Any], wired: dict[str, Any]) -> list[tuple[An
     ]
 
 
-def _track(simulated: dict[str, Any], wired: dict[str, Any]) -> list[tuple[Any, ...]]:
-    edges = [sorted((e["curve"], e["length_mm"]) for e in s["found"]["edges"]) for s in (simulated, wired)]
-    same = [c for c, _ in edges[0]] == [c for c, _ in edges[1]] and simulated["closed"] == wired["closed"]
-    off = max((abs(p[1] - q[1]) for p, q in zip(*edges, strict=True)), default=0.0) if same else float("nan")
+def _track(simulated: dict[str, Any], wired: dict[str, Any], solid: Solid) -> list[tuple[Any, ...]]:
+    """Of two tracks of one face: edge by edge.  Where they came to two faces: with the object's own edges."""
+    found = [s["found"] for s in (simulated, wired)]
+    one = float(np.dot(*(f["face_normal"] or np.zeros(3) for f in found))) > SAME_FACE
+    edges = [sorted((e["curve"], e["length_mm"]) for e in f["edges"]) for f in found]
+    if one:
+        same = [c for c, _ in edges[0]] == [c for c, _ in edges[1]] and simulated["closed"] == wired["closed"]
+        off = max((abs(p[1] - q[1]) for p, q in zip(*edges, strict=True)), default=0.0) if same else np.nan
+    else:
+        truth = edge_truth(solid, np.reshape(wired["trace"], (-1, 3))) or {"edges": 0, "length_mm": 0.0}
+        same = wired["closed"] and len(edges[1]) == truth["edges"]
+        off = abs(found[1]["length_mm"] - truth["length_mm"]) / len(edges[1]) if same else np.nan
     return [
         ("same outline", float(same), "", 1.0),
+        ("of the same face", float(one), "", None),
         ("closed, simulated", float(simulated["closed"]), "", None),
         ("closed", float(wired["closed"]), "", None),
         ("edges", len(edges[1]), "", None),
@@ -139,18 +154,22 @@ def _track(simulated: dict[str, Any], wired: dict[str, Any]) -> list[tuple[Any, 
     ]
 
 
-def _pose(part: str, seed: int) -> str:
-    """X,Y,Z,QW,QX,QY,QZ as `palpate hardware emulate` draws it."""
+def _pose(part: str, seed: int) -> np.ndarray:
+    """(4, 4) world_from_part as `palpate hardware emulate` draws it."""
     box, rng = np.reshape(BOX, (2, 3)), np.random.default_rng(seed)
-    pose = random_pose(load_part(part).solid, box, rng, WorldConfig(offset=20.0))
+    return random_pose(load_part(part).solid, box, rng, WorldConfig(offset=20.0))
+
+
+def _told(pose: np.ndarray) -> str:
+    """X,Y,Z,QW,QX,QY,QZ."""
     return ",".join(f"{x:.9f}" for x in (*pose[:3, 3], *se3.quaternion_wxyz(pose)))
 
 
 @contextmanager
-def _emulated(part: str, pose: str, seed: int, folder: Path) -> Iterator[list[float]]:
+def _emulated(part: str, pose: np.ndarray, seed: int, folder: Path) -> Iterator[list[float]]:
     """An emulator in a process of its own; afterwards greatest force [N], housing hits, refused lines."""
     config, seen = folder / "rig.toml", [float("nan")] * 3
-    told = ["hardware", "emulate", part, "--pose", pose, "--seed", str(seed), "--config", str(config)]
+    told = ["hardware", "emulate", part, "--pose", _told(pose), "--seed", str(seed), "--config", str(config)]
     process = subprocess.Popen([*PALPATE, *told], stderr=subprocess.PIPE, text=True)
     try:
         until = time.monotonic() + STARTS
