@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.devices.guard import Observation
-from exploration.sensing.lines.follow_line import Followed
+from exploration.sensing.lines.followed import Followed
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.outline import find_outline
 from primitives.arrays import Floats

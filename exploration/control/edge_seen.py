@@ -5,7 +5,7 @@ import numpy as np
 from exploration.control.edge_servo import EdgeServoConfig
 from exploration.devices.guard import Observation
 from exploration.sensing.lines.arc import Arc
-from exploration.sensing.lines.follow_line import Expected
+from exploration.sensing.lines.followed import Expected
 from exploration.sensing.lines.hough import sure_lines
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.outline import find_outline

@@ -17,7 +17,7 @@ import numpy as np
 
 from exploration.control.hybrid import PRESS_AND_LEVEL, HybridGains, HybridState, commanded
 from exploration.devices.guard import Guard, Observation
-from exploration.sensing.lines.follow_line import Expected, Followed
+from exploration.sensing.lines.followed import Expected, Followed
 from primitives.arrays import Bools, Floats
 
 

@@ -19,7 +19,8 @@ import numpy as np
 
 from exploration.control.smoothing_spline import Readings, Spline, in_order, travel_along
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.lines.follow_line import Followed, follow_lines
+from exploration.sensing.lines.follow_line import follow_lines
+from exploration.sensing.lines.followed import Followed
 from exploration.sensing.response import Response
 from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import EdgeTrace

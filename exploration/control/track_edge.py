@@ -20,7 +20,8 @@ from exploration.control.edge_servo import EdgeServo, EdgeServoConfig
 from exploration.control.edge_trace import EdgeTick, smoothed
 from exploration.control.hybrid import PRESS
 from exploration.devices.guard import Guard, Observation
-from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
+from exploration.sensing.lines.follow_line import follow_line
+from exploration.sensing.lines.followed import Expected, Followed
 from exploration.sensing.lines.line_fit import softened
 from exploration.sensing.response import rubber
 from primitives.arrays import Floats

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.lines.follow_line import Expected, Followed, follow_line
+from exploration.sensing.lines.follow_line import follow_line
+from exploration.sensing.lines.followed import Expected, Followed
 from exploration.sensing.response import response_of
 
 
