@@ -140,8 +140,15 @@ def angles_between(traces: Sequence[EdgeTrace], closed: bool) -> list[float]:
 
 def _direction(trace: EdgeTrace, end: int) -> Floats:
     """(3,) at one end of an edge; a straight one's is that of the whole."""
+    return _drawn_on(trace, end)[1]
+
+
+def _drawn_on(trace: EdgeTrace, end: int) -> tuple[Floats, Floats]:
+    """Point and (3,) direction of the line that goes on at one end of an edge; a straight one's is its own."""
     edge = described(trace)
-    return edge.direction if edge.curve == "line" else trace.tangents[end]
+    if edge.curve == "line":
+        return trace.points.mean(axis=0), edge.direction
+    return trace.points[end], trace.tangents[end]
 
 
 def comes_round(traces: Sequence[EdgeTrace]) -> bool:
@@ -204,8 +211,7 @@ def corners_of(traces: Sequence[EdgeTrace], closed: bool) -> Floats:
 
 
 def _meeting(before: EdgeTrace, after: EdgeTrace) -> Floats:
-    a, u = before.points[-1], before.tangents[-1]
-    b, v = after.points[0], after.tangents[0]
+    (a, u), (b, v) = _drawn_on(before, -1), _drawn_on(after, 0)
     (s, t), *_ = np.linalg.lstsq(np.stack([u, -v], axis=1), b - a, rcond=None)
     middle: Floats = 0.5 * (a + s * u + b + t * v)
     return middle

@@ -44,9 +44,9 @@ def test_the_outline_of_a_cube_closes_over_four_corners_and_the_run_says_so(tmp_
     assert not told["lost"]
     edges = told["found"]["edges"]
     assert [edge["curve"] for edge in edges] == ["line"] * 4
-    assert np.allclose([edge["length_mm"] for edge in edges], 40.0, atol=0.5)
+    assert np.allclose([edge["length_mm"] for edge in edges], 40.0, atol=0.1)
     assert np.allclose([edge["dihedral_deg"] for edge in edges], 90.0, atol=1.0)
-    assert np.allclose(told["found"]["angles_between_deg"], 90.0, atol=1.0)
+    assert np.allclose(told["found"]["angles_between_deg"], 90.0, atol=0.5)
     assert told["truth"]["rms_mm"] < 0.15
     assert told["latency_ms"] == pytest.approx(20.0, abs=2.0)
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["closed"]
