@@ -6,18 +6,15 @@ own frame alone, the fit would follow the very noise that is to be averaged.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from exploration.control.edge_trace import EdgeTick
 from exploration.sensing.lines.bent_edge import inside
 from exploration.sensing.response import Response
 from primitives.arrays import Floats
-
-if TYPE_CHECKING:
-    from exploration.control.edge_trace import EdgeTick
 
 OUTSIDE, INSIDE = -6.0, 8.0  # [mm] of the profile
 BIN = 0.05  # [mm]
@@ -38,7 +35,7 @@ class EdgeProfile:
     width: float  # [mm] standard deviation of the response
 
 
-def profile_of(ticks: Sequence["EdgeTick"], response: Response) -> EdgeProfile | None:
+def profile_of(ticks: Sequence[EdgeTick], response: Response) -> EdgeProfile | None:
     """The profile that some ticks saw; None where they are too few."""
     if len(ticks) < LEAST:
         return None
