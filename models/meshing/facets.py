@@ -92,13 +92,16 @@ def _turned(profile: list[tuple[float, float]], side: shapes.Shape, tolerance: f
 
 
 def _torus(torus: Torus, tolerance: float) -> Facets:
-    # both polygons bulge together on the outer equator, so each may take half of the tolerance;
-    # stretching the tube's polygon from the axis keeps the volume (Pappus), and every quad is flat
+    # both polygons bulge together on the outer equator, so each may take half of the tolerance; the ring scaled
+    # by k and the tube by its root keep the volume (Pappus), every quad flat and every corner on one torus
     around = sides_of_circle(torus.major_radius + torus.minor_radius, tolerance / 2)
     along = sides_of_circle(torus.minor_radius, tolerance / 2)
-    tube = torus.minor_radius * _fair_circle(along)
+    wider = _fair_radius(around)
+    major, minor = wider * torus.major_radius, np.sqrt(wider) * torus.minor_radius
+    crosses = minor * _fair_radius(along) >= major  # a corner at the axis; then a side faces it
+    tube = minor * _fair_circle(along, 0.5 if crosses else 0.0)
+    rho, z = (major + tube[:, 0]) / wider, tube[:, 1]
     ring = _fair_circle(around)
-    rho, z = torus.major_radius + tube[:, 0], tube[:, 1]
     points = np.concatenate(
         [rho[None, :, None] * ring[:, None], np.broadcast_to(z[None, :, None], (around, along, 1))], axis=2
     )
@@ -117,9 +120,9 @@ def _torus(torus: Torus, tolerance: float) -> Facets:
     )
 
 
-def _fair_circle(n: int) -> Floats:
-    """(n, 2) corners of the regular polygon with the area of the unit circle."""
-    turn = 2 * np.pi / n * np.arange(n)
+def _fair_circle(n: int, first: float = 0.0) -> Floats:
+    """(n, 2) corners of the regular polygon with the area of the unit circle, from `first` sides past x."""
+    turn = 2 * np.pi / n * (np.arange(n) + first)
     fair: Floats = _fair_radius(n) * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     return fair
 

@@ -19,6 +19,7 @@ ALL: list[tuple[Primitive, float]] = [
     (Sphere(15), 4500 * pi),
     (Torus(20, 6), 2 * pi**2 * 20 * 36),
     (Torus(10, 9.5), 2 * pi**2 * 10 * 9.5**2),
+    (Torus(10, 9.9999), 2 * pi**2 * 10 * 9.9999**2),
     (Prism(L_SHAPE, 5), 5 * (30 * 8 + 8 * 12)),
     (TETRAHEDRON, 8 / 3),
 ]
@@ -108,6 +109,15 @@ def test_the_boundary_of_a_whole_torus_is_one_face_with_a_handle() -> None:
     assert [(face.kind, face.handles, face.loops) for face in brep.faces] == [("torus", 1, ())]
     assert (brep.genus, brep.check()) == (1, ())
     assert brep.faces[0].area == pytest.approx(4 * pi**2 * 120, rel=1e-3)
+
+
+@pytest.mark.parametrize("minor", [0.5, 6.0, 19.9, 19.999999])
+def test_the_corners_of_a_torus_lie_on_one_torus_and_clear_of_its_axis(minor: float) -> None:
+    corners = facets(Torus(20, minor), 0.05).vertices
+    rho = np.hypot(corners[:, 0], corners[:, 1])
+    across = np.hypot(rho - (rho.min() + rho.max()) / 2, corners[:, 2])
+    assert rho.min() > 0
+    assert np.ptp(across) < 1e-9
 
 
 def test_a_groove_cut_by_a_torus_is_a_concave_face_between_two_rims() -> None:
