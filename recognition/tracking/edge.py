@@ -19,10 +19,11 @@ from exploration.control.track_outline import TrackedOutline, follow_outline
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, pressed, reach_edge
 from exploration.sensing.lines.edge_rounding import Rounding, rounding_of
-from exploration.sensing.response import rubber
+from exploration.sensing.response import Response, rubber
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 from recognition.running.felt_run import FeltRun
+from recognition.tracking.falling_face import set_back
 from recognition.tracking.traced import (
     angles_between,
     comes_round,
@@ -30,7 +31,6 @@ from recognition.tracking.traced import (
     described,
     loop_gap,
     outward_of,
-    set_back,
     whole_edges,
 )
 
@@ -156,7 +156,7 @@ def _felt_behind(
     run: FeltRun, outline: TrackedOutline, edge: Sighting, press: float, say: Say, config: TrackEdgeConfig
 ) -> EdgeTrack:
     """The outline with its dihedral angles, and set back by what they did to it, pressed `press` [mm]."""
-    traces, angles = [], []
+    traces, angles, response = [], [], _response(run)
     for number, trace in enumerate(outline.traces):
         outward = outward_of(trace, edge.outward, edge.tangent)
         angle = None
@@ -164,7 +164,9 @@ def _felt_behind(
             say(f"feeling behind edge {number + 1} of {len(outline.traces)}")
             angle = _dihedral(run, trace, outward)
         angles.append(angle)
-        traces.append(trace if angle is None else set_back(trace, outward, angle, press))
+        if angle is not None:
+            trace = set_back(trace, outward, angle, press, response, response.mean_width)
+        traces.append(trace)
     came_round = outline.ended != "closed" or comes_round(outline.traces)
     return EdgeTrack(
         tuple(traces),
@@ -183,10 +185,14 @@ def _rounding(run: FeltRun, profile: EdgeProfile | None, dihedral: float | None)
     """How an edge is rounded whose dihedral angle [rad] was felt."""
     if profile is None or dihedral is None:
         return None
-    calibration = run.guard.calibrations[run.guard.active]
-    response = calibration.response or rubber(calibration.spread, run.guard.sensor.array.pitch)
+    calibration, response = run.guard.calibrations[run.guard.active], _response(run)
     known = calibration.spread_sigma * calibration.spread / profile.width
     return rounding_of(profile.place, profile.depth, profile.sigma, profile.width, response, dihedral, known)
+
+
+def _response(run: FeltRun) -> Response:
+    calibration = run.guard.calibrations[run.guard.active]
+    return calibration.response or rubber(calibration.spread, run.guard.sensor.array.pitch)
 
 
 def _dihedral(run: FeltRun, trace: EdgeTrace, outward: Floats) -> float | None:

@@ -2,13 +2,6 @@
 
 A circle is fitted to n points of its plane by least squares of their distances, c and r minimizing
 sum (|p - c| - r)^2, by Gauss and Newton's steps from Kasa's algebraic circle.
-
-Rubber that is pressed d deep over an edge of dihedral angle a above 90 degrees still touches the falling face:
-the half-height line of the frame lies outward of the edge by about
-
-    d / (2 tan(180 degrees - a)),
-
-half of where the falling face is d deep (our derivation), which is taken off once the angle is known.
 """
 
 from __future__ import annotations
@@ -119,14 +112,6 @@ def outward_of(trace: EdgeTrace, outward: Floats, tangent: Floats) -> Floats:
     hand = 1.0 if float(np.cross(tangent, trace.normals[0]) @ outward) > 0 else -1.0
     turned: Floats = hand * across / np.linalg.norm(across, axis=1, keepdims=True)
     return turned
-
-
-def set_back(trace: EdgeTrace, outward: Floats, dihedral: float, press: float) -> EdgeTrace:
-    """A trace with the falling face's part taken off; `outward` (n, 3), `dihedral` [rad], `press` [mm]."""
-    if dihedral <= 0.5 * np.pi:
-        return trace
-    off = press / (2.0 * np.tan(np.pi - dihedral))
-    return replace(trace, points=frozen(trace.points - off * outward))
 
 
 def angles_between(traces: Sequence[EdgeTrace], closed: bool) -> list[float]:

@@ -17,11 +17,12 @@ from exploration.devices.simulated import PoseNoise, simulate
 from exploration.planning.edge_from_face import dihedral, pressed
 from exploration.planning.pad import Pad
 from exploration.sensing.calibration import Calibration
+from exploration.sensing.response import rubber
 from exploration.sensing.spec import load_sensor
 from models.solid import Solid
 from primitives.evidence import EdgeTrace
 from primitives.pose import pose
-from recognition.tracking.traced import set_back
+from recognition.tracking.falling_face import set_back
 
 NOISE = 0.05  # of the full-contact signal
 SCAN = 0.004  # [s] from the first row to the last
@@ -74,7 +75,10 @@ def with_dihedral(guard: Guard, trace: EdgeTrace) -> tuple[EdgeTrace, float | No
     press = pressed(pad) or PRESS
     pad.lie(np.empty((0, 3)))
     angle = dihedral(pad, at)
-    return (trace, None) if angle is None else (set_back(trace, outward, angle, press), angle)
+    if angle is None:
+        return trace, None
+    response = rubber(SPEC.elastomer.spread, SPEC.array.pitch)
+    return set_back(trace, outward, angle, press, response, response.mean_width), angle
 
 
 def outlined(guard: Guard, start: Start, length: float, speed: float) -> TrackedOutline:

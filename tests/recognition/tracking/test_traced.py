@@ -16,8 +16,6 @@ from recognition.tracking.traced import (
     corners_of,
     described,
     loop_gap,
-    outward_of,
-    set_back,
     whole_edges,
 )
 
@@ -87,21 +85,6 @@ def test_a_short_straight_trace_that_calls_itself_closed_is_neither_round_nor_a_
 def test_an_ellipse_is_neither_line_nor_circle():
     t = np.linspace(0, 2 * np.pi, 200)
     assert described(trace_of(np.column_stack([30 * np.cos(t), 20 * np.sin(t), 0 * t]))).curve == "other"
-
-
-@pytest.mark.parametrize("degrees", [100.0, 120.0, 150.0])
-def test_rubber_on_the_falling_face_is_taken_off(degrees):
-    falling, press = np.radians(180.0 - degrees), 0.5
-    where_it_is_half_as_deep = 0.5 * press / np.tan(falling)
-    seen = straight([where_it_is_half_as_deep, 0, 0], [where_it_is_half_as_deep, 30, 0])
-    outward = outward_of(seen, np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))
-    assert np.allclose(set_back(seen, outward, np.radians(degrees), press).points[:, 0], 0.0, atol=1e-12)
-
-
-def test_sharp_edges_are_left_where_they_are():
-    seen = straight([0, 0, 0], [0, 30, 0])
-    outward = outward_of(seen, np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))
-    assert set_back(seen, outward, np.radians(60.0), 0.5) is seen
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.05, 0.4])
