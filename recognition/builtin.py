@@ -1,7 +1,14 @@
-"""What comes with Palpate, as rows for a table or for JSON."""
+"""What comes with Palpate: a library of its parts, and rows for a table or for JSON."""
 
 from exploration.sensing.spec import load_sensor, sensor_names
-from models.parts import describe, names
+from models.library import Library
+from models.parts import build, describe, names
+from models.solid import Solid
+
+
+def part_library() -> Library:
+    """Every built-in part as an object to recognize."""
+    return Library.of({name: Solid.from_csg(build(name)) for name in names()})
 
 
 def part_rows() -> list[dict[str, object]]:

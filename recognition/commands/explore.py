@@ -19,7 +19,7 @@ from recognition.console import interrupts
 def explore(
     part: Part = "",
     device: flags.Device = None,
-    feature_mm: Annotated[float, typer.Option(help="Smallest feature that must not be missed [mm].")] = 10.0,
+    feature_mm: flags.FeatureMm = 10.0,
     max_touches: Annotated[int, typer.Option(help="Touches after which exploration stops.")] = 500,
     policy: Annotated[
         str,

@@ -13,6 +13,7 @@ Body = Annotated[
     int | None,
     typer.Option(help="Which body of a CAD file that holds several, counted from 1.", show_default=False),
 ]
+FeatureMm = Annotated[float, typer.Option(help="Smallest feature that must not be missed [mm].")]
 Facets = Annotated[bool, typer.Option("--facets", help="Keep the flat sides of OpenSCAD's circles ($fn).")]
 Workspace = Annotated[str, typer.Option(metavar="X0,Y0,Z0,X1,Y1,Z1", help="Where the object may be [mm].")]
 Pose = Annotated[
@@ -36,12 +37,23 @@ Noise = Annotated[
     float | None,
     typer.Option(help="1 sigma, as a fraction of the full-contact signal.", show_default="the sensor's own"),
 ]
+PriorCenter = Annotated[
+    str | None,
+    typer.Option(metavar="X,Y,Z", help="Where its middle may be [mm].", show_default="the contacts"),
+]
+PriorRadius = Annotated[float, typer.Option(help="How far from there [mm].")]
 PoseNoise = Annotated[float, typer.Option(help="1 sigma of the stage's reported position [mm].")]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
 Out = Annotated[Path | None, typer.Option(help="Folder of the run, new or empty.", show_default="runs/PART")]
 Device = Annotated[
     str | None,
     typer.Option(metavar="CONFIG.toml", help="On hardware, in PART's place.", show_default=False),
+]
+Library = Annotated[
+    Path | None,
+    typer.Option(
+        "--library", metavar="DIR", help="A folder of CAD files.", show_default="the built-in parts"
+    ),
 ]
 Live = Annotated[bool, typer.Option("--live", help="Watch it in the browser while it goes on.")]
 LiveAt = Annotated[

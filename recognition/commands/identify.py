@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -18,15 +17,13 @@ from recognition.console import interrupts
 def identify(
     part: Part = "",
     device: flags.Device = None,
-    library: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="A folder of CAD files.", show_default="the built-in parts"),
-    ] = None,
+    library: flags.Library = None,
     policy: Annotated[
         str, typer.Option(help="How touches are chosen: information, random, grid or largest-gap.")
     ] = "information",
     confidence: Annotated[float, typer.Option(help="Probability at which to stop.")] = 0.95,
     max_touches: Annotated[int, typer.Option(help="Touches after which it stops, sure or not.")] = 40,
+    feature_mm: flags.FeatureMm = 10.0,
     live: flags.Live = False,
     live_at: flags.LiveAt = None,
     *,
@@ -48,6 +45,7 @@ def identify(
             part=part,
             device=device,
             max_touches=max_touches,
+            feature=feature_mm,
             library=library,
             policy=policy,
             confidence=confidence,

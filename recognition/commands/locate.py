@@ -25,11 +25,9 @@ def locate(
     units: flags.Units = "auto",
     scale: flags.Scale = 1.0,
     body: flags.Body = None,
-    prior_center: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,Z", help="Where its middle may be [mm].", show_default="the contacts"),
-    ] = None,
-    prior_radius: Annotated[float, typer.Option(help="How far from there [mm].")] = 200.0,
+    facets: flags.Facets = False,
+    prior_center: flags.PriorCenter = None,
+    prior_radius: flags.PriorRadius = 200.0,
     contact_sigma: Annotated[
         str, typer.Option(metavar="MM|auto", help="1 sigma of contacts; auto: as told, else estimated.")
     ] = "auto",
@@ -44,22 +42,18 @@ def locate(
         with interrupts.held():
             from models.formats.units import Units as UnitName
             from models.formats.units import checked_flags
-            from recognition.config import parse_numbers
-            from recognition.recognizing.run import Asked
+            from recognition.recognizing.run import Asked, parse_center
             from recognition.reconstructing.options import parse_sigma
 
         checked_flags(units, scale)
-        center = (
-            None if prior_center is None else parse_numbers(prior_center, 3, "--prior-center", "X,Y,Z in mm")
-        )
-        asked = Asked(contacts, parse_sigma(contact_sigma), center, prior_radius, seed)
+        asked = Asked(contacts, parse_sigma(contact_sigma), parse_center(prior_center), prior_radius, seed)
     with one_line_errors():
         look_at_file(model)
         with interrupts.held():
             from recognition.recognizing.run import locate as run
             from recognition.recognizing.text import summary_text
 
-        summary = run(asked, model, cast(UnitName, units), scale, body)
+        summary = run(asked, model, cast(UnitName, units), scale, body, facets)
     if as_json:
         print_json(summary)
     else:

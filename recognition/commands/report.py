@@ -7,14 +7,19 @@ from typing import Annotated
 
 import typer
 
-from recognition.commands.answering import one_line_errors
+from recognition.commands.answering import Json, one_line_errors, print_json
 
 
 def report(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run, or of a suite.")],
+    as_json: Json = False,
 ) -> None:
     """Write a run's report.html again from what is in its folder."""
     with one_line_errors():
         from recognition.report.rewritten import rewrite
 
-        typer.echo(f"report: {rewrite(run)}")
+        page = rewrite(run)
+    if as_json:
+        print_json({"command": "report", "run": str(run), "files": {"report": page.name}})
+    else:
+        typer.echo(f"report: {page}")

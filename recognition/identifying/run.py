@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from models import parts
 from models.library import Library
-from models.solid import Solid
 from primitives.errors import PalpateError
+from recognition.builtin import part_library
 from recognition.config import settings
 from recognition.identifying.answer import candidates_json, top, truth_json, why_json
 from recognition.identifying.hand import GuardedHand
@@ -76,9 +75,7 @@ def run(
 
 def opened(folder: Path | None) -> Library:
     """A library's folder; without one the built-in parts."""
-    if folder is not None:
-        return Library.open(folder)
-    return Library.of({name: Solid.from_csg(parts.build(name)) for name in parts.names()})
+    return part_library() if folder is None else Library.open(folder)
 
 
 def _entry(step: Step, belief: Belief) -> dict[str, Any]:

@@ -17,10 +17,10 @@ PAGE = "report.html"
 _AGAIN = 5  # [s] after which the page of a run that goes on is asked for again
 
 
-def replay(run: Path, host: str, port: int, browser: bool, say: Callable[[str], object]) -> None:
-    """Until it is interrupted."""
+def replay(run: Path, host: str, port: int, browser: bool, told: Callable[[str], object]) -> None:
+    """Until it is interrupted; `told` is given the address."""
     with serving(run, host, port) as made:
-        say(f"{run} is at {address_of(made)} until Ctrl-C")
+        told(address_of(made))
         if browser:
             webbrowser.open(address_of(made))
         made.serve_forever()

@@ -19,6 +19,7 @@ from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace, FreeSpace
 
 ALIKE = 0.1  # share of the error's variance that contacts of one touch have in common
+WIDE = 200.0  # [mm] of a prior round contacts, where nobody told it
 BESIDE = 6.0  # [mm] over which the surface's own departure from the model is much the same
 
 
@@ -85,7 +86,7 @@ class Prior:
             )
 
     @staticmethod
-    def around(contacts: Contacts, radius: float = 200.0) -> Prior:
+    def around(contacts: Contacts, radius: float = WIDE) -> Prior:
         """Round the contacts themselves, where nothing is known."""
         return Prior(np.median(contacts.points, axis=0), radius)
 

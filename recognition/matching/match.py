@@ -69,7 +69,7 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     if len(evidence.contacts) > config.most:
         rows = spread(evidence.contacts, config.most)
         evidence = replace(evidence, contacts=evidence.contacts.select(rows))
-    prior = prior or Prior.around(evidence.contacts)
+    told_where, prior = prior, prior or Prior.around(evidence.contacts)
     known: dict[str, list[Floats]] = {}
     for name, at in starts:
         known.setdefault(name, []).append(inverse(at)[:3])
@@ -91,6 +91,8 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
         enough = told and count >= config.most_objects
         if (enough or belief.confidence > config.settled) and _fits(belief, evidence, config):
             break
+    if told_where and not belief.hypotheses:
+        _require_near(told_where, evidence, max(target_of(library[name]).size for name in found))
     return belief
 
 
@@ -190,6 +192,13 @@ def _scattered(evidence: Evidence, prior: Prior) -> float:
     each = -0.5 * square / widths**2 - 1.5 * (n - 1) * np.log(2 * np.pi * widths**2) - 1.5 * np.log(n)
     return float(logsumexp(each) - np.log(len(widths)) - np.log(prior.volume)
                  - np.log(4 * np.pi) * float(shares[evidence.contacts.has_normal].sum()))  # fmt: skip
+
+
+def _require_near(prior: Prior, evidence: Evidence, widest: float) -> None:
+    """An object at a place that was told, of which no contact can be, is an error: it is not unknown."""
+    away = np.linalg.norm(evidence.contacts.points - prior.center, axis=1)
+    if away.min() > prior.radius + widest:
+        raise PalpateError(_nowhere(evidence, prior))
 
 
 def _nowhere(evidence: Evidence, prior: Prior) -> str:

@@ -82,7 +82,8 @@ def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
     """What a person should know before the answer is used."""
     said = []
     if evidence.lacking:
-        said.append(f"{evidence.lacking} contacts have no normal; with normals far fewer contacts are enough")
+        have = "1 contact has" if evidence.lacking == 1 else f"{evidence.lacking} contacts have"
+        said.append(f"{have} no normal; with normals far fewer contacts are enough")
     if belief.confidence < 0.95:
         said.append(f"not sure: {belief.decision} has {100 * belief.confidence:.0f} %; give more contacts")
     return said

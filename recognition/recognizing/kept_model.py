@@ -23,29 +23,33 @@ from models.part import load_part
 from primitives.errors import PalpateError
 
 
-def kept_model(model: str, units: Units, scale: float, body: int | None) -> tuple[Entry, tuple[str, ...]]:
+def kept_model(
+    model: str, units: Units, scale: float, body: int | None = None, facets: bool = False
+) -> tuple[Entry, tuple[str, ...]]:
     """One entry, and what a person should know of its file."""
     path = Path(model)
     home = _home()
     if not path.is_file() or home is None:
-        return _read(model, units, scale, body)
-    file = ModelFile(path.stem, path, FileSettings(units, scale, body))
+        return _read(model, units, scale, body, facets)
+    file = ModelFile(path.stem, path, FileSettings(units, scale, body, facets))
     kept = home / f"{content_key(file)[0]}.npz"
     arrays = map_arrays(kept)
     if arrays is None:
         try:
             if make(file, kept)[1]:
-                return _read(model, units, scale, body)
+                return _read(model, units, scale, body, facets)
         except PalpateError:
-            return _read(model, units, scale, body)
+            return _read(model, units, scale, body, facets)
         arrays = map_arrays(kept)
     if arrays is None:
-        return _read(model, units, scale, body)
+        return _read(model, units, scale, body, facets)
     return Entry(file.name, Stored(kept, file), path), tuple(text_of(arrays)["warnings"])
 
 
-def _read(model: str, units: Units, scale: float, body: int | None) -> tuple[Entry, tuple[str, ...]]:
-    part = load_part(model, units, scale, body)
+def _read(
+    model: str, units: Units, scale: float, body: int | None, facets: bool
+) -> tuple[Entry, tuple[str, ...]]:
+    part = load_part(model, units, scale, body, facets)
     return Library.of({part.name: part.solid.placed(np.eye(4))})[part.name], part.warnings
 
 

@@ -14,7 +14,10 @@ import numpy as np
 from models.formats.units import Units
 from models.library import Library
 from primitives.errors import PalpateError
+from recognition.builtin import part_library
+from recognition.config import parse_numbers
 from recognition.matching import Evidence, Prior, match
+from recognition.matching.evidence import WIDE
 from recognition.matching.hypotheses import SearchConfig
 from recognition.matching.match import MatchConfig
 from recognition.recognizing.answer import modes, objects, warnings_of, why
@@ -22,6 +25,7 @@ from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
 from recognition.reconstructing.options import require_sigma
 from recognition.sources import read_source
+from recognition.sources.source import Source
 
 _MADE = 0.02  # [mm] by which an object differs from its model, at least
 _NORMAL_SIGMA = 0.037  # [rad] where nobody told: 3 degrees in total; its scale is then estimated
@@ -34,7 +38,7 @@ class Asked:
     source: str
     sigma: float | None = None  # [mm] of contacts; None: as the file says, else estimated
     center: Sequence[float] | None = None  # (3,) [mm] of the prior
-    radius: float = 200.0  # [mm]
+    radius: float = WIDE  # [mm]
     seed: int = 0  # of the turns that the search begins with where no normals were felt
 
     def __post_init__(self) -> None:
@@ -50,28 +54,35 @@ class Asked:
         return MatchConfig(search=SearchConfig(seed=self.seed))
 
 
-def evidence_of(asked: Asked) -> tuple[Evidence, list[str]]:
+def parse_center(text: str | None) -> tuple[float, ...] | None:
+    """`--prior-center`, where it is given."""
+    return None if text is None else parse_numbers(text, 3, "--prior-center", "X,Y,Z in mm")
+
+
+def evidence_of(asked: Asked, source: Source) -> Evidence:
     """The contacts of a source and what it swept, their noise as told or to be estimated."""
-    source = read_source(asked.source)
     told = source.measured_sigma or asked.sigma is not None
     contacts = source.with_sigma(asked.sigma).contacts
     sigma = np.hypot(contacts.sigma, _MADE)
     contacts = replace(contacts, sigma=sigma, normal_sigma=np.full(len(contacts), _NORMAL_SIGMA))
     free = None if source.sweep is None else source.sweep()
-    return Evidence(contacts, (), free, told, normal_scale_known=False), list(source.warnings)
+    return Evidence(contacts, (), free, told, normal_scale_known=False)
 
 
-def prior_of(asked: Asked, evidence: Evidence) -> Prior:
-    """As told, or round the contacts."""
+def prior_of(asked: Asked, evidence: Evidence) -> Prior | None:
+    """As told, or round the contacts; None where nothing was told."""
     if asked.center is None:
-        return Prior.around(evidence.contacts, asked.radius)
+        return None if asked.radius == WIDE else Prior.around(evidence.contacts, asked.radius)
     return Prior(np.asarray(asked.center, dtype=float), asked.radius)
 
 
-def locate(asked: Asked, model: str, units: Units, scale: float, body: int | None) -> dict[str, Any]:
+def locate(
+    asked: Asked, model: str, units: Units, scale: float, body: int | None = None, facets: bool = False
+) -> dict[str, Any]:
     """Every pose of one known model that the contacts allow, with its probability."""
-    evidence, said = evidence_of(asked)
-    entry, noted = kept_model(model, units, scale, body)
+    source = read_source(asked.source)
+    evidence = evidence_of(asked, source)
+    entry, noted = kept_model(model, units, scale, body, facets)
     library = Library({entry.name: lambda: entry})
     _ = entry.samples, entry.field, entry.symmetry  # the model's own preparation is start-up
     began = time.perf_counter()
@@ -82,18 +93,21 @@ def locate(asked: Asked, model: str, units: Units, scale: float, body: int | Non
         "decision": entry.name,
         "confidence": told[0]["probability"],
         "contacts": len(evidence.contacts),
+        **_cost(source),
         "wall_seconds": time.perf_counter() - began,
         "candidates": told,
+        "history": [],
         "why": {"runner_up": entry.name if len(told) > 1 else None, "separating_contacts": []},
         "truth": truth_of(asked.source, belief, library),
-        "warnings": [*said, *noted],
+        "warnings": [*source.warnings, *noted],
     }
 
 
-def recognize(asked: Asked, folder: Path, units: Units, scale: float) -> dict[str, Any]:
-    """Which object of a library was touched, and where it is."""
-    evidence, said = evidence_of(asked)
-    library = Library.open(folder, units, scale)
+def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> dict[str, Any]:
+    """Which object of a library (the built-in parts, without a folder) was touched, and where it is."""
+    source = read_source(asked.source)
+    evidence = evidence_of(asked, source)
+    library = part_library() if folder is None else Library.open(folder, units, scale)
     began = time.perf_counter()
     belief = match(evidence, library, prior_of(asked, evidence), config=asked.matching)
     return {
@@ -102,9 +116,16 @@ def recognize(asked: Asked, folder: Path, units: Units, scale: float) -> dict[st
         "confidence": belief.confidence,
         "unknown": belief.probabilities.get("unknown", 0.0),
         "contacts": len(evidence.contacts),
+        **_cost(source),
         "wall_seconds": time.perf_counter() - began,
         "candidates": objects(belief, library),
+        "history": [],
         "why": why(belief),
         "truth": truth_of(asked.source, belief, library),
-        "warnings": [*said, *library.warnings, *warnings_of(belief, evidence)],
+        "warnings": [*source.warnings, *library.warnings, *warnings_of(belief, evidence)],
     }
+
+
+def _cost(source: Source) -> dict[str, Any]:
+    """What the evidence took to touch, as far as its source says; nothing is touched for the answer."""
+    return {"touches": source.felt.touches, "travel_mm": source.felt.travel}

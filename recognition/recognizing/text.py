@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from recognition.matching.belief import UNKNOWN
 from recognition.report.terminal import table_text
+
+_LEAST = 1e-6  # [mm] below which a residual is rounding
 
 _TITLES = dict.fromkeys(
     (
@@ -25,10 +28,9 @@ _TITLES = dict.fromkeys(
 def summary_text(summary: Mapping[str, Any]) -> str:
     """The decision, then the candidates as a table."""
     s = summary
-    head = (
-        f"{s['decision']}: {100 * s['confidence']:.1f} % sure from {s['contacts']} contacts, "
-        f"in {s['wall_seconds']:.2f} s"
-    )
+    what = "none of the library's objects" if s["decision"] == UNKNOWN else s["decision"]
+    many = "1 contact" if s["contacts"] == 1 else f"{s['contacts']} contacts"
+    head = f"{what}: {100 * s['confidence']:.1f} % sure from {many}, in {s['wall_seconds']:.2f} s"
     rows = [{**_TITLES, **_row(c)} for c in s["candidates"]]
     return "\n".join([head, table_text(rows), *(f"note: {line}" for line in s["warnings"])])
 
@@ -43,5 +45,5 @@ def _row(c: Mapping[str, Any]) -> dict[str, str]:
         "+- mm": f"{c['pose_sigma']['translation_mm']:.2g}",
         "+- deg": f"{c['pose_sigma']['rotation_deg']:.2g}",
         "symmetry": c["symmetry"],
-        "residual [mm]": f"{c['residual_mm']:.3g}",
+        "residual [mm]": f"{c['residual_mm']:.3g}" if c["residual_mm"] > _LEAST else "0",
     }

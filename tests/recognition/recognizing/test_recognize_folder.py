@@ -10,7 +10,7 @@ from primitives.errors import PalpateError
 from recognition import cli
 from recognition.matching import Belief
 from recognition.recognizing.answer import objects
-from recognition.recognizing.run import Asked, recognize
+from recognition.recognizing.run import Asked, locate, recognize
 from recognition.recognizing.text import summary_text
 
 
@@ -62,3 +62,31 @@ def test_a_sigma_that_is_no_length_is_a_wrong_flag(command, text):
 
 def test_a_prior_without_extent_is_a_wrong_flag():
     assert CliRunner().invoke(cli.app, ["locate", "c.csv", "block", "--prior-radius", "0"]).exit_code == 2
+
+
+def test_an_object_where_no_contact_can_be_of_it_is_an_error_and_not_unknown(tmp_path):
+    write(parts.build("wedge"), tmp_path / "wedge.csg")
+    source = tmp_path / "contacts.txt"
+    source.write_text("\n".join(f"{x},{y},0,0,0,1" for x in (0, 5, 10) for y in (0, 4)))
+    with pytest.raises(PalpateError, match="--prior-center"):
+        recognize(Asked(str(source), center=(2000.0, 0.0, 0.0), radius=50.0), tmp_path, "auto", 1.0)
+
+
+@pytest.mark.parametrize("source", ["", "blokc"])
+def test_without_a_source_the_runs_that_are_there_are_listed(source, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = tmp_path / "runs" / "bolt"
+    run.mkdir(parents=True)
+    (run / "episode.mcap").write_bytes(b"")
+    (run / "summary.json").write_text('{"part": "bolt", "touches": 7, "ended": "closed"}')
+    told = CliRunner().invoke(cli.app, ["recognize", *([source] if source else [])])
+    assert told.exit_code == 1
+    assert told.stdout == ""
+    assert "bolt" in told.stderr.splitlines()[-1]
+
+
+def test_what_the_evidence_took_is_told_as_the_contract_says(tmp_path):
+    (tmp_path / "contacts.csv").write_text("\n".join(f"{x},{y},0,0,0,1" for x in (0, 5, 10) for y in (0, 4)))
+    (tmp_path / "summary.json").write_text('{"part": "block", "touches": 7, "travel_mm": 12.5}')
+    told = locate(Asked(str(tmp_path)), "block", "auto", 1.0)
+    assert (told["touches"], told["travel_mm"], told["history"]) == (7, 12.5, [])
