@@ -19,9 +19,14 @@ def triangle_neighbors(triangles: Ints) -> Ints:
 
 def open_edges(triangles: Ints) -> int:
     """How many edges do not pair up, whichever way their triangles are wound; 0 for a closed mesh."""
-    forth, back = _directed(triangles)
-    _, counts = np.unique(np.minimum(forth, back), return_counts=True)
+    _, counts = np.unique(edge_keys(triangles), return_counts=True)
     return int((counts % 2).sum())
+
+
+def edge_keys(triangles: Ints) -> Ints:
+    """(3 t,) one number for each edge, the same for all triangles that have it; three a triangle."""
+    forth, back = _directed(triangles)
+    return np.minimum(forth, back)
 
 
 def handles(triangles: Ints, loops: int) -> int:
@@ -68,8 +73,8 @@ def _directed(triangles: Ints) -> tuple[Ints, Ints]:
 
 def _disagreeing(triangles: Ints) -> Bools:
     """(t,) triangles wound against the first of their shell, walking over edges that two triangles share."""
-    forth, back = _directed(triangles)
-    _, edge, counts = np.unique(np.minimum(forth, back), return_inverse=True, return_counts=True)
+    forth, _ = _directed(triangles)
+    _, edge, counts = np.unique(edge_keys(triangles), return_inverse=True, return_counts=True)
     edge = edge.reshape(-1)
     order = np.argsort(edge, kind="stable")
     pairs = order[np.repeat(counts, counts) == 2].reshape(-1, 2)

@@ -13,10 +13,11 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from models.boundaries.topology import triangle_neighbors
-from primitives.arrays import Floats, Ints
+from models.boundaries.topology import edge_keys
+from primitives.arrays import Bools, Floats, Ints
 
 _PROBES = 8  # points of a shell that must all lie inside another
+_WITHIN = 0.75  # of a winding number; on a face it is a half
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,19 +73,35 @@ def winding(points: Floats, corners: Floats) -> Floats:
 
 
 def _shells(triangles: Ints) -> Ints:
-    """(t,) shell of each triangle, numbered by first appearance."""
-    neighbors = triangle_neighbors(triangles)
-    n = len(triangles)
-    rows, sides = np.nonzero(neighbors >= 0)
-    links = coo_array((np.ones(len(rows), dtype=bool), (rows, neighbors[rows, sides])), shape=(n, n))
-    _, piece = connected_components(links, False)
+    """(t,) shell of each triangle, numbered by first appearance.
+
+    Solids that touch along an edge are shells of their own: the four triangles there hold together only where a
+    shell would be open without.
+    """
+    _, edge, counts = np.unique(edge_keys(triangles), return_inverse=True, return_counts=True)
+    edge = edge.reshape(-1, 3)
+    plain = counts[edge] == 2
+    piece = _linked(edge, plain)
+    if not plain.all():
+        rows, sides = np.nonzero(~plain)
+        held, times = np.unique(np.stack([piece[rows], edge[rows, sides]]), axis=1, return_counts=True)
+        piece = _linked(edge, plain | np.isin(piece, held[0, times % 2 == 1])[:, None])
     _, first, same = np.unique(piece, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)
     rank[np.argsort(first)] = np.arange(len(first))
     return rank[same.reshape(-1)]
 
 
-def _inside(corners: Floats, shell: Ints, count: int) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+def _linked(edge: Ints, across: Bools) -> Ints:
+    """(t,) connected pieces of triangles with (t, 3) edges, over the (t, 3) sides that hold them together."""
+    rows, sides = np.nonzero(across)
+    n, ends = len(edge), len(edge) + edge[rows, sides]
+    size = n + int(edge.max()) + 1
+    links = coo_array((np.ones(len(rows), dtype=bool), (rows, ends)), shape=(size, size))
+    return np.asarray(connected_components(links, False)[1][:n], dtype=np.int64)
+
+
+def _inside(corners: Floats, shell: Ints, count: int) -> Bools:
     """(s, s) whether the first shell lies inside the second, by the winding of a few of its points."""
     inside = np.zeros((count, count), dtype=bool)
     if count == 1:
@@ -94,8 +111,9 @@ def _inside(corners: Floats, shell: Ints, count: int) -> np.ndarray[tuple[int, i
     low = np.array([piece.min(axis=(0, 1)) for piece in pieces])
     high = np.array([piece.max(axis=(0, 1)) for piece in pieces])
     for s, piece in enumerate(pieces):
-        within = (low < low[s]).all(axis=1) & (high > high[s]).all(axis=1)
+        within = (low <= low[s]).all(axis=1) & (high >= high[s]).all(axis=1)
+        within[s] = False
         probes = piece[np.linspace(0, len(piece) - 1, _PROBES).astype(int)].mean(axis=1)
         for other in np.flatnonzero(within):
-            inside[s, other] = (np.abs(winding(probes, pieces[other])) > 0.5).all()
+            inside[s, other] = (np.abs(winding(probes, pieces[other])) > _WITHIN).all()
     return inside

@@ -18,6 +18,18 @@ def load(tmp_path, corners, **how):
     return load_part(tmp_path / "part.stl", **how)
 
 
+def skin(cells):
+    """The triangles between cells of 20 mm and what is empty beside them."""
+    cube = trimesh.creation.box((20, 20, 20))
+    around = np.round(cube.face_normals).astype(int)
+    return np.concatenate(
+        [
+            cube.triangles[[tuple(np.add(cell, out)) not in cells for out in around]] + 20 * np.array(cell)
+            for cell in cells
+        ]
+    )
+
+
 def test_a_missing_flat_face_is_filled_and_said(tmp_path) -> None:
     part = load(tmp_path, BOX.triangles[BOX.face_normals[:, 2] < 0.5])
     assert part.solid.volume == pytest.approx(24000)
@@ -55,6 +67,24 @@ def test_a_shell_that_faces_out_inside_the_material_adds_nothing(tmp_path) -> No
     part = load(tmp_path, np.concatenate([BOX.triangles, BOX.triangles * 0.5]))
     assert part.solid.volume == pytest.approx(24000)
     assert "inside its material" in part.warnings[0]
+
+
+def test_two_solids_that_share_an_edge_are_two_bodies(tmp_path) -> None:
+    pair = np.concatenate([BOX.triangles, BOX.triangles + np.array([20, 30, 0])])
+    with pytest.raises(PalpateError, match="holds 2 bodies, choose one with --body"):
+        load(tmp_path, pair)
+    assert load(tmp_path, pair, body=2).solid.volume == pytest.approx(24000)
+
+
+def test_one_solid_that_touches_itself_along_an_edge_is_one_body(tmp_path) -> None:
+    cells = [(0, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 1, 0)]
+    assert load(tmp_path, skin(cells)).solid.volume == pytest.approx(5 * 8000)
+
+
+def test_a_cavity_that_touches_the_skin_along_an_edge_stays_a_cavity(tmp_path) -> None:
+    empty = {(1, 1, 1), (0, 0, 0), (0, 0, 1), (0, 0, 2)}
+    cells = [cell for cell in np.ndindex(3, 3, 3) if cell not in empty]
+    assert load(tmp_path, skin(cells)).solid.volume == pytest.approx(23 * 8000)
 
 
 def test_a_body_inside_a_cavity_is_another_body(tmp_path) -> None:
