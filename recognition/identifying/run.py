@@ -23,7 +23,7 @@ from recognition.identifying.learned import unfelt
 from recognition.identifying.options import IdentifyOptions
 from recognition.live import so_far
 from recognition.matching import Belief
-from recognition.matching.next_touch.choose import Choice, choose
+from recognition.matching.next_touch.choose import Choice, separating
 from recognition.report.against import drawn_truth, off_truth
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportMesh, RunReport
@@ -95,15 +95,8 @@ def _separating(identifier: Identifier) -> Choice | None:
         return None
     hand = identifier.hand
     try:
-        found = choose(
-            identifier.belief,
-            identifier.library,
-            hand.here,
-            identifier.ball(),
-            hand.pad,
-            hand.limits,
-            identifier.rng,
-        )
+        around = hand.here, identifier.ball(), hand.pad, hand.limits, identifier.rng
+        found = separating(identifier.belief, identifier.library, *around)
     except PalpateError:
         return None
     return found if isinstance(found, Choice) else None

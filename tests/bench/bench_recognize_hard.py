@@ -12,24 +12,25 @@ from typing import Any
 import numpy as np
 from bench_recognize import QUERIES, Table, trials_of
 from recognizing.objects import library, twins
-from recognizing.trials import NOISE, TURN, Trial, on_surface
+from recognizing.trials import NOISE, TURN, Trial, add_s, on_surface
 
 from exploration.devices.protocols import StageLimits
+from exploration.planning.lone_touch import Approach
 from exploration.planning.round_ball import Ball
 from models.library import Library
 from models.solid import Solid
 from models.symmetry import pose_error
+from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.pose import pose, random_rotation, rotate, transform_points
-from recognition.matching import Evidence, Prior, match
-from recognition.matching.next_touch import Choice, choose
-from recognition.matching.next_touch.information import TouchNoise, squared_distances
-from recognition.matching.next_touch.outcomes import foresee
+from recognition.identifying.placed import is_placed
+from recognition.matching import Belief, Evidence, Prior, match
+from recognition.matching.next_touch import Choice, separating
 
 PAD = (28.8, 18.0)  # [mm]
-TOLD_APART = (
-    4.0  # squared distance between two outcomes, in standard deviations: one ray of the grid in a hole
-)
+PITCH = 1.8  # [mm]
+UNLIKE = 0.5  # [mm] that first contact, or the surface under a taxel, is another
+TAXELS = 3  # of these
 CORNERS = np.array([[0, 0, 0], [100, 0, 0], [30, 80, 0], [35, 25, 70.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 
@@ -62,22 +63,56 @@ def near_duplicates(table: Table) -> None:
         both = [min(b.probabilities[name] for name in known) > 0.02 for b, _ in open_still]
         if both:
             table.share("palpate", f"both named where open, twins in a {kind}", both)
+        placed = [_placed(b, t, known) for b, t in open_still]
         hits = [_separated(b, t, known, k) for k, (b, t) in enumerate(open_still)]
-        if hits:
-            table.share("palpate", f"separating touch hits what differs, twins in a {kind}", hits, ">= 95")
+        for where, rows in (("", placed), (" (pose open too)", [not p for p in placed])):
+            some = [hit for hit, row in zip(hits, rows, strict=True) if row]
+            if some:
+                what = f"separating touch hits what differs, twins in a {kind}{where}"
+                table.share("palpate", what, some, None if where else ">= 95")
 
 
-def _separated(belief: Any, t: Trial, known: Library, seed: int) -> bool:
-    """Whether the touch proposed would feel unlike on the two, both where the true one is."""
+def _placed(belief: Belief, t: Trial, known: Library) -> bool:
+    """Whether the object's own poses leave no doubt where it is: else no one touch can be known to tell."""
+    return (
+        is_placed(belief, known[t.name], 0.9)
+        and add_s(known[t.name], belief.best(t.name).pose, t.world) < 0.02
+    )
+
+
+def _separated(belief: Belief, t: Trial, known: Library, seed: int) -> bool:
+    """Whether the pad of the touch proposed would feel unlike on the true one and on where the other would be."""
     middle = transform_points(t.world, np.asarray(known[t.name].samples.points)).mean(axis=0)
     here = pose(np.diag([1.0, -1.0, -1.0]), [*middle[:2], middle[2] + 150.0])
     limits, rng = StageLimits(), np.random.default_rng(seed)
-    found = choose(belief, known, here, Ball(middle, 90.0), PAD, limits, rng)
+    found = separating(belief, known, here, Ball(middle, 90.0), PAD, limits, rng)
     if not isinstance(found, Choice):
         return False
-    solids = tuple(entry.solid.placed(t.world) for entry in known.values())
-    apart = squared_distances(foresee([found.approach], solids, PAD), TouchNoise())
-    return bool(apart[0, 0, 1] > TOLD_APART)
+    rival = next(name for name in known if name != t.name)
+    there = belief.best(rival)
+    if there is None:
+        return False
+    placed = known[t.name].solid.placed(t.world), known[rival].solid.placed(there.pose)
+    one, other = (_felt(solid, found.approach) for solid in placed)
+    if not (np.isfinite(one[0]) and np.isfinite(other[0])):
+        return bool(np.isfinite(one[0]) != np.isfinite(other[0]))
+    unlike = np.abs(one[1] - other[1]) > UNLIKE
+    return bool(abs(one[0] - other[0]) > UNLIKE or unlike.sum() >= TAXELS)
+
+
+def _felt(solid: Solid, approach: Approach) -> tuple[float, Floats]:
+    """[mm] of advance to first contact, and how far every taxel is then from the surface, up to a millimeter."""
+    x, y = (PITCH * (np.arange(n) - 0.5 * (n - 1)) for n in (16, 10))
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    origins = approach.start[:3, 3] + grid @ approach.start[:3, :2].T
+    ways = np.ascontiguousarray(np.broadcast_to(approach.start[:3, 2], origins.shape))
+    cast = solid.cast_rays(origins, ways)
+    k = int(np.argmin(cast.distance))
+    if not cast.distance[k] <= approach.length:
+        return np.inf, np.empty(0)
+    reached = np.where(np.isfinite(cast.distance), cast.distance, cast.distance[k] + 50.0)
+    points = origins + reached[:, None] * ways
+    return float(cast.distance[k]), np.clip((points[k] - points) @ cast.normals[k], -1.0, 1.0)
 
 
 def covered(table: Table) -> None:

@@ -89,7 +89,7 @@ def toward(ball: Ball, place: Floats, direction: Floats, rng: np.random.Generato
 def _surface(known: Held, library: Library, row: int) -> tuple[Floats, Floats]:
     """Samples of one hypothesis in the world."""
     samples, pose = library[known.names[row]].samples, known.solids[row].pose
-    return se3.transform_points(pose, samples.points[:400]), se3.rotate(pose, samples.normals[:400])
+    return se3.transform_points(pose, samples.points), se3.rotate(pose, samples.normals)
 
 
 def _pairs(known: Held, most: int) -> list[tuple[int, int]]:

@@ -9,7 +9,7 @@ utility is a callable, so that a planner can be handed another.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -37,6 +37,7 @@ class ChooseConfig:
     missed: float = 0.5  # [s] saved where nothing is met
     pose_share: float = 0.4  # of a bit about the name, that one about its pose is worth
     least: float = 0.01  # [bits] below which a touch tells nothing
+    hurried: bool = True  # whether bits are counted by the second
     candidates: CandidateConfig = field(default_factory=CandidateConfig)
     noise: TouchNoise = field(default_factory=TouchNoise)
 
@@ -99,12 +100,27 @@ def choose(
     travel = np.array([travel_seconds(here, way, limits) for way in ways])
     seconds = travel + advance / config.speed + config.settling * hits + config.failed * risk
     worth = bits * (1.0 - risk)
-    best = int(np.argmax(worth / seconds))
+    best = int(np.argmax(worth / seconds if config.hurried else worth))
     if worth[best] < config.least:
         return NoChoice("no reachable touch would tell what is left apart")
     return Choice(
         offered[best], tuple(ways[best]), float(worth[best]), float(names[best]), float(seconds[best])
     )
+
+
+def separating(
+    belief: Believed,
+    library: Library,
+    here: Floats,
+    ball: Ball,
+    pad: tuple[float, float],
+    limits: StageLimits,
+    rng: np.random.Generator,
+    reachable: Callable[[Approach], bool] = lambda approach: True,
+) -> Choice | NoChoice:
+    """The touch that tells most of which object it is, however long it takes."""
+    config = replace(ChooseConfig(), pose_share=0.0, hurried=False)
+    return choose(belief, library, here, ball, pad, limits, rng, config, reachable=reachable)
 
 
 def travel_seconds(here: Floats, way: list[Floats], limits: StageLimits) -> float:

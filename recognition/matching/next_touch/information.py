@@ -28,7 +28,7 @@ class TouchNoise:
     depth: float = 0.5  # [mm]
     normal: float = 0.06  # [rad]
     gap: float = 0.35  # [mm]
-    alike: float = 2.0  # places of the skin that err together
+    alike: float = 100.0  # [mm^2] of the skin, over which gaps err together
     never: float = 60.0  # squared distance between meeting and missing
     unknown: float = 0.1  # overlap of any outcome with that of an object in no library
 
@@ -48,10 +48,13 @@ def information(outcomes: Outcomes, known: Held, noise: TouchNoise | None = None
 
 def squared_distances(outcomes: Outcomes, noise: TouchNoise) -> Floats:
     """(c, h, h) between what is foreseen under each two hypotheses, in standard deviations."""
-    depth = (outcomes.depth[:, :, None] - outcomes.depth[:, None]) ** 2 / noise.depth**2
+    sharp = outcomes.sharp[:, :, None] | outcomes.sharp[:, None]
+    unsure = np.where(sharp, noise.depth**2 + outcomes.cell, noise.depth**2)
+    depth = (outcomes.depth[:, :, None] - outcomes.depth[:, None]) ** 2 / unsure
     turn = ((outcomes.normal[:, :, None] - outcomes.normal[:, None]) ** 2).sum(axis=-1) / noise.normal**2
     gap = ((outcomes.gaps[:, :, None] - outcomes.gaps[:, None]) ** 2).sum(axis=-1)
-    apart: Floats = depth + turn + gap / (noise.alike * noise.gap**2)
+    flush = turn + gap / (max(noise.alike / outcomes.cell, 1.0) * noise.gap**2)
+    apart: Floats = depth + np.where(sharp, 0.0, flush)
     both = outcomes.hit[:, :, None] & outcomes.hit[:, None]
     one = outcomes.hit[:, :, None] ^ outcomes.hit[:, None]
     return np.where(both, np.minimum(apart, noise.never), np.where(one, noise.never, 0.0))

@@ -2,7 +2,9 @@
 
 A grid of rays stands for the skin.  The first hit is where contact begins; its distance and normal are felt,
 and so is, once the pad lies flush, how far every place of the skin is from the plane of contact: nothing there,
-an edge, a hole, or a wall in the way.  That gap is felt up to the press only.
+an edge, a hole, or a wall in the way.  That gap is felt up to the press only.  A pad that comes down aslant on an
+edge or a corner may roll onto any face beside it: neither normal nor gaps are foreseen there, and how deep it lies
+only as well as rays stand close.
 """
 
 from __future__ import annotations
@@ -16,7 +18,11 @@ from models.solid import Solid
 from primitives.arrays import Bools, Floats, frozen
 
 _GAP = 1.0  # [mm] beyond which the skin cannot say how far away the surface is
-_GRID = (5, 3)  # rays over the skin, along its x and y
+_APART = 4.5  # [mm] between rays over the skin, at most: a hole of twice that is met by several
+_ASLANT = 0.25  # [rad] between pad and face, from which it meets the face's edge first
+_FOLD = 0.5  # [rad] between the normals beside an edge
+_BESIDE = 8.0  # [mm] by which the same face may lie deeper beside the first contact
+_SKIN = 0.9  # of the skin's sides, that rays cover
 
 
 @dataclass(frozen=True)
@@ -28,12 +34,17 @@ class Outcomes:
     normal: Floats  # (c, h, 3) outward there
     gaps: Floats  # (c, h, k) [mm] below the plane of contact, within +- 1
     risk: Floats  # (c, h) chance that the housing is in the way or the pad does not settle
+    sharp: (
+        Bools  # (c, h) whether it meets an edge or a corner aslant, so that either face's normal may be felt
+    )
+    cell: float = 50.0  # [mm^2] of the skin that a place stands for
 
 
 def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[float, float]) -> Outcomes:
     """Cast all rays of all approaches on each solid."""
     starts = np.stack([a.start for a in approaches])
-    x, y = (np.linspace(-0.45 * s, 0.45 * s, n) for s, n in zip(size, _GRID, strict=True))
+    x, y = (_across(side) for side in size)
+    cell = _SKIN**2 * size[0] * size[1] / (len(x) * len(y))
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     c, k, h = len(approaches), len(grid), len(solids)
     origins = starts[:, None, :3, 3] + np.einsum("cij,kj->cki", starts[:, :3, :2], grid)
@@ -41,6 +52,8 @@ def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[f
     length = np.array([a.length for a in approaches])
     hit, depth = np.zeros((c, h), dtype=bool), np.zeros((c, h))
     normal, gaps, risk = np.zeros((c, h, 3)), np.full((c, h, k), _GAP), np.zeros((c, h))
+    sharp, spacing = np.zeros((c, h), dtype=bool), max(x[1] - x[0], y[1] - y[0])
+    beside = np.linalg.norm(grid[:, None] - grid, axis=2) < 1.5 * spacing
     for j, solid in enumerate(solids):
         cast = solid.cast_rays(origins.reshape(-1, 3), np.ascontiguousarray(ways.reshape(-1, 3)))
         reached = cast.distance.reshape(c, k)
@@ -53,7 +66,18 @@ def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[f
         points = origins + np.where(felt, reached, 0.0)[..., None] * ways
         below = np.einsum("cki,ci->ck", points[rows, first][:, None] - points, normal[:, j])
         gaps[:, j] = np.where(felt & met[:, None], np.clip(below, -_GAP, _GAP), _GAP)
-        steep = -np.einsum("ci,ci->c", normal[:, j], starts[:, :3, 2]) < 0.5
+        along = -np.einsum("ci,ci->c", normal[:, j], starts[:, :3, 2])
+        folded = np.einsum("cki,ci->ck", cast.normals.reshape(c, k, 3), normal[:, j]) < np.cos(_FOLD)
+        beyond = reached > reached[rows, first][:, None] + _BESIDE
+        sharp[:, j] = met & (along < np.cos(_ASLANT)) & (beside[first] & (folded | beyond)).any(axis=1)
+        steep = along < 0.5
         blocked = (below < -2.0).any(axis=1, where=felt)
         risk[:, j] = np.where(met, 0.15 + 0.35 * steep + 0.4 * blocked, 0.0)
-    return Outcomes(frozen(hit, bool), frozen(depth), frozen(normal), frozen(gaps), frozen(risk))
+    return Outcomes(frozen(hit, bool), frozen(depth), frozen(normal), frozen(gaps), frozen(risk),
+                    frozen(sharp, bool), cell)  # fmt: skip
+
+
+def _across(side: float) -> Floats:
+    """(n,) [mm] places along a side of the skin, its middle among them."""
+    half = max(1, min(8, int(np.ceil(0.5 * _SKIN * side / _APART))))
+    return np.linspace(-0.5 * _SKIN * side, 0.5 * _SKIN * side, 2 * half + 1)

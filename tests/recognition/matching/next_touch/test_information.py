@@ -21,8 +21,9 @@ def _outcomes(depth: np.ndarray, hit: np.ndarray | None = None) -> Outcomes:
     normal = np.tile([0.0, 0.0, 1.0], (c, h, 1))
     met = np.ones((c, h), dtype=bool) if hit is None else hit
     return Outcomes(
-        frozen(met, bool), frozen(depth), frozen(normal), frozen(np.zeros((c, h, 4))), frozen(0 * depth)
-    )
+        frozen(met, bool), frozen(depth), frozen(normal), frozen(np.zeros((c, h, 4))), frozen(0 * depth),
+        frozen(np.zeros((c, h)), bool),
+    )  # fmt: skip
 
 
 def test_what_all_hypotheses_foresee_alike_tells_nothing() -> None:
