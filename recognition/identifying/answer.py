@@ -1,4 +1,4 @@
-"""What an identification says: candidates, why it is the first and not the second, and how true that is."""
+"""What an identification says: how true it is, and the answer in a line."""
 
 from __future__ import annotations
 
@@ -10,64 +10,9 @@ import numpy as np
 from models.library import Library
 from models.solid import Solid
 from models.symmetry import pose_error
-from primitives.arrays import Floats
-from primitives.pose import quaternion_wxyz
 from recognition.matching import Belief
-from recognition.matching.next_touch.choose import Choice
-from recognition.matching.next_touch.held import UNKNOWN
-
-_LEAST = 5e-4  # probability of a candidate that is listed
-
-
-def candidates_json(belief: Belief, library: Library, most: int = 10) -> list[dict[str, Any]]:
-    """The likeliest names, each with its likeliest pose; `unknown` has none."""
-    ranked = sorted(belief.probabilities.items(), key=lambda item: -item[1])[:most]
-    return [
-        _candidate(name, float(p), belief, library)
-        for k, (name, p) in enumerate(ranked)
-        if p > _LEAST or not k
-    ]
-
-
-def _candidate(name: str, probability: float, belief: Belief, library: Library) -> dict[str, Any]:
-    best = None if name == UNKNOWN else belief.best(name)
-    if best is None:
-        return {"name": name, "probability": probability, "pose": None, "pose_sigma": None, "symmetry": None,
-                "residual_mm": None}  # fmt: skip
-    return {
-        "name": name,
-        "probability": probability,
-        "pose": pose_json(best.pose),
-        "pose_sigma": {
-            "translation_mm": best.translation_sigma,
-            "rotation_deg": float(np.degrees(best.rotation_sigma)),
-        },
-        "symmetry": library[name].symmetry.name,
-        "residual_mm": best.residual,
-    }
-
-
-def pose_json(pose: Floats) -> dict[str, Any]:
-    """As the summary writes poses."""
-    return {"translation_mm": pose[:3, 3].tolist(), "quaternion_wxyz": quaternion_wxyz(pose).tolist()}
-
-
-def why_json(belief: Belief, separate: Choice | None) -> dict[str, Any]:
-    """The runner-up, the contacts that speak against it, and the touch that would settle what is left."""
-    ranked = sorted(belief.probabilities, key=lambda name: -belief.probabilities[name])
-    second = ranked[1] if len(ranked) > 1 else None
-    told: dict[str, Any] = {"runner_up": second, "separating_contacts": []}
-    if second is not None and UNKNOWN not in ranked[:2]:
-        told["separating_contacts"] = list(belief.separating(ranked[0], second))
-    if separate is not None:
-        told["separating_touch"] = {
-            "start": pose_json(separate.approach.start),
-            "direction": separate.approach.direction.tolist(),
-            "length_mm": separate.approach.length,
-            "bits": separate.name_bits,
-            "seconds": separate.seconds,
-        }
-    return told
+from recognition.matching.belief import UNKNOWN
+from recognition.recognizing.answer import pose_json
 
 
 def truth_json(belief: Belief | None, library: Library, name: str, solid: Solid) -> dict[str, Any]:

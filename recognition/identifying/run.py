@@ -16,7 +16,7 @@ from models.library import Library
 from primitives.errors import PalpateError
 from recognition.builtin import part_library
 from recognition.config import settings
-from recognition.identifying.answer import candidates_json, top, truth_json, why_json
+from recognition.identifying.answer import top, truth_json
 from recognition.identifying.hand import GuardedHand
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step
 from recognition.identifying.learned import unfelt
@@ -24,6 +24,7 @@ from recognition.identifying.options import IdentifyOptions
 from recognition.live import so_far
 from recognition.matching import Belief
 from recognition.matching.next_touch.choose import Choice, separating
+from recognition.recognizing.answer import objects, why
 from recognition.report.against import drawn_truth, off_truth
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportMesh, RunReport
@@ -118,9 +119,9 @@ def _finish(
         "ended": identifier.ended,
         "policy": options.policy,
         "library": {"objects": len(library), "folder": None if options.library is None else str(options.library)},
-        "candidates": candidates_json(belief, library),
+        "candidates": objects(belief, library),
         "history": history,
-        "why": why_json(belief, separate),
+        "why": why(belief, separate),
         "truth": truth_json(belief, library, felt.world.part.name, felt.world.solid)
         if felt.world.known
         else None,

@@ -1,4 +1,4 @@
-"""A belief as `locate` and `recognize` answer: candidates with pose, uncertainty and probability."""
+"""A belief as `locate`, `recognize` and `identify` answer: candidates with pose, uncertainty and probability."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from primitives.arrays import Floats
 from primitives.pose import quaternion_wxyz
 from recognition.matching import Belief, Evidence, Hypothesis
 from recognition.matching.belief import UNKNOWN
+from recognition.matching.next_touch import Choice
 
 _LEAST = 1e-4  # a candidate less probable than this is not told, unless it is the best of its object
 
@@ -50,11 +51,9 @@ def objects(belief: Belief, library: Mapping[str, Entry], most: int = 10) -> lis
     ranked = sorted(belief.probabilities.items(), key=lambda item: -item[1])
     best = [(name, belief.best(name), p) for name, p in ranked]
     told = [
-        without_pose(name, p) if h is None else candidate(h, library[name], p)
-        for name, h, p in best
-        if h is not None or name == UNKNOWN
+        without_pose(name, p) if h is None else candidate(h, library[name], p) for name, h, p in best[:most]
     ]
-    return [c for i, c in enumerate(told[:most]) if i == 0 or c["probability"] >= _LEAST]
+    return [c for i, c in enumerate(told) if i == 0 or c["probability"] >= _LEAST]
 
 
 def modes(belief: Belief, entry: Entry, most: int = 32) -> list[dict[str, Any]]:
@@ -66,8 +65,8 @@ def modes(belief: Belief, entry: Entry, most: int = 32) -> list[dict[str, Any]]:
     return [candidate(h, entry, float(p)) for h, p in pairs]
 
 
-def why(belief: Belief) -> dict[str, Any]:
-    """What separated the winner from the runner-up."""
+def why(belief: Belief, separate: Choice | None = None) -> dict[str, Any]:
+    """The runner-up, the contacts that speak against it, and the touch that would settle what is left."""
     ranked = sorted(belief.probabilities.items(), key=lambda item: -item[1])
     if len(ranked) < 2:
         return {"runner_up": None, "separating_contacts": []}
@@ -75,7 +74,16 @@ def why(belief: Belief) -> dict[str, Any]:
     named = [name for name, _ in ranked if name != UNKNOWN]
     rival = second if second != UNKNOWN else (named[1] if len(named) > 1 else None)
     contacts: Sequence[int] = belief.separating(first, rival) if rival and first != UNKNOWN else ()
-    return {"runner_up": second, "separating_contacts": list(contacts)}
+    told: dict[str, Any] = {"runner_up": second, "separating_contacts": list(contacts)}
+    if separate is not None:
+        told["separating_touch"] = {
+            "start": pose_json(separate.approach.start),
+            "direction": separate.approach.direction.tolist(),
+            "length_mm": separate.approach.length,
+            "bits": separate.name_bits,
+            "seconds": separate.seconds,
+        }
+    return told
 
 
 def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:

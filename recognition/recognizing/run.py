@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from exploration.devices.protocols import StageLimits
+from exploration.sensing.spec import load_sensor
 from models.formats.units import Units
-from models.library import Library
+from models.library import Entry, Library
 from primitives.errors import PalpateError
+from primitives.pose import pose
 from recognition.builtin import part_library
-from recognition.config import parse_numbers
-from recognition.matching import Evidence, Prior, match
+from recognition.config import ExploreOptions, parse_numbers
+from recognition.identifying.bounds import believed_ball
+from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.evidence import WIDE
 from recognition.matching.hypotheses import SearchConfig
 from recognition.matching.match import MatchConfig
+from recognition.matching.next_touch import Choice, separating
 from recognition.recognizing.answer import modes, objects, warnings_of, why
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
@@ -27,6 +32,7 @@ from recognition.reconstructing.options import require_sigma
 from recognition.sources import read_source
 from recognition.sources.source import Source
 
+_SURE = 0.95  # confidence from which on nothing is left to tell
 _MADE = 0.02  # [mm] by which an object differs from its model, at least
 _NORMAL_SIGMA = 0.037  # [rad] where nobody told: 3 degrees in total; its scale is then estimated
 
@@ -110,6 +116,7 @@ def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> 
     library = part_library() if folder is None else Library.open(folder, units, scale)
     began = time.perf_counter()
     belief = match(evidence, library, prior_of(asked, evidence), config=asked.matching)
+    seconds = time.perf_counter() - began
     return {
         "command": "recognize",
         "decision": belief.decision,
@@ -117,13 +124,32 @@ def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> 
         "unknown": belief.probabilities.get("unknown", 0.0),
         "contacts": len(evidence.contacts),
         **_cost(source),
-        "wall_seconds": time.perf_counter() - began,
+        "wall_seconds": seconds,
         "candidates": objects(belief, library),
         "history": [],
-        "why": why(belief),
+        "why": why(belief, _would_tell(belief, evidence, library, asked.seed)),
         "truth": truth_of(asked.source, belief, library),
         "warnings": [*source.warnings, *library.warnings, *warnings_of(belief, evidence)],
     }
+
+
+def _would_tell(belief: Belief, evidence: Evidence, library: Library, seed: int) -> Choice | None:
+    """Where it is not sure, the touch of the usual array, coming from above, that would tell most of the name."""
+    if belief.confidence >= _SURE:
+        return None
+    likely = Library({name: _taken(library, name) for name in belief.probabilities if belief.best(name)})
+    if not len(likely):
+        return None
+    pad = load_sensor(ExploreOptions("").sensors[0]).array.size
+    around = believed_ball(evidence.contacts, len(evidence.contacts), belief, likely, pad)
+    above = around.center + np.array([0.0, 0.0, around.radius])
+    here = pose(np.diag([1.0, -1.0, -1.0]), above)
+    found = separating(belief, likely, here, around, pad, StageLimits(), np.random.default_rng(seed))
+    return found if isinstance(found, Choice) else None
+
+
+def _taken(library: Library, name: str) -> Callable[[], Entry]:
+    return lambda: library[name]
 
 
 def _cost(source: Source) -> dict[str, Any]:

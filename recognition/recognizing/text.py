@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from recognition.matching.belief import UNKNOWN
@@ -32,7 +32,26 @@ def summary_text(summary: Mapping[str, Any]) -> str:
     many = "1 contact" if s["contacts"] == 1 else f"{s['contacts']} contacts"
     head = f"{what}: {100 * s['confidence']:.1f} % sure from {many}, in {s['wall_seconds']:.2f} s"
     rows = [{**_TITLES, **_row(c)} for c in s["candidates"]]
-    return "\n".join([head, table_text(rows), *(f"note: {line}" for line in s["warnings"])])
+    return "\n".join([head, table_text(rows), *_why(s["why"]), *(f"note: {line}" for line in s["warnings"])])
+
+
+def _why(why: Mapping[str, Any]) -> list[str]:
+    """The contacts that speak against the runner-up, and the touch that would tell more."""
+    told = []
+    if why["separating_contacts"] and why["runner_up"] != UNKNOWN:
+        numbers = ", ".join(map(str, why["separating_contacts"]))
+        told.append(f"not {why['runner_up']}: contacts {numbers} speak against it, counted from 0")
+    if touch := why.get("separating_touch"):
+        at, way = touch["start"]["translation_mm"], touch["direction"]
+        told.append(
+            f"a touch that would tell more: from {_three(at, 1)} mm along {_three(way, 2)}, "
+            f"{touch['bits']:.2f} bits expected"
+        )
+    return told
+
+
+def _three(numbers: Sequence[float], places: int) -> str:
+    return ", ".join(f"{x:.{places}f}" for x in numbers)
 
 
 def _row(c: Mapping[str, Any]) -> dict[str, str]:

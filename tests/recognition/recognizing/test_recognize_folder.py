@@ -9,7 +9,7 @@ from models.formats.openscad.writer import write
 from primitives.errors import PalpateError
 from recognition import cli
 from recognition.matching import Belief
-from recognition.recognizing.answer import objects
+from recognition.recognizing.answer import objects, why
 from recognition.recognizing.run import Asked, locate, recognize
 from recognition.recognizing.text import summary_text
 
@@ -33,7 +33,8 @@ def test_none_of_these_is_the_first_candidate_where_it_is_decided_for(tmp_path):
     assert told[0]["name"] == "unknown"
     assert told[0]["probability"] == 0.7
     said = {"decision": "unknown", "confidence": 0.7, "contacts": 9, "wall_seconds": 0.1, "warnings": []}
-    assert "unknown" in summary_text({**said, "candidates": told}).splitlines()[-1]
+    told = told[:1]
+    assert "unknown" in summary_text({**said, "candidates": told, "why": why(belief)}).splitlines()[-1]
 
 
 @pytest.mark.parametrize(
@@ -90,3 +91,14 @@ def test_what_the_evidence_took_is_told_as_the_contract_says(tmp_path):
     (tmp_path / "summary.json").write_text('{"part": "block", "touches": 7, "travel_mm": 12.5}')
     told = locate(Asked(str(tmp_path)), "block", "auto", 1.0)
     assert (told["touches"], told["travel_mm"], told["history"]) == (7, 12.5, [])
+
+
+def test_where_it_is_not_sure_it_says_which_touch_would_tell(tmp_path):
+    write(parts.build("block"), tmp_path / "block.csg")
+    write(parts.build("wedge"), tmp_path / "wedge.csg")
+    source = tmp_path / "contacts.csv"
+    source.write_text("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n8,0,0,0,0,1\n0,9,0,0,0,1\n")
+    answer = recognize(Asked(str(source), sigma=0.1), tmp_path, "auto", 1.0)
+    assert answer["confidence"] < 0.95
+    assert answer["why"]["separating_touch"]["bits"] > 0.1
+    assert "a touch that would tell more" in summary_text(answer)
