@@ -18,10 +18,12 @@ from pathlib import Path
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from exploration.control.edge_refined import Frames, moved_outward, nodes_along
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.stage_trail import StageTrail
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
+from exploration.sensing.response import rubber
 from models.csg import Sphere
 from models.library import Library, distance_field
 from models.solid import Solid
@@ -94,6 +96,15 @@ def the_rest(folder: Path) -> None:
     match_once()
     KinematicChain.gantry().reach(np.eye(4), np.ones(6))
     StageTrail(0.0, np.eye(4)).at(np.zeros(1), np.eye(4))
+    bent_edge_once()
+
+
+def bent_edge_once() -> None:
+    """One frame beside a line, which no part that is tracked here would ask for."""
+    flat, places = np.zeros((1, *SHAPE)), nodes_along(-4.0, 4.0)
+    curve = np.column_stack([places, np.zeros((len(places), 2))])
+    frames = Frames(flat, flat + 1.0, (1.8, 1.8), np.eye(4)[None], np.ones((1, 2)), 1.0, np.zeros(1))
+    moved_outward(curve, frames, float(places[0]), rubber(1.2, (1.8, 1.8)))
 
 
 def match_once() -> None:

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from exploration.control.edge_trace import EdgeTick
+from exploration.control.edge_ticks import EdgeTick
 from exploration.sensing.lines.bent_edge import inside
 from exploration.sensing.response import Response
 from primitives.arrays import Floats

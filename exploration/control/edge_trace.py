@@ -8,21 +8,21 @@ least.  A straight edge becomes a straight line of all its ticks, a bent one kee
 While tracking, the bend of an edge is filtered from what lies behind, and lags where it changes.  Afterwards it is
 smoothed from both sides (Rauch, Tung and Striebel, for a random walk); every frame is fitted once more with it,
 and over less of the edge where it changes: a change of c [1/mm] within a reach r moves the fit by up to c r^2 / 6.
+The curve of a bent edge is at last compared with all frames, taxel by taxel (`edge_refined`).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
 
-from exploration.control.smoothing_spline import Readings, Spline, in_order, travel_along
-from exploration.sensing.frame import TactileImage
+from exploration.control.edge_refined import Frames, moved_outward, nodes_along
+from exploration.control.edge_ticks import EdgeTick, Ticks
+from exploration.control.smoothing_spline import Readings, Spline, in_order
 from exploration.sensing.lines.follow_line import follow_lines
-from exploration.sensing.lines.followed import Followed
 from exploration.sensing.response import Response
-from primitives.arrays import Bools, Floats, frozen
+from primitives.arrays import Floats, frozen
 from primitives.evidence import EdgeTrace
 
 LEAST = 8  # ticks of a trace
@@ -30,87 +30,13 @@ SPACING = 1.0  # [mm] between the points of a trace
 KNOTS = 240  # readings that the spline is fitted to; more are averaged in groups
 STIFFNESSES = (*np.geomspace(1e-2, 1e6, 9), np.inf)  # [mm^3] of the smoothing spline; a line at the end
 SLACK = 0.002  # share by which a stiffer spline may miss more
-SHORT = 30.0  # [mm] an edge is straight unless its readings clearly say otherwise
+SHORT = 30.0  # [mm] an edge is straight unless its readings clearly say otherwise,
+UNBENT = 0.003  # [1/mm] or its frames, which know their mean bend ten times as well
 BEND_SIGMA = 0.002  # [1/mm] least to which a smoothed bend is known
 STRAIGHT = 1e-4  # [1/mm] the same, of an edge that is straight
 MOVED = 0.03  # [mm] by which a changing bend may move a fit
+REFINED = 2  # times that a bent edge is moved to what its frames say
 NEAREST = 4.0  # [mm] of the edge, either way, that a fit needs
-
-
-@dataclass(frozen=True)
-class EdgeTick:
-    """The edge as one tick saw it."""
-
-    edge: Followed
-    image: TactileImage  # as it was fitted
-    world_from_sensor: Floats  # (4, 4)
-    force: float  # [N]
-
-    @cached_property
-    def point(self) -> Floats:
-        """(3,) [mm] of the edge beside the pad's center."""
-        return self._placed[0]
-
-    @property
-    def tangent(self) -> Floats:
-        """(3,) unit direction of travel."""
-        return self._placed[1]
-
-    @cached_property
-    def _placed(self) -> tuple[Floats, Floats]:
-        found: tuple[Floats, Floats] = _placed(self.edge.parameters, self.world_from_sensor)
-        return found
-
-
-@dataclass(frozen=True)
-class _Ticks:
-    """Many ticks, as arrays."""
-
-    parameters: Floats  # (n, 6) of `Followed`
-    covariances: Floats  # (n, 6, 6)
-    sides: Floats  # (n,)
-    poses: Floats  # (n, 4, 4) world_from_sensor
-
-    @staticmethod
-    def of(ticks: Sequence[EdgeTick]) -> "_Ticks":
-        return _Ticks(
-            np.array([tick.edge.parameters for tick in ticks]).reshape(-1, 6),
-            np.array([tick.edge.covariance for tick in ticks]).reshape(-1, 6, 6),
-            np.array([tick.edge.side for tick in ticks], dtype=float),
-            np.array([tick.world_from_sensor for tick in ticks]).reshape(-1, 4, 4),
-        )
-
-    def __len__(self) -> int:
-        return len(self.sides)
-
-    def some(self, which: Bools) -> "_Ticks":
-        """Those that a mask says."""
-        return _Ticks(self.parameters[which], self.covariances[which], self.sides[which], self.poses[which])
-
-    @cached_property
-    def points(self) -> Floats:
-        """(n, 3) [mm] of the edge beside the pad's center."""
-        angle, offset, plateau = self.parameters[:, :3].T
-        local = np.stack([-offset * np.sin(angle), offset * np.cos(angle), -plateau], axis=1)
-        return np.asarray(np.einsum("nij,nj->ni", self.poses[:, :3, :3], local) + self.poses[:, :3, 3])
-
-    @cached_property
-    def travel(self) -> Floats:
-        """(n,) [mm] along the edge: steps along the tangent, which the noise across it does not lengthen."""
-        angle = self.parameters[:, 0]
-        along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        tangents = np.einsum("nij,nj->ni", self.poses[:, :3, :2], along)
-        return travel_along(self.points, tangents)
-
-    @cached_property
-    def normals(self) -> Floats:
-        """(n, 3) outward normal of the face."""
-        angle, inward, along = self.parameters[:, [0, 3, 4]].T
-        ca, sa = np.cos(angle), np.sin(angle)
-        gx, gy = along * ca - self.sides * inward * sa, along * sa + self.sides * inward * ca
-        tilt = np.stack([-gx, -gy, -np.ones_like(gx)], axis=1)
-        out = np.einsum("nij,nj->ni", self.poses[:, :3, :3], tilt)
-        return np.asarray(out / np.linalg.norm(out, axis=1, keepdims=True))
 
 
 @dataclass(frozen=True)
@@ -141,6 +67,8 @@ def smoothed(
         return None
     travel = rows.travel
     first, last = float(travel.min()), float(travel.max())
+    if not run.straight:
+        run = _refined(run, rows, response)
     at = np.linspace(first, last, max(2, int(np.ceil((last - first) / SPACING)) + 1))
     along = run.spline.at(at, 1)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -155,7 +83,7 @@ def smoothed(
     )
 
 
-def _drawn(rows: _Ticks) -> _Run | None:
+def _drawn(rows: Ticks) -> _Run | None:
     """The spline through the ticks' points."""
     if len(rows) < LEAST:
         return None
@@ -165,15 +93,47 @@ def _drawn(rows: _Ticks) -> _Run | None:
     if len(s) < LEAST:
         return None
     readings = Readings(s, through, weight / weight.mean())
-    stiffness = _stiffness(readings)
+    stiffness = _stiffness(readings, float(np.median(rows.parameters[:, 5])))
     spline = readings.smoothed(stiffness)
     off = rows.points - spline.at(rows.travel)
     return _Run(spline, float(off.std(axis=0).max()), stiffness >= STIFFNESSES[-1])
 
 
-def _fitted_again(ticks: Sequence[EdgeTick], response: Response, reach: float, drift: float) -> _Ticks:
+def _refined(run: _Run, rows: Ticks, response: Response) -> _Run:
+    """The spline of a bent edge, moved to where the frames' taxels say that it runs."""
+    travel = rows.travel
+    at = nodes_along(float(travel.min()), float(travel.max()))
+    frames = Frames(
+        np.array([image.depth for image in rows.images]),
+        np.array([image.sigma for image in rows.images]),
+        rows.images[0].array.pitch,
+        rows.poses,
+        rows.parameters[:, 2:4],
+        float(rows.sides[0]),
+        travel,
+    )
+    order = np.argsort(travel)
+    normals = np.stack([np.interp(at, travel[order], column[order]) for column in rows.normals.T], axis=1)
+    spline = run.spline
+    for _ in range(REFINED):
+        curve = spline.at(at)
+        along = spline.at(at, 1)
+        outward = -frames.side * np.cross(along, normals)
+        outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+        off, information = moved_outward(curve, frames, float(at[0]), response)
+        known = information > 0.0
+        if known.sum() < LEAST:
+            return run
+        readings = Readings(
+            at[known], (curve + off[:, None] * outward)[known], information[known] / information[known].mean()
+        )
+        spline = readings.smoothed(_stiffness(readings, np.inf))
+    return replace(run, spline=spline)
+
+
+def _fitted_again(ticks: Sequence[EdgeTick], response: Response, reach: float, drift: float) -> Ticks:
     """Every frame's edge once more, its bend smoothed; ticks that no longer fit drop out."""
-    rows = _Ticks.of(ticks)
+    rows = Ticks.of(ticks)
     if len(rows) < LEAST:
         return rows
     run = _drawn(rows)
@@ -186,19 +146,8 @@ def _fitted_again(ticks: Sequence[EdgeTick], response: Response, reach: float, d
     near = np.minimum(near, 0.8 / np.maximum(np.abs(bends), 1e-6))
     lines = np.column_stack([rows.parameters[:, :2], rows.sides, bends])
     sure = np.maximum(np.maximum(sigmas, floor), change / 4.0)
-    parameters, covariances, found = follow_lines([t.image for t in ticks], response, lines, sure, near)
-    return _Ticks(parameters, covariances, rows.sides, rows.poses).some(found)
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _placed(p: Floats, pose: Floats) -> tuple[Floats, Floats]:
-    """(3,) point of the edge of (6,) parameters beside the pad's center, and its direction, in the world."""
-    point, tangent = np.empty(3), np.empty(3)
-    ca, sa = np.cos(p[0]), np.sin(p[0])
-    for i in range(3):
-        point[i] = pose[i, 3] + p[1] * (pose[i, 1] * ca - pose[i, 0] * sa) - p[2] * pose[i, 2]
-        tangent[i] = pose[i, 0] * ca + pose[i, 1] * sa
-    return point, tangent
+    parameters, covariances, found = follow_lines(rows.images, response, lines, sure, near)
+    return replace(rows, parameters=parameters, covariances=covariances).some(found)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -226,13 +175,14 @@ def _range_within(values: Floats, travel: Floats, reach: float) -> Floats:
     return out
 
 
-def _stiffness(readings: Readings) -> float:
-    """The stiffness that predicts readings which it has not seen."""
+def _stiffness(readings: Readings, bend: float) -> float:
+    """The stiffness that predicts readings which it has not seen, of an edge whose frames show a `bend` [1/mm]."""
     s = readings.places
     if len(s) < 4 * LEAST:
         return float(STIFFNESSES[-1])
     missed = [readings.missed(float(stiffness)) for stiffness in STIFFNESSES]
-    if s[-1] - s[0] < SHORT and missed[-1] <= (1.0 + 2.0 / np.sqrt(len(s))) * min(missed):
+    unbent = s[-1] - s[0] < SHORT and abs(bend) < UNBENT
+    if unbent and missed[-1] <= (1.0 + 2.0 / np.sqrt(len(s))) * min(missed):
         return float(STIFFNESSES[-1])
     best = np.flatnonzero(np.array(missed) <= (1.0 + SLACK) * min(missed))
     return float(STIFFNESSES[int(best.max())])

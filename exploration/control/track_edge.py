@@ -17,7 +17,8 @@ from exploration.control.dwell import dwell
 from exploration.control.edge_profile import EdgeProfile, profile_of
 from exploration.control.edge_seen import first_expected
 from exploration.control.edge_servo import EdgeServo, EdgeServoConfig
-from exploration.control.edge_trace import EdgeTick, smoothed
+from exploration.control.edge_ticks import EdgeTick
+from exploration.control.edge_trace import smoothed
 from exploration.control.hybrid import PRESS
 from exploration.devices.guard import Guard, Observation
 from exploration.sensing.lines.follow_line import follow_line
