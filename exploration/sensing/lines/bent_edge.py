@@ -35,8 +35,10 @@ def chosen(
     py: float,
     line: tuple[float, float, float, float],
     window: tuple[float, float, float, float],
+    deep: Floats,
 ) -> Floats:
-    """(n, 4) x, y, depth and 1/sigma of the taxels from `low` to `high` along the line and not beyond `far`.
+    """(n, 4) x, y, depth and 1/sigma of the taxels from `low` to `high` along the line and not beyond `far`, nor
+    `deep` in their column (`face_ends`).
 
     Of a bent edge only those beside `reach` of it, either way: behind the circle's center another part of the
     outline is nearer, which need not be of this circle.
@@ -48,6 +50,7 @@ def chosen(
         beside = np.tan(min(abs(bend) * reach, WIDEST)) / abs(bend)
     rows, columns = depth.shape
     ca, sa = np.cos(angle), np.sin(angle)
+    pitch, middle = max(px, py), len(deep) // 2
     out = np.empty((rows * columns, 4))
     n = 0
     for i in range(rows):
@@ -58,7 +61,8 @@ def chosen(
             d = side * (ca * y - sa * x - offset)
             t = inside(d, v, bend)[0]
             near = abs(v) < beside * (1.0 - bend * d)
-            if near and sigma[i, j] < np.inf and low < v < high and t < far:
+            within = low < v < high and t < min(far, deep[int(middle + v / pitch + 0.5)])
+            if near and within and sigma[i, j] < np.inf:
                 out[n, 0], out[n, 1] = x, y
                 out[n, 2], out[n, 3] = depth[i, j], 1.0 / sigma[i, j]
                 n += 1

@@ -27,9 +27,10 @@ def face_ends(
     side: float,
     bend: float,
     width: float,
-) -> tuple[Floats, Floats, float]:
-    """Where the face ends ahead, behind, begins outside, ends opposite, and how far across was looked [mm]; the
-    contact's area and centroid; the face's middle depth.
+) -> tuple[Floats, Floats, Floats, float]:
+    """Where the face ends ahead, behind, begins outside, ends opposite, and how far across was looked [mm]; how
+    far across it reaches in each column of a pitch along the edge, or in one beside it, the middle one at v = 0;
+    the contact's area and centroid; the face's middle depth.
     """
     rows, columns = depth.shape
     ca, sa = np.cos(angle), np.sin(angle)
@@ -58,8 +59,9 @@ def face_ends(
                 _shared(outer, n_outer, middle + v / pitch, depth[i, j])
     ends = np.full(5, np.inf)
     contact = np.zeros(3)
+    touched, free = np.full(bins, -np.inf), np.full(bins, -np.inf)
     if n_level.sum() < 2.0:
-        return ends, contact, 0.0
+        return ends, free, contact, 0.0
     middle_depth = float(np.max(level / np.maximum(n_level, 1.0)))
     half = 0.5 * middle_depth
     ends[0] = (_profile_end(inner, n_inner, middle, 1, half, True) - middle) * pitch
@@ -80,8 +82,13 @@ def face_ends(
                 contact[1] += x
                 contact[2] += y
             v = ca * x + sa * y
+            t = inside(side * (ca * y - sa * x - offset), v, bend)[0]
+            column = int(middle + v / pitch + 0.5)
+            if depth[i, j] > half:
+                touched[column] = max(touched[column], t)
+            else:
+                free[column] = max(free[column], t)
             if low < v < high:
-                t = inside(side * (ca * y - sa * x - offset), v, bend)[0]
                 k = int(t / pitch)
                 if t > 0.0 and k < 2 * bins:
                     across[k] += depth[i, j]
@@ -97,7 +104,12 @@ def face_ends(
         contact[1] /= contact[0]
         contact[2] /= contact[0]
     contact[0] *= px * py
-    return ends, contact, middle_depth
+    for k in range(bins):
+        touched[k] = touched[k] + 0.5 * pitch if -np.inf < touched[k] < free[k] else np.inf
+    deep = touched.copy()
+    for k in range(bins):
+        deep[k] = np.min(touched[max(0, k - 1) : k + 2])
+    return ends, deep, contact, middle_depth
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -114,14 +114,15 @@ def _follow(
     width = np.sqrt(variance[0] * sa * sa + variance[1] * ca * ca)
     p = np.array([angle, offset, 0.0, 0.0, 0.0, bend])
     covariance = np.zeros((6, 6))
-    ends, contact, level = face_ends(depth, sigma, px, py, angle, offset, side, bend, width)
+    ends, deep, contact, level = face_ends(depth, sigma, px, py, angle, offset, side, bend, width)
     if level <= 0.0:
         return p, covariance, 0.0, ends, contact, False
     clear = CLEAR * width
     low, high = -ends[1] + clear, min(ends[0], ends[2]) - clear
     looked = ends[4] if abs(bend) < BENT else np.inf  # a bent edge's wedge of taxels ends by itself
     far = max(min(ends[3], looked) - clear, 0.5 * width)  # beyond what was looked at it may end, too
-    taxels = chosen(depth, sigma, px, py, line, (low, high, far, reach))
+    deep = np.maximum(deep - clear, 0.5 * width)
+    taxels = chosen(depth, sigma, px, py, line, (low, high, far, reach), deep)
     count = len(taxels)
     if count < LEAST:
         return p, covariance, 0.0, ends, contact, False

@@ -89,6 +89,16 @@ def test_a_narrow_face_that_ends_beside_what_was_looked_at_is_no_misfit(frames, 
     assert edge.offset == pytest.approx(-1.0, abs=0.12)
 
 
+@pytest.mark.parametrize("taper", [0.35, 0.6, 0.9])
+@pytest.mark.parametrize("apex", [-16.0, -13.0])
+def test_a_tapering_face_bends_the_edge_by_far_less_than_noise(frames, taper: float, apex: float) -> None:
+    """The far edge slants toward the followed one and meets it `apex` [mm] along."""
+    near, far = frames.half(0.0, 0.0), frames.half(taper, -apex * np.sin(taper), -1)
+    edge = followed(frames(lambda x, y: 0.5 * near(x, y) * far(x, y)), Expected(0.0, 0.1, 1))
+    assert edge
+    assert abs(edge.offset) < 0.35 * np.sqrt(edge.covariance[1, 1])
+
+
 def test_a_thin_wall_ends_opposite(frames) -> None:
     half = frames.half
 
