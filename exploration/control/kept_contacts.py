@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exploration.control.feel import FeelConfig, Felt, feel
+from exploration.control.feel import FeelConfig, Felt, NotTouching, feel
 from exploration.devices.guard import Observation
 from exploration.sensing.contacts import contacts_of
 from exploration.sensing.frame import TactileImage
@@ -18,7 +18,7 @@ from exploration.sensing.surfaces.flat_patch import flat_patch
 from exploration.sensing.surfaces.local_surface import LocalSurface
 from exploration.sensing.touch import perceive
 from primitives import pose as se3
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import Contacts
 
 
@@ -55,6 +55,7 @@ class TrustConfig:
         3.0,
         2.0,
     )  # [spreads] along a contact's end, that a patch of any outline leaves out
+    unseen: float = 2.5  # [spreads] from the pad's end, beyond which edges that it does not see bend nothing
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
 
@@ -92,6 +93,7 @@ def keep(
 def _patch(seen: Observation, where: tuple[Floats, int, int, int], trust: TrustConfig) -> Contacts:
     """Contacts of a face of any outline, as far inside its rim as it is wide enough for."""
     found = Contacts.of([])
+    felt: Felt | NotTouching = NotTouching()
     for rim in trust.rims:
         felt = feel(seen.image, FeelConfig(rim=rim))
         found = flat_patch(seen.image, felt.inner, *where) if felt else found
@@ -99,7 +101,17 @@ def _patch(seen: Observation, where: tuple[Floats, int, int, int], trust: TrustC
             found = domed_patch(seen.image, felt.inner, *where)
         if len(found):
             break
+    if felt and not len(found):
+        found = flat_patch(seen.image, felt.inner & _off_border(seen.image, trust.unseen), *where)
     return found
+
+
+def _off_border(image: TactileImage, widths: float) -> Bools:
+    """(rows, columns) taxels farther than some `widths` from the pad's end, which an edge beyond it bends."""
+    array, clear = image.array, widths * image.spread
+    x, y = array.x[-1] + 0.5 * array.pitch[0] - clear, array.y[-1] + 0.5 * array.pitch[1] - clear
+    inside: Bools = (np.abs(array.y)[:, None] < y) & (np.abs(array.x) < x)
+    return inside
 
 
 def touched_cells(seen: Observation, felt: Felt) -> Floats:

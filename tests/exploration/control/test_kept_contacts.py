@@ -52,6 +52,12 @@ def test_a_strip_that_ends_under_the_pad_is_still_flat():
     assert np.sqrt(np.mean((off / sigma) ** 2)) < 1.5
 
 
+def test_a_face_hardly_larger_than_the_pad_is_felt_flat():
+    off, sigma, counts = errors(Cube((41.5, 20.7, 30.0)).at(0.0, 0.0, -15.0), 0.0, 8)
+    assert np.mean(np.array(counts) > 0) > 0.7
+    assert np.sqrt(np.mean((off / sigma) ** 2)) < 1.5
+
+
 @pytest.mark.parametrize("lean", [0.0, 0.1, 0.2])
 def test_a_blunt_edge_is_hardly_trusted_as_a_narrow_face(lean):
     """A pad on an edge of 135 degrees, where it is balanced, or has not settled yet."""
