@@ -15,6 +15,7 @@ derivation).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -41,6 +42,7 @@ class EdgeFromFaceConfig:
     lift: float = 3.0  # [mm] before the pad turns
     rolls: tuple[float, ...] = (60.0, 95.0, 30.0)  # [deg] over an edge, tried in turn
     overlap: float = 2.0  # [mm] of the pad past the edge that it was rolled over
+    clear: float = 2.0  # [mm] of the pad from it, where a blunt edge under the pad hides the face
     standoff: float = 10.0  # [mm]
     overtravel: float = 16.0  # [mm]
     facing: float = 0.4  # least cosine between the way of a stroke and what it came to
@@ -110,8 +112,8 @@ def dihedral(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFace
 
     None where nothing is met behind it, or something that does not run by the edge.
     """
-    for roll in config.rolls:
-        if roll_over(pad, edge, replace(config, rolls=(roll,))):
+    for roll, overlap in product(config.rolls, (config.overlap, -config.clear)):
+        if roll_over(pad, edge, replace(config, rolls=(roll,), overlap=overlap)):
             normal = _normal_by(pad, edge, config)
             if normal is not None:
                 return float(np.pi - np.arctan2(normal @ edge.outward, normal @ edge.normal))
