@@ -25,6 +25,7 @@ class CornerConfig:
     looks: int = 5  # that must agree
     apart: float = 0.45  # [mm] by which meetings may differ
     turned: float = 0.06  # [rad] by which their angles may
+    aside: float = 0.5  # [rad] from the followed edge, beyond which another is preferred
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class Meeting:
     along: Floats  # (3,) unit direction of travel on the edge ahead
     angle: float  # [rad] between the two
     ahead: float  # [mm] from the pad's center, along the edge behind
+    aside: float  # [rad] by which the edge behind runs otherwise than the one that was followed
 
 
 def meeting(
@@ -65,8 +67,8 @@ def meeting(
             came = float((0.5 * (behind.start + behind.end) - corner) @ come) < 0.0
             goes = float((0.5 * (ahead.start + ahead.end) - corner) @ go) > 0.0
             if came and goes and come @ edge.direction > 0.3:
-                found.append(_in_world(seen, corner, ahead.inward, go, come))
-    return min(found, key=lambda m: abs(m.ahead), default=None)
+                found.append(_in_world(seen, corner, ahead.inward, go, come, edge))
+    return min(found, key=lambda met: (met.aside > config.aside, abs(met.ahead)), default=None)
 
 
 def agreed(meetings: list[Meeting], config: CornerConfig) -> bool:
@@ -80,7 +82,10 @@ def agreed(meetings: list[Meeting], config: CornerConfig) -> bool:
     return spread < config.apart and float(np.ptp(angles)) < config.turned
 
 
-def _in_world(seen: Observation, corner: Floats, inward: Floats, go: Floats, come: Floats) -> Meeting:
+def _in_world(
+    seen: Observation, corner: Floats, inward: Floats, go: Floats, come: Floats, edge: Followed
+) -> Meeting:
     turn, at = seen.world_from_sensor[:3, :2], seen.world_from_sensor[:3, 3]
     angle = float(np.arccos(np.clip(go @ come, -1.0, 1.0)))
-    return Meeting(turn @ corner + at, turn @ inward, turn @ go, angle, float(corner @ come))
+    aside = float(np.arccos(np.clip(come @ edge.direction, -1.0, 1.0)))
+    return Meeting(turn @ corner + at, turn @ inward, turn @ go, angle, float(corner @ come), aside)

@@ -124,6 +124,9 @@ def follow_edge(
     while run.travel < length:
         image = softened(seen.image)
         edge = follow_line(image, response, expected) if expected else None
+        if edge is not None and not run.ticks and _short(seen, edge, config):
+            last, ended = edge, "corner"
+            break
         if not edge or edge.misfit > config.misfit * max(1.0, run.misfit):
             missed += 1
             if missed > config.patience:
@@ -190,6 +193,11 @@ def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> E
     aside = float(np.linalg.norm(gap - past * start.tangent))
     there = config.overlap < past < 3.0 * config.overlap and aside < config.closing
     return "closed" if there and start.tangent @ run.ticks[-1].tangent > 0.8 else None
+
+
+def _short(seen: Observation, edge: Followed, config: EdgeConfig) -> bool:
+    """Whether the edge's two ends are so near that all of it is too near a corner to be read."""
+    return edge.ahead + edge.behind < 2.0 * config.clear and meeting(seen, edge, config.corners) is not None
 
 
 def _breaks(run: _Run, seen: Observation, edge: Followed, config: EdgeConfig) -> Meeting | None:

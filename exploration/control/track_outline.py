@@ -6,11 +6,12 @@ on the same hand: a convex corner turns toward the material and an inside one aw
 
 from dataclasses import dataclass
 from itertools import pairwise
+from math import dist
 from typing import Literal
 
 import numpy as np
 
-from exploration.control.corners import meeting
+from exploration.control.corners import Meeting, meeting
 from exploration.control.dwell import dwell
 from exploration.control.edge_profile import EdgeProfile
 from exploration.control.hybrid import PRESS
@@ -18,11 +19,13 @@ from exploration.control.track_edge import EdgeConfig, Home, Tracked, follow_edg
 from exploration.devices.guard import Guard
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 from primitives.evidence import EdgeTrace
 
 DEFAULT = EdgeConfig()
 PAST = 4.0  # [mm] from the corner, where the next edge is taken up
+SAME = 1.0  # [mm] between two corners that are one
+SEEN = 0.2  # [mm] standard deviation of a corner seen in one frame
 
 
 @dataclass(frozen=True)
@@ -52,20 +55,28 @@ def follow_outline(
 ) -> TrackedOutline:
     """Track the outline under the pad, the way of the (3,) world direction `along`, up to `length` [mm]."""
     edges: list[Tracked] = []
+    drawn: list[tuple[EdgeTrace, EdgeProfile | None]] = []
     home: Home | None = None
-    heading: Floats | None = along
-    while heading is not None:
+    met: Meeting | None = None
+    while not edges or met is not None:
         left = length - sum(edge.travel for edge in edges)
+        heading = along if met is None else met.along
         edge = follow_edge(guard, heading, left, touch, stroke + len(edges), press, config, home)
         edges.append(edge)
+        if edge.trace is not None:
+            drawn.append((edge.trace, edge.profile))
+            home = home or Home(edge.trace.points[0], edge.trace.tangents[0])
         if edge.ended != "corner" or edge.last is None:
             break
-        if home is None and edge.trace is not None:
-            home = Home(edge.trace.points[0], edge.trace.tangents[0])
-        heading = _turned(guard, edge, config)
+        before, met = met, _turned(guard, edge, config)
+        if edge.trace is not None or before is None or met is None:
+            continue
+        if dist(before.point, met.point) < SAME:
+            break
+        if drawn:
+            drawn.append((_short(before, met, drawn[-1][0], touch, stroke + len(edges) - 1), None))
     last = edges[-1].ended
-    seen = [edge for edge in edges if edge.trace is not None]
-    traces = tuple(edge.trace for edge in seen if edge.trace is not None)
+    traces = tuple(trace for trace, _ in drawn)
     return TrackedOutline(
         traces,
         np.array([_meeting(a, b) for a, b in pairwise(traces)]).reshape(-1, 3),
@@ -73,12 +84,12 @@ def follow_outline(
         sum(edge.travel for edge in edges),
         tuple(force for edge in edges for force in edge.forces),
         tuple(force for edge in edges for force in edge.set_points),
-        tuple(edge.profile for edge in seen),
+        tuple(profile for _, profile in drawn),
     )
 
 
-def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Floats | None:
-    """Move beside the edge that the last one meets; its (3,) world direction, or None where none is seen."""
+def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
+    """Move beside the edge that the last one meets; where it does, or None where none is seen."""
     seen = dwell(guard, 4)
     last = edge.last
     assert last is not None
@@ -91,7 +102,17 @@ def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Floats | None:
     place = corner.point + past * corner.along + config.inside * corner.inward
     lift = float((place - here[:3, 3]) @ here[:3, 2])
     guard.go_to(se3.pose(here[:3, :3], place - lift * here[:3, 2]))
-    return corner.along
+    return corner
+
+
+def _short(begins: Meeting, ends: Meeting, before: EdgeTrace, touch: int, stroke: int) -> EdgeTrace:
+    """An edge too short to be followed: from one of its corners to the other."""
+    points = np.array([begins.point, ends.point])
+    along = (points[1] - points[0]) / max(float(np.linalg.norm(points[1] - points[0])), 1e-9)
+    normals = frozen(np.tile(before.normals[-1], (2, 1)))
+    return EdgeTrace(
+        frozen(points), frozen([along, along]), normals, frozen([SEEN, SEEN]), False, touch, stroke
+    )
 
 
 def _meeting(before: EdgeTrace, after: EdgeTrace) -> Floats:

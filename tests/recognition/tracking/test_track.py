@@ -16,6 +16,7 @@ from recognition.tracking.options import TrackOptions
 from recognition.tracking.run import run
 from recognition.tracking.view import View
 
+UPRIGHT = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)  # mm, and a quaternion that turns nothing
 KEYS = {"command", "trace", "normals", "dihedral_deg", "closed", "lost", "force_n", "found", "truth"}
 
 
@@ -51,6 +52,17 @@ def test_the_outline_of_a_cube_closes_over_four_corners_and_the_run_says_so(tmp_
     assert told["latency_ms"] == pytest.approx(20.0, abs=2.0)
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["closed"]
     assert (tmp_path / "run" / "contacts.csv").read_text().count("\n") == len(told["trace"]) + 1
+
+
+@pytest.mark.slow
+def test_an_edge_shorter_than_a_third_of_the_pad_is_drawn_between_its_corners(tmp_path):
+    wedge = tmp_path / "wedge.csg"
+    wedge.write_text("linear_extrude(height = 30) polygon([[-30, -14], [30, -14], [30, -9], [-30, 14]]);")
+    options = TrackOptions(str(wedge), seed=1, pose=UPRIGHT, out=tmp_path / "run")
+    told = run(options, View())
+    assert told["closed"]
+    lengths = sorted(edge["length_mm"] for edge in told["found"]["edges"])
+    assert np.allclose(lengths, [5.0, 28.0, 60.0, np.hypot(60.0, 23.0)], atol=0.5)
 
 
 @pytest.mark.slow
