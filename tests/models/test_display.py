@@ -26,4 +26,4 @@ def test_a_heavy_mesh_becomes_light_and_keeps_its_faces_and_its_surface() -> Non
     assert away.max() < 0.3
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     areas = np.bincount(of_face, np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2, len(brep.faces))
-    np.testing.assert_allclose(areas, [f.area for f in brep.faces], rtol=0.01)
+    np.testing.assert_allclose(areas, [f.area for f in brep.faces], rtol=0.015)
