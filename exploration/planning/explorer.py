@@ -171,7 +171,8 @@ class Explorer:
 
     def _find(self) -> bool:
         floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
-        for start, end in sweeps(np.array([*self.box[:2], floor, *self.box[3:]]), self.pad.size):
+        box = np.array([*self.box[:2], floor, *self.box[3:]])
+        for start, end in sweeps(box, self.pad.size, self.config.feature):
             if self.guard.cost.touches >= self.config.max_touches:
                 return False
             try:

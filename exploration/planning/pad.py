@@ -30,6 +30,7 @@ from exploration.planning.transit import Support, box_supports, way
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats
+from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 
 Announce = Callable[[str, dict[str, object]], None]
@@ -48,6 +49,10 @@ class PadConfig:
     alike: float = 0.95  # cosine above which two supporting planes are one
 
 
+class TouchesSpent(PalpateError):
+    """As many touches as were allowed are made; the pad has not moved."""
+
+
 class Pad:
     """Carried by a guard through a (6,) workspace box [mm]."""
 
@@ -64,6 +69,7 @@ class Pad:
         self.free = FeltFree()
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self._watched: Floats | None = None  # (3,) where the skin was last looked at for free space
+        self.most: int | None = None  # touches that are allowed
         guard.learners = (*guard.learners, self._watch)
         self.here = Support(np.array([0.0, 0.0, box[5]]), np.array([0.0, 0.0, 1.0]))
 
@@ -79,7 +85,7 @@ class Pad:
 
     def come_down(self, direction: Floats, distance: float, speed: float | None = None) -> bool:
         """Advance from where the pad is, along a (3,) direction, and settle; one touch, hit or miss."""
-        self.guard.cost.touches += 1
+        self.count_touch()
         tare(self.guard)
         return bool(land(self.guard, direction, distance, speed or ApproachConfig().speed))
 
@@ -87,7 +93,7 @@ class Pad:
         self, target: Floats, standoff: float, overtravel: float, settling: SettleConfig | None = None
     ) -> bool:
         """One guarded approach to a (4, 4) target from `standoff` mm before it, and its settling."""
-        self.guard.cost.touches += 1
+        self.count_touch()
         back = target @ se3.pose(translation=[0.0, 0.0, -standoff])
         if self.guard.go_to(back, until=lambda seen: touched(seen.image)) is None:
             tare(self.guard)
@@ -96,6 +102,12 @@ class Pad:
             return True
         retreat(self.guard, self.config.back)  # free, because the pad came that way
         return False
+
+    def count_touch(self) -> None:
+        """Count one more touch, about to be made; `TouchesSpent` where no more are allowed."""
+        if self.most is not None and self.guard.cost.touches >= self.most:
+            raise TouchesSpent(f"all touches that were allowed are made ({self.most})")
+        self.guard.cost.touches += 1
 
     def travel(self, target: Floats, far: Support, standoff: float) -> None:
         """Through free space to `standoff` mm before a (4, 4) target on the supporting plane `far`."""

@@ -8,14 +8,14 @@ from primitives import pose as se3
 from primitives.arrays import Floats
 
 
-def sweeps(box: Floats, pad: tuple[float, float], least: float = 20.0) -> Iterator[tuple[Floats, Floats]]:
+def sweeps(box: Floats, pad: tuple[float, float], feature: float = 10.0) -> Iterator[tuple[Floats, Floats]]:
     """Start and end (4, 4) poses of downward sweeps through a (6,) box [mm] with a pad of (x, y) size [mm].
 
-    Their spacing is such that no object of `least` mm across passes between them by more than a third of itself.
+    Their spacing is such that of an object `feature` mm across no more than two thirds pass between them.
     """
     low, high = box[:3], box[3:]
     middle = (low + high) / 2
-    spacing = np.asarray(pad) + least / 3
+    spacing = np.asarray(pad) + 2.0 * feature / 3.0
     count = np.maximum(np.ceil((high[:2] - low[:2]) / spacing / 2).astype(int), 0)
     steps = [np.arange(-n, n + 1) * d for n, d in zip(count, spacing, strict=True)]
     grid = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 2)

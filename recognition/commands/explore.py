@@ -19,7 +19,6 @@ from recognition.console import interrupts
 def explore(
     part: Part = "",
     device: flags.Device = None,
-    feature_mm: flags.FeatureMm = 10.0,
     max_touches: Annotated[int, typer.Option(help="Touches after which exploration stops.")] = 500,
     policy: Annotated[
         str,
@@ -47,7 +46,6 @@ def explore(
         options = told.options(
             ExploreOptions,
             part=part,
-            feature=feature_mm,
             max_touches=max_touches,
             policy=policy,
             device=device,

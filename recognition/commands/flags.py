@@ -24,6 +24,7 @@ Pose = Annotated[
     ),
 ]
 Sensor = Annotated[str, typer.Option(metavar="NAME|FILE.toml", help="The tactile array (palpate sensors).")]
+MaxTouches = Annotated[int, typer.Option(help="Touches after which it stops.")]
 Support = Annotated[
     str, typer.Option(metavar="none|table", help="What the part lies on; none: no touch can meet its holder.")
 ]

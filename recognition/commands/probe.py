@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from recognition.commands import flags
 from recognition.commands.answering import Json, one_line_errors, print_json
 from recognition.commands.part_argument import listing_parts_if_unknown, look_at_file
 from recognition.commands.run_flags import Latency, Part, RunFlags, spread
@@ -33,6 +34,7 @@ def probe(
         typer.Option(metavar="FILE.toml", help="Both of these, face by face.", show_default=False),
     ] = None,
     latency_s: Latency = 0.02,
+    max_touches: flags.MaxTouches = 500,
     *,
     told: RunFlags,
     as_json: Json = False,
@@ -56,6 +58,7 @@ def probe(
             roughness_mm=roughness_mm,
             material=material,
             latency_s=latency_s,
+            max_touches=max_touches,
         )
     with one_line_errors():
         from recognition.probing.text import requested

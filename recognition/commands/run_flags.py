@@ -36,6 +36,7 @@ class RunFlags:
     body: flags.Body = None
     facets: flags.Facets = False
     workspace: flags.Workspace = EVERYWHERE
+    feature_mm: flags.FeatureMm = 10.0
     pose: flags.Pose = "random"
     sensor: flags.Sensor = "lts210"
     support: flags.Support = "none"
@@ -57,6 +58,7 @@ class RunFlags:
             body=self.body,
             facets=self.facets,
             workspace=parse_numbers(self.workspace, 6, "--workspace", "X0,Y0,Z0,X1,Y1,Z1 in mm"),
+            feature=self.feature_mm,
             pose=parse_pose(self.pose),
             sensors=tuple(self.sensor.split(",")),
             support=self.support,

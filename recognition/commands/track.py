@@ -21,6 +21,7 @@ def track(
     device: flags.Device = None,
     speed_mm_s: Annotated[float, typer.Option(help="Along the edge, or over the surface [mm/s].")] = 20.0,
     latency_s: Latency = 0.02,
+    max_touches: flags.MaxTouches = 500,
     *,
     told: RunFlags,
     as_json: Json = False,
@@ -42,6 +43,7 @@ def track(
             what=what,
             speed_mm_s=speed_mm_s,
             latency_s=latency_s,
+            max_touches=max_touches,
         )
     with listing_parts_if_unknown(device or part, "track"):
         look_at_file(part)

@@ -65,6 +65,7 @@ class GuardedHand:
     guard: Guard
     warnings: list[str] = field(default_factory=list)
     told: Told | None = None  # what stands beside the object, and is no part of it
+    feature: float = 10.0  # [mm] of the smallest object that a search must not miss
     _last: LoneTouch | None = None
 
     @property
@@ -90,7 +91,7 @@ class GuardedHand:
     def find(self, box: Floats) -> Iterator[LoneTouch]:
         """Sweep until the pad meets something."""
         floor = box[2] if self.told is None else max(box[2], self.told.floor)
-        for start, end in sweeps(np.array([*box[:2], floor, *box[3:]]), self.pad):
+        for start, end in sweeps(np.array([*box[:2], floor, *box[3:]]), self.pad, self.feature):
             try:
                 self.guard.go_to(start)
                 length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))

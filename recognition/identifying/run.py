@@ -51,7 +51,7 @@ def run(
     with felt_run(options, "identify", world, told) as felt:
         config = IdentifyConfig(options.policy, options.confidence, options.max_touches, options.unknown)
         rng = np.random.default_rng([options.seed, 1])
-        hand = GuardedHand(felt.guard, felt.warnings, beside(world, options))
+        hand = GuardedHand(felt.guard, felt.warnings, beside(world, options), options.feature)
         identifier = Identifier(hand, known, felt.world.box.ravel(), config, rng, felt.announce)
         history: list[dict[str, Any]] = []
         prior = unfelt(known, options.unknown)

@@ -69,7 +69,7 @@ def probe(run: FeltRun, options: ProbeOptions, say: Say) -> Felt:
 
 def _approach(run: FeltRun, options: ProbeOptions) -> dict[str, Any]:
     retreat(run.guard, _BACK)
-    run.guard.cost.touches += 1
+    run.pad.count_touch()
     met = approach(run.guard, run.guard.world_from_sensor[:3, 2].copy(), 2.0 * _BACK, options.force_n)
     return {
         "stopped": met.stopped,

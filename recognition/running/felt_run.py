@@ -23,7 +23,7 @@ import numpy as np
 from exploration.control.latency import measure_latency
 from exploration.control.procedures.approach import ApproachConfig
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
-from exploration.planning.pad import Pad
+from exploration.planning.pad import Pad, TouchesSpent
 from exploration.planning.search import sweeps
 from exploration.recordings.mcap import Recorder
 from primitives import pose as se3
@@ -72,7 +72,7 @@ class FeltRun:
 
     def find(self) -> None:
         """Sweep the workspace from its middle outward until the pad lies on the object."""
-        for start, end in sweeps(self.pad.box, self.pad.size):
+        for start, end in sweeps(self.pad.box, self.pad.size, self.options.feature):
             try:
                 self.guard.go_to(start)
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
@@ -82,6 +82,10 @@ class FeltRun:
                     return
             except (OverPress, Collision) as error:
                 self.warnings.append(str(error))
+            except TouchesSpent as error:
+                raise PalpateError(
+                    f"nothing was found: {error}; raise --max-touches, or give a smaller --workspace"
+                ) from error
             here = self.guard.world_from_sensor
             self.guard.go_to(se3.pose(start[:3, :3], [here[0, 3], here[1, 3], start[2, 3]]))
         raise PalpateError("nothing was found in the workspace; give one that holds the object")
@@ -169,6 +173,7 @@ def felt_run(
             logbook = Logbook(recorder)
             guard = guarded(world, options, logbook.observe, surface, config.latency)
             pad = Pad(guard, world.box.ravel(), logbook.announce)
+            pad.most = options.max_touches
             run = FeltRun(options, command, world, folder, guard, logbook, pad, began)
             guard.observers = (*guard.observers, lambda seen: _look(run, seen, watch, config))
             guard.pending.latency = measure_latency(guard).seconds

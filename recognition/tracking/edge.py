@@ -18,6 +18,7 @@ from exploration.control.track_edge import EdgeConfig
 from exploration.control.track_outline import TrackedOutline, follow_outline
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, pressed, reach_edge
+from exploration.planning.pad import TouchesSpent
 from exploration.sensing.lines.edge_rounding import Rounding, rounding_of
 from exploration.sensing.response import Response, rubber
 from primitives.arrays import Floats
@@ -125,7 +126,10 @@ def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | N
     say("looking for the object")
     run.find()
     say("looking for an edge")
-    edge = reach_edge(run.pad)
+    try:
+        edge = reach_edge(run.pad)
+    except TouchesSpent as spent:
+        return EdgeTrack(why=f"none was come to, and {spent}; raise --max-touches")
     if isinstance(edge, NoEdge):
         return EdgeTrack(why=edge.reason)
     say("following the edge")
@@ -208,6 +212,6 @@ def _dihedral(run: FeltRun, trace: EdgeTrace, outward: Floats) -> float | None:
     )
     try:
         return dihedral(run.pad, replace(place, tangent=np.cross(place.outward, place.normal)))
-    except (OverPress, Collision) as error:
+    except (OverPress, Collision, TouchesSpent) as error:
         run.warnings.append(str(error))
         return None

@@ -7,7 +7,7 @@ BOX = np.array([-300.0, -300.0, -300.0, 300.0, 300.0, 300.0])
 
 def test_sweeps_begin_in_the_middle_and_leave_no_gap_that_hides_a_small_object():
     pad = (28.8, 18.0)
-    lines = np.array([start[:2, 3] for start, _ in sweeps(BOX, pad, least=20.0)])
+    lines = np.array([start[:2, 3] for start, _ in sweeps(BOX, pad, feature=10.0)])
     np.testing.assert_allclose(lines[0], 0.0)
     assert (np.diff(np.linalg.norm(lines, axis=1)) > -1e-9).all()
     rng = np.random.default_rng(0)

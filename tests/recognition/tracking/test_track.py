@@ -89,12 +89,25 @@ def test_the_surface_of_a_ball_is_followed_and_is_round(tmp_path):
         (["corner", "cube"], "edge or a surface"),
         (["edge", "cube", "--speed-mm-s", "0"], "--speed-mm-s"),
         (["edge", "cube", "--latency-s", "3"], "--latency-s"),
+        (["edge", "cube", "--max-touches", "0"], "--max-touches"),
+        (["edge", "cube", "--feature-mm", "-1"], "--feature-mm"),
     ],
 )
 def test_wrong_flags_are_one_line_and_exit_2(flags, word):
     result = CliRunner().invoke(app, ["track", *flags])
     assert result.exit_code == 2
     assert word in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [["track", "surface", "block"], ["probe", "block", "contact"]])
+def test_no_more_touches_are_made_than_are_allowed(command, tmp_path):
+    told = ["--pose", "150,150,0,1,0,0,0", "--max-touches", "1", "--out", str(tmp_path / "run")]
+    result = CliRunner().invoke(app, [*command, *told])
+    assert result.exit_code == 1
+    assert (
+        "nothing was found: all touches that were allowed are made (1); raise --max-touches" in result.stderr
+    )
     assert result.stderr.count("\n") == 1
 
 
