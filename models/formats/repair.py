@@ -8,6 +8,7 @@ import numpy as np
 
 from models.boundaries.stitch import stitched
 from models.boundaries.topology import open_edges, wound
+from models.formats.folds import unfolded
 from models.formats.holes import filled
 from models.formats.labeled import LabeledMesh
 from models.formats.shells import bodies
@@ -55,6 +56,11 @@ def closed(found: LabeledMesh, name: str, config: RepairConfig) -> tuple[list[La
         corners = np.concatenate([corners, patch])
         source = np.concatenate([source, np.full(len(patch), -1)])
         corners, _ = wound(points, corners)
+    elif config.fill_holes:
+        corners, kept, faces = unfolded(points, corners)
+        source = np.where(kept < 0, -1, source[kept])
+        if faces:
+            said.append(f"{name} had {_count(faces, 'flat face')} folded over themselves; cut anew")
     parts = bodies(points, corners, config.most_shells)
     if not parts:
         raise PalpateError(f"{name} is in more than {config.most_shells} pieces; export one solid")
