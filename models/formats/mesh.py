@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from models.formats import off
+from models.formats import obj, off
 from models.formats.whole_file import write_whole
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
@@ -25,7 +25,8 @@ from primitives.surface import TriangleSurface
 
 SUFFIXES = (".stl", ".obj", ".ply", ".off")
 OUT_SUFFIXES = (".stl", ".ply", ".glb")
-_OPTIONS = {".obj": {"skip_materials": True}, ".ply": {"skip_materials": True, "fix_texture": False}}
+_OWN = {".obj": obj.parse, ".off": off.parse}
+_OPTIONS = {".ply": {"skip_materials": True, "fix_texture": False}}
 
 
 def save(surface: TriangleSurface, path: str | Path) -> None:
@@ -49,8 +50,8 @@ def _glb(mesh: Any) -> bytes:
 
 def parse(data: bytes, suffix: str, name: str) -> tuple[Floats, Ints]:
     """Vertices and triangles in the file's numbers."""
-    if suffix == ".off":
-        return off.parse(data, name)
+    if suffix in _OWN:
+        return _OWN[suffix](data, name)
     try:
         options = _OPTIONS.get(suffix, {})
         with _quiet_trimesh():

@@ -74,6 +74,44 @@ def test_off_with_comments_blank_lines_and_polygons_is_read(tmp_path: Path) -> N
     assert load_part(tmp_path / "box.off").solid.volume == pytest.approx(24000)
 
 
+def test_obj_with_places_counted_back_tabs_comments_and_lines_that_go_on_is_read(tmp_path: Path) -> None:
+    box = trimesh.creation.box((20, 30, 40))
+    lines = ["# box", "mtllib none.mtl", "vn 0 0 1"]
+    for a, b, c in box.triangles:
+        lines += ["v\t{}  {} {} 1.0 # w".format(*corner) for corner in (a, b, c)]
+        lines += ["f -3//-1 \\", "  -2//-1\t-1//-1"]
+    (tmp_path / "box.obj").write_text("\n".join(lines))
+    assert load_part(tmp_path / "box.obj").solid.volume == pytest.approx(24000)
+
+
+@pytest.mark.parametrize("first", range(6))
+@pytest.mark.parametrize("suffix", ["obj", "off", "ply"])
+def test_a_face_that_is_not_convex_is_whole_wherever_its_corners_begin(
+    tmp_path: Path, suffix: str, first: int
+) -> None:
+    ring = [(0, 0), (20, 0), (20, 10), (10, 10), (10, 20), (0, 20)]
+    points = [(x, y, z) for z in (0, 10) for x, y in ring]
+    low, top = [[(first - i) % 6 for i in range(6)], [6 + (first + i) % 6 for i in range(6)]]
+    sides = [[i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6] for i in range(6)]
+    (tmp_path / f"part.{suffix}").write_text(_polygons(suffix, points, [low, top, *sides]))
+    solid = load_part(tmp_path / f"part.{suffix}").solid
+    assert (solid.volume, solid.area) == pytest.approx((3000, 1400))
+
+
+def _polygons(suffix: str, points: list, faces: list) -> str:
+    rows = [" ".join(map(str, point)) for point in points]
+    if suffix == "obj":
+        return "\n".join(
+            [f"v {row}" for row in rows] + ["f " + " ".join(str(i + 1) for i in f) for f in faces]
+        )
+    body = "\n".join(rows + [f"{len(face)} " + " ".join(map(str, face)) for face in faces]) + "\n"
+    if suffix == "off":
+        return f"OFF\n{len(points)} {len(faces)} 0\n{body}"
+    axes = "".join(f"property double {axis}\n" for axis in "xyz")
+    lists = f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    return f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n{axes}{lists}{body}"
+
+
 @pytest.mark.parametrize("changed", [str.upper, lambda text: text.replace("\n", "\r"), str])
 def test_text_of_old_writers_is_read_with_names_in_any_code(tmp_path: Path, changed: Callable) -> None:
     box = trimesh.creation.box((20, 30, 40))
