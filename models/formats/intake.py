@@ -85,11 +85,24 @@ def check_triangles(count: int, name: str) -> None:
         )
 
 
+_NOT_CAD = (  # what comes in place of a file, by its first bytes in lower case
+    (b"version https://git-lfs", "a pointer of Git LFS", "fetch the file that it stands for (git lfs pull)"),
+    (b"<!doctype html", "a web page", "download the file itself"),
+    (b"<html", "a web page", "download the file itself"),
+)
+_PACKED = (b"\x1f\x8b", b"PK\x03\x04", b"7z\xbc\xaf", b"Rar!", b"BZh", b"\xfd7zXZ")
+
+
 def checked(data: bytes, suffix: str, name: str) -> bytes:
     """The bytes, if they are what the suffix says and as many as their header says."""
+    for mark, what, cure in _NOT_CAD:
+        if data[:256].lstrip(b"\xef\xbb\xbf \r\n\t").lower().startswith(mark):
+            raise PalpateError(f"{name} is {what} inside; {cure}")
     found = _sniff(data)
     if found not in (None, suffix, _ALIASES.get(suffix)):
         raise PalpateError(f"{name} is {found[1:].upper()} inside; rename it to end in {found}")
+    if suffix != ".3mf" and data.startswith(_PACKED):
+        raise PalpateError(f"{name} is a packed archive inside; unpack it first")
     return _CHECKS.get(suffix, _text)(data, name)
 
 
@@ -105,7 +118,7 @@ def _sniff(data: bytes) -> str | None:
         return ".stl"
     if head.startswith(b"ISO-10303-21"):
         return ".step"
-    if head.startswith(b"PK\x03\x04"):
+    if head.startswith(b"PK\x03\x04") and b"3D/" in data:
         return ".3mf"
     return None
 
@@ -179,7 +192,7 @@ def _step(data: bytes, name: str) -> bytes:
 
 def _obj(data: bytes, name: str) -> bytes:
     data = _plain(_text(data, name))
-    check_triangles(data.count(b"\nf "), name)
+    check_triangles(data.count(b"\nf ") + data.count(b"\nf\t"), name)
     return data
 
 

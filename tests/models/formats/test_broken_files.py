@@ -1,3 +1,4 @@
+import gzip
 import os
 import struct
 import tracemalloc
@@ -93,6 +94,12 @@ CASES: list[tuple[str, Callable[[Path], object], str]] = [
     ("thin.stl", _bytes(_stl(BOX.triangles * [1, 0, 0])), "without area"),
     ("many.stl", _bytes(bytes(80) + struct.pack("<I", 1_000_001) + bytes(50 * 1_000_001)), "1,000,001 tri"),
     ("negative.obj", _bytes(b"v 0 0 0\nv 9 0 0\nv 0 9 0\nf -9 -2 -1\n"), "cannot read"),
+    ("zero.obj", _bytes(b"v 0 0 0\nv 9 0 0\nv 0 9 0\nf 0 1 2\n"), "does not allow: f 0 1 2"),
+    ("endless.obj", _bytes(b"v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 " + b"9" * 30 + b"\n"), "cannot read"),
+    ("short.obj", _bytes(b"v 0 0 0\nv 9 0\nv 0 9 0\nf 1 2 3\n"), "cannot read"),
+    ("pointer.stl", _bytes(b"version https://git-lfs.github.com/spec/v1\nsize 9\n"), "git lfs pull"),
+    ("page.step", _bytes(b"\n<!DOCTYPE html><html>404</html>"), "download the file itself"),
+    ("packed.stl", _bytes(gzip.compress(_stl(BOX.triangles))), "unpack it first"),
     ("lists.ply", _bytes(LIST_PLY), ""),
     ("negative.ply", _bytes(LIST_PLY.replace(b"vertex 3", b"vertex -3")), ""),
     ("deep.glb", _bytes(b"glTF" + struct.pack("<III", 2, 100020, 100000) + b"JSON" + b"[" * 100000), "not a"),
