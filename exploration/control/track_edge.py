@@ -21,10 +21,11 @@ from exploration.control.edge_ticks import EdgeTick
 from exploration.control.edge_trace import smoothed
 from exploration.control.hybrid import PRESS
 from exploration.devices.guard import Guard, Observation
+from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.follow_line import follow_line
 from exploration.sensing.lines.followed import Expected, Followed
 from exploration.sensing.lines.line_fit import softened
-from exploration.sensing.response import rubber
+from exploration.sensing.response import Response, rubber
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 
@@ -123,7 +124,9 @@ def follow_edge(
     ended: Ended = "length"
     while run.travel < length:
         image = softened(seen.image)
-        edge = follow_line(image, response, expected) if expected else None
+        edge = (
+            _followed(image, response, expected, config.misfit * max(1.0, run.misfit)) if expected else None
+        )
         if edge is not None and not run.ticks and _short(seen, edge, config):
             last, ended = edge, "corner"
             break
@@ -193,6 +196,16 @@ def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> E
     aside = float(np.linalg.norm(gap - past * start.tangent))
     there = config.overlap < past < 3.0 * config.overlap and aside < config.closing
     return "closed" if there and start.tangent @ run.ticks[-1].tangent > 0.8 else None
+
+
+def _followed(image: TactileImage, response: Response, expected: Expected, misfit: float) -> Followed:
+    """The edge, of as much of it as one arc explains: less than the reach where it is about to turn."""
+    edge = follow_line(image, response, expected)
+    for share in (0.5, 0.3):
+        if not edge or edge.misfit <= misfit:
+            break
+        edge = follow_line(image, response, replace(expected, reach=share * expected.reach))
+    return edge
 
 
 def _short(seen: Observation, edge: Followed, config: EdgeConfig) -> bool:
