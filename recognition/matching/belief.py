@@ -21,7 +21,7 @@ class Hypothesis:
     log_weight: float  # logarithm of its probability
     covariance: Floats  # (6, 6) of (v [mm], w [rad]) in the object's frame, about its center
     residual: float  # [mm] mean distance of the contacts from the surface
-    log_likelihoods: Floats  # (n,) of each contact
+    log_likelihoods: Floats  # (n,) of each contact; nan of those that were not weighed
 
     @property
     def probability(self) -> float:
@@ -71,6 +71,6 @@ class Belief:
         a, b = self.best(first), self.best(second)
         if a is None or b is None:
             return ()
-        gain = a.log_likelihoods - b.log_likelihoods
+        gain = np.nan_to_num(a.log_likelihoods - b.log_likelihoods)
         order = np.argsort(-gain)[:count]
         return tuple(int(i) for i in order if gain[i] > 0.5)

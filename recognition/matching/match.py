@@ -19,14 +19,14 @@ import numpy as np
 from scipy.special import logsumexp
 
 from models.library import Entry
-from primitives.arrays import Floats
+from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.pose import frame_along, inverse
 from recognition.matching.belief import UNKNOWN, Belief
 from recognition.matching.contact_pairs import spread
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
-from recognition.matching.likelihood import NoiseConfig, log_likelihoods
+from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods
 from recognition.matching.modes import Felt, Mode, modes_of, residual
 from recognition.matching.shortlist import shortlist
 from recognition.matching.sifted import SiftConfig, sifted
@@ -51,7 +51,9 @@ class MatchConfig:
     unusual: float = 2.5  # standard deviations of a fit, beyond which more objects are searched
     believed: int = 4  # poses of an object that were believed, and are looked at before new ones
     polished: int = 24  # of these, refined again to the least mean distance
-    most: int = 400  # contacts that are weighed; more are thinned evenly
+    most: int = 400  # contacts that are searched with; of more, those that lie farthest apart
+    weighed: int = 1500  # contacts that weigh what was found; of more, every so many-th
+    again: int = 16  # hypotheses that these weigh
     told: int = 64  # hypotheses in the belief
 
 
@@ -65,10 +67,8 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
         )
     if not 0.0 <= unknown < 1.0:
         raise PalpateError(f"the prior of an unknown object must be from 0 to 1, not {unknown}")
-    evidence = evidence.checked()
-    if len(evidence.contacts) > config.most:
-        rows = spread(evidence.contacts, config.most)
-        evidence = replace(evidence, contacts=evidence.contacts.select(rows))
+    whole = evidence.checked()
+    evidence = _of(whole, spread(whole.contacts, config.most))
     told_where, prior = prior, prior or Prior.around(evidence.contacts)
     known: dict[str, list[Floats]] = {}
     for name, at in starts:
@@ -93,7 +93,44 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
             break
     if told_where and not belief.hypotheses:
         _require_near(told_where, evidence, max(target_of(library[name]).size for name in found))
-    return belief
+    if len(evidence.contacts) == len(whole.contacts) or not belief.hypotheses:
+        return belief
+    return _weighed_again(belief, library, whole, prior, unknown, config)
+
+
+def _of(evidence: Evidence, rows: Ints) -> Evidence:
+    if len(rows) == len(evidence.contacts):
+        return evidence
+    return replace(evidence, contacts=evidence.contacts.select(rows))
+
+
+def _weighed_again(belief: Belief, library: Mapping[str, Entry], whole: Evidence, prior: Prior, unknown: float,
+                   config: MatchConfig) -> Belief:  # fmt: skip
+    """The likeliest hypotheses by contacts as they came: those farthest apart hold all that are astray."""
+    n = len(whole.contacts)
+    rows = np.unique(np.linspace(0, n - 1, min(n, config.weighed)).astype(np.int64))
+    evidence = _of(whole, rows)
+    poses: dict[str, list[Floats]] = {}
+    for h in belief.hypotheses[: config.again]:
+        poses.setdefault(h.name, []).append(inverse(h.pose)[:3])
+    seen = Felt.of(evidence)
+    modes = [
+        mode
+        for name, p in poses.items()
+        for mode in modes_of(library[name], np.stack(p), seen, evidence, prior, config.noise, config.polished)
+    ]
+    belief = _weighed(modes, library, evidence, prior, unknown, config)
+    return Belief(
+        tuple(replace(h, log_likelihoods=_at(rows, h.log_likelihoods, n)) for h in belief.hypotheses),
+        belief.probabilities,
+    )
+
+
+def _at(rows: Ints, values: Floats, n: int) -> Floats:
+    """(n,) with the values of some rows, and nan in those that were not weighed."""
+    spread_out = np.full(n, np.nan)
+    spread_out[rows] = values
+    return frozen(spread_out)
 
 
 def _fits(belief: Belief, evidence: Evidence, config: MatchConfig) -> bool:
@@ -106,8 +143,8 @@ def _fits(belief: Belief, evidence: Evidence, config: MatchConfig) -> bool:
         return best is not None
     seen, nothing = Felt.of(evidence), np.zeros((1, len(evidence.contacts)))
     size = 2.0 * float(np.linalg.norm(np.ptp(seen.points, axis=0))) + 1.0
-    whole, _ = log_likelihoods(nothing, nothing, seen.felt, seen.sigma, seen.tau, size, config.noise)
-    lost = float(seen.shares @ (whole[0] - best.log_likelihoods))
+    both = log_likelihoods(nothing, nothing, seen.felt, seen.sigma, seen.tau, size, config.noise)
+    lost = float(seen.shares @ (log_each(*both, config.noise)[0] - best.log_likelihoods))
     dimensions = np.where(seen.felt, 3.0, 1.0)
     usual, spread_of = seen.shares @ dimensions / 2.0, np.sqrt(seen.shares**2 @ dimensions / 2.0)
     return bool(lost <= usual + config.unusual * spread_of)

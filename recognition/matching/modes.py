@@ -22,7 +22,7 @@ from recognition.matching.align import Aligned, refine
 from recognition.matching.belief import Hypothesis
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
-from recognition.matching.likelihood import NoiseConfig, log_likelihoods, log_unlike
+from recognition.matching.likelihood import NoiseConfig, log_each, log_known, log_likelihoods, log_unlike
 from recognition.matching.loose import LooseConfig, sigma_points
 from recognition.matching.places import Places, places_of
 from recognition.matching.target import Target, gap, target_of
@@ -74,10 +74,11 @@ def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior:
     target, absolute = target_of(entry), not evidence.scale_known
     done = _refined(entry, target, poses, seen, absolute, polished)
     scale, turn = _scales(done, seen, evidence, target, noise)
-    like, off = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * scale, seen.tau * turn,
+    on, off = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * scale, seen.tau * turn,
                                 target.size, noise, absolute)  # fmt: skip
     there = seen.places.log_density(target.area, seen.shares)
-    total, unlike = there + like @ seen.shares, there + log_unlike(like, off, seen.shares)
+    like = log_each(on, off, noise)
+    total, unlike = there + log_known(on, off, seen.shares, noise), there + log_unlike(on, off, seen.shares)
     modes: list[Mode] = []
     for k in np.argsort(-total, kind="stable"):
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
@@ -129,9 +130,9 @@ def _scales(
     best = (-np.inf, 1.0, 1.0)
     for s in grid if not evidence.scale_known else (1.0,):
         for t in grid if not evidence.normal_scale_known and seen.felt.any() else (1.0,):
-            like, _ = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * s, seen.tau * t,
-                                      target.size, noise, not evidence.scale_known)  # fmt: skip
-            best = max(best, (float((like @ seen.shares).max()), float(s), float(t)))
+            both = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * s, seen.tau * t,
+                                   target.size, noise, not evidence.scale_known)  # fmt: skip
+            best = max(best, (float(log_known(*both, seen.shares, noise).max()), float(s), float(t)))
     return best[1], best[2]
 
 

@@ -19,7 +19,7 @@ from recognition.matching.contact_pairs import spread
 from recognition.matching.evidence import Evidence
 from recognition.matching.facets import facets_of
 from recognition.matching.hypotheses import Found
-from recognition.matching.likelihood import NoiseConfig, log_likelihoods
+from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods
 from recognition.matching.modes import Felt
 from recognition.matching.target import gap, target_of
 
@@ -68,8 +68,8 @@ def _looked_at(entry: Entry, poses: Floats, seen: Felt, few: Ints, noise: NoiseC
     contacts = np.ascontiguousarray(seen.points[few]), np.ascontiguousarray(seen.normals[few]), felt
     mesh = facets_of(entry.solid.body)
     done = refine(np.ascontiguousarray(poses), *contacts, sigma, tau, shares, mesh, wider, config.rounds)
-    like, _ = log_likelihoods(done.distances, done.angles, felt, sigma, tau, target.size, noise)
-    return done.poses, like @ shares
+    both = log_likelihoods(done.distances, done.angles, felt, sigma, tau, target.size, noise)
+    return done.poses, log_each(*both, noise) @ shares
 
 
 def _best(

@@ -33,7 +33,7 @@ from recognition.sources import read_source
 from recognition.sources.source import Source
 
 _SURE = 0.95  # confidence from which on nothing is left to tell
-_MADE = 0.02  # [mm] by which an object differs from its model, at least
+_MADE = 0.06  # [mm] by which an object differs from its model, whose facets are only so fine
 _NORMAL_SIGMA = 0.037  # [rad] where nobody told: 3 degrees in total; its scale is then estimated
 
 

@@ -1,0 +1,58 @@
+"""Contacts that are no contacts of the object: a few of many do no harm, and one of a dozen is noticed."""
+
+import numpy as np
+import pytest
+
+from models import parts
+from models.library import Library
+from models.solid import Solid
+from primitives.evidence import Contacts
+from primitives.pose import pose, random_rotation, rotate, transform_points
+from recognition.matching import Evidence, match
+from recognition.matching.likelihood import NoiseConfig, log_known, log_unlike
+
+NAMES = ("bracket", "wedge", "block", "flange")
+SIGMA, TURN = 0.1, 0.02
+
+
+@pytest.fixture(scope="module")
+def library() -> Library:
+    return Library.of({name: Solid.from_csg(parts.build(name)) for name in NAMES})
+
+
+def _felt(library: Library, count: int, astray: int, rng: np.random.Generator) -> Contacts:
+    entry = library["bracket"]
+    rows = rng.integers(len(entry.samples), size=count)
+    world = pose(random_rotation(rng), rng.uniform(-40.0, 40.0, 3))
+    points = transform_points(world, entry.samples.points[rows]) + SIGMA * rng.standard_normal((count, 3))
+    normals = rotate(world, entry.samples.normals[rows]) + TURN * rng.standard_normal((count, 3))
+    points[:astray] += rng.uniform(3.0, 20.0, (astray, 1)) * normals[:astray]
+    order = rng.permutation(count)
+    return Contacts.of(points[order], normals[order], SIGMA, TURN)
+
+
+def test_one_in_two_hundred_astray_does_not_make_a_known_object_unknown(library: Library) -> None:
+    belief = match(Evidence(_felt(library, 1000, 5, np.random.default_rng(0))), library)
+    assert belief.decision == "bracket"
+    assert belief.confidence > 0.8
+
+
+def test_many_contacts_tell_which_of_them_separate(library: Library) -> None:
+    contacts = _felt(library, 1000, 0, np.random.default_rng(1))
+    belief = match(Evidence(contacts), library)
+    best = belief.best("bracket")
+    assert best is not None
+    assert best.log_likelihoods.shape == (1000,)
+
+
+def test_one_of_a_dozen_astray_speaks_for_an_unknown_object() -> None:
+    on, off = np.full((1, 12), 3.0), np.full((1, 12), -9.0)
+    on[0, 0] = -200.0
+    odds = log_unlike(on, off, np.ones(12)) - log_known(on, off, np.ones(12), NoiseConfig())
+    assert odds[0] > np.log(10.0)
+
+
+def test_what_fits_costs_an_unknown_object_the_number_of_contacts() -> None:
+    on, off = np.full((1, 30), 3.0), np.full((1, 30), -9.0)
+    odds = log_known(on, off, np.ones(30), NoiseConfig()) - log_unlike(on, off, np.ones(30))
+    assert odds[0] == pytest.approx(np.log(31.0), abs=0.1)
