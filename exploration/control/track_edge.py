@@ -1,7 +1,7 @@
 """Edge tracking: servo on one line of the tactile image (`edge_servo`), at constant force and flat on the face.
 
 Tracking ends at a corner (the face ends ahead, or material begins outside), where the edge closes on itself, after
-a length, or where it is lost and not found again a little way back.
+a length, where it is lost and not found again a little way back, or where the pad runs into something beside it.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ from exploration.control.edge_servo import EdgeServo, EdgeServoConfig
 from exploration.control.edge_ticks import EdgeTick
 from exploration.control.edge_trace import smoothed
 from exploration.control.hybrid import PRESS
-from exploration.devices.guard import Guard, Observation
+from exploration.devices.guard import Collision, Fault, Guard, Observation, OverPress
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.follow_line import follow_line
 from exploration.sensing.lines.followed import Expected, Followed
@@ -29,7 +29,7 @@ from exploration.sensing.response import Response, rubber
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 
-Ended = Literal["corner", "closed", "lost", "length"]
+Ended = Literal["corner", "closed", "lost", "length", "blocked"]
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,7 @@ class Tracked:
     set_points: tuple[float, ...] = ()  # [N] that were wanted: the nominal pressure on the area in contact
     last: Followed | None = None  # the edge as last seen
     corner: Meeting | None = None  # that ended it, where it was seen coming
+    fault: Fault | None = None  # that blocked it
 
     def __bool__(self) -> bool:
         return self.trace is not None
@@ -121,6 +122,7 @@ def follow_edge(
     servo = EdgeServo(guard, press, config, rest)
     last: Followed | None = None
     corner: Meeting | None = None
+    fault: Fault | None = None
     ended: Ended = "length"
     while run.travel < length:
         image = softened(seen.image)
@@ -152,7 +154,11 @@ def follow_edge(
             ended = "corner"
             break
         before = seen.world_from_sensor
-        seen = guard.move(servo.twist(seen, edge))
+        try:
+            seen = guard.move(servo.twist(seen, edge))
+        except (OverPress, Collision) as met:
+            ended, fault = "blocked", met
+            break
         step = seen.world_from_sensor[:3, 3] - before[:3, 3]
         run.travel += max(0.0, float(step @ run.ticks[-1].tangent))
         expected = servo.expected(edge, before, seen.world_from_sensor)
@@ -169,7 +175,7 @@ def follow_edge(
     )
     forces, wanted = tuple(t.force for t in run.ticks), tuple(servo.wanted)
     return Tracked(
-        draw, partial(profile_of, clear, response), ended, run.travel, forces, wanted, last, corner
+        draw, partial(profile_of, clear, response), ended, run.travel, forces, wanted, last, corner, fault
     )
 
 

@@ -4,7 +4,7 @@ At a corner the next edge is the line under the pad that is not the last one, ta
 on the same hand: a convex corner turns toward the material and an inside one away from it, by the same rule.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import dist
 from typing import Literal
@@ -16,7 +16,7 @@ from exploration.control.dwell import dwell
 from exploration.control.edge_profile import EdgeProfile
 from exploration.control.hybrid import PRESS
 from exploration.control.track_edge import EdgeConfig, Home, Tracked, follow_edge
-from exploration.devices.guard import Guard
+from exploration.devices.guard import Collision, Fault, Guard, OverPress
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
@@ -34,11 +34,12 @@ class TrackedOutline:
 
     traces: tuple[EdgeTrace, ...]
     corners: Floats  # (n, 3) [mm] where two of them meet
-    ended: Literal["closed", "lost", "length"]
+    ended: Literal["closed", "lost", "length", "blocked"]
     travel: float  # [mm]
     forces: tuple[float, ...]  # [N] at every tick
     set_points: tuple[float, ...]  # [N] that were wanted
     profiles: tuple[EdgeProfile | None, ...] = ()  # across each edge
+    fault: Fault | None = None  # that blocked it
 
     def __bool__(self) -> bool:
         return bool(self.traces)
@@ -54,12 +55,50 @@ def follow_outline(
     config: EdgeConfig = DEFAULT,
 ) -> TrackedOutline:
     """Track the outline under the pad, the way of the (3,) world direction `along`, up to `length` [mm]."""
-    edges: list[Tracked] = []
-    drawn: list[tuple[EdgeTrace, EdgeProfile | None]] = []
+    outline = _Outline(length)
+    try:
+        _follow(outline, guard, along, touch, stroke, press, config)
+    except (OverPress, Collision) as fault:
+        outline.fault = fault
+    edges, last = outline.edges, outline.edges[-1].ended if outline.edges else "lost"
+    traces = tuple(trace for trace, _ in outline.drawn)
+    return TrackedOutline(
+        traces,
+        np.array([_meeting(a, b) for a, b in pairwise(traces)]).reshape(-1, 3),
+        "blocked" if outline.fault is not None else "lost" if last == "corner" else last,
+        sum(edge.travel for edge in edges),
+        tuple(force for edge in edges for force in edge.forces),
+        tuple(force for edge in edges for force in edge.set_points),
+        tuple(profile for _, profile in outline.drawn),
+        outline.fault,
+    )
+
+
+@dataclass
+class _Outline:
+    """What is there when a fault ends it."""
+
+    length: float  # [mm] at most
+    edges: list[Tracked] = field(default_factory=list)
+    drawn: list[tuple[EdgeTrace, EdgeProfile | None]] = field(default_factory=list)
+    fault: Fault | None = None
+
+
+def _follow(
+    outline: _Outline,
+    guard: Guard,
+    along: Floats,
+    touch: int,
+    stroke: int,
+    press: float,
+    config: EdgeConfig,
+) -> None:
+    """Edge after edge, until it closes or ends."""
+    edges, drawn = outline.edges, outline.drawn
     home: Home | None = None
     met: Meeting | None = None
     while not edges or met is not None:
-        left = length - sum(edge.travel for edge in edges)
+        left = outline.length - sum(edge.travel for edge in edges)
         heading = along if met is None else met.along
         edge = follow_edge(guard, heading, left, touch, stroke + len(edges), press, config, home)
         edges.append(edge)
@@ -67,6 +106,7 @@ def follow_outline(
             drawn.append((edge.trace, edge.profile))
             home = home or Home(edge.trace.points[0], edge.trace.tangents[0])
         if edge.ended != "corner" or edge.last is None:
+            outline.fault = edge.fault
             break
         before, met = met, _turned(guard, edge, config)
         if edge.trace is not None or before is None or met is None:
@@ -75,17 +115,6 @@ def follow_outline(
             break
         if drawn:
             drawn.append((_short(before, met, drawn[-1][0], touch, stroke + len(edges) - 1), None))
-    last = edges[-1].ended
-    traces = tuple(trace for trace, _ in drawn)
-    return TrackedOutline(
-        traces,
-        np.array([_meeting(a, b) for a, b in pairwise(traces)]).reshape(-1, 3),
-        last if last in ("closed", "length") else "lost",
-        sum(edge.travel for edge in edges),
-        tuple(force for edge in edges for force in edge.forces),
-        tuple(force for edge in edges for force in edge.set_points),
-        tuple(profile for _, profile in drawn),
-    )
 
 
 def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:

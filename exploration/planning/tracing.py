@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exploration.control.track_edge import follow_edge
+from exploration.control.track_edge import Tracked, follow_edge
 from exploration.planning.findings import Attempts, Done, Findings, outward_normal
 from exploration.planning.frontier import OpenEdge
 from exploration.planning.pad import Pad
@@ -32,10 +32,10 @@ class Tracing:
         touch, cost, longest = guard.cost.touches, guard.cost, self.pad.config.longest
         cost.strokes += 1
         best = ahead = follow_edge(guard, edge.tangent, longest, touch, cost.strokes)
-        if ahead.ended != "closed":
+        if _unblocked(ahead).ended != "closed":
             cost.strokes += 1
             back = follow_edge(guard, -edge.tangent, longest, touch, cost.strokes)
-            best = max((ahead, back), key=lambda tracked: tracked.travel)
+            best = max((ahead, _unblocked(back)), key=lambda tracked: tracked.travel)
         self.pad.lie(np.empty((0, 3)))
         if best.trace is None:
             return edge.faces[0], "an edge could not be traced"
@@ -43,3 +43,10 @@ class Tracing:
         graph, edge_id = self.found.graph.add_trace(best.trace, edge.faces[0])
         self.found.graph = graph.attach(edge_id, edge.faces[1])
         return edge.faces[0], "traced an edge"
+
+
+def _unblocked(tracked: Tracked) -> Tracked:
+    """What was tracked.  Raises the fault that ended it: what the pad ran into stands beside a known edge."""
+    if tracked.fault is not None:
+        raise tracked.fault
+    return tracked

@@ -52,7 +52,7 @@ class EdgeTrack:
     """An outline, and what it is; false where no edge was."""
 
     traces: tuple[EdgeTrace, ...] = ()
-    ended: str = "no edge"  # or closed, lost, length, or the fault
+    ended: str = "no edge"  # or closed, lost, length, blocked
     why: str = ""  # nothing was tracked
     dihedrals: tuple[float | None, ...] = ()  # [rad] of every edge
     roundings: tuple[Rounding | None, ...] = ()
@@ -136,21 +136,21 @@ def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | N
     lie_over(run.pad, edge)
     cost = run.guard.cost
     cost.strokes += 1
-    try:
-        outline = follow_outline(
-            run.guard,
-            edge.tangent,
-            config.longest,
-            cost.touches,
-            cost.strokes,
-            config.press,
-            EdgeConfig(speed=speed),
-        )
-    except (OverPress, Collision) as error:
-        return EdgeTrack(ended=str(error), why=f"a limit ended the track: {error}")
+    outline = follow_outline(
+        run.guard,
+        edge.tangent,
+        config.longest,
+        cost.touches,
+        cost.strokes,
+        config.press,
+        EdgeConfig(speed=speed),
+    )
+    if outline.fault is not None:
+        run.warnings.append("the pad ran into something beside the edge, and backed off")
     run.announce("outline", {"ended": outline.ended, "edges": len(outline.traces)})
     if not outline:
-        return EdgeTrack(why="the edge that was seen could not be followed", ended="lost")
+        why = "the edge that was seen could not be followed" if outline.fault is None else str(outline.fault)
+        return EdgeTrack(why=why, ended=outline.ended)
     press = pressed(run.pad) or config.press
     run.pad.lie(np.empty((0, 3)))
     return _felt_behind(run, outline, edge, press, say, config)

@@ -27,7 +27,8 @@ def nothing_followed(summary: Mapping[str, Any]) -> str | None:
 def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
     """What was followed, what it is, how true that is, where the run lies."""
     s, found, force = summary, summary["found"], summary["force_n"]
-    how = "closed" if s["closed"] else "lost" if s["lost"] else "followed to its end"
+    until = "until something stood in the way" if found.get("ended") == "blocked" else "to its end"
+    how = "closed" if s["closed"] else "lost" if s["lost"] else f"followed {until}"
     lines = [f"{s['part']}: {s['what']} {how}, {_length(found)} in {s['device_seconds']:.1f} s on the device"]
     if force["mean"] is not None:
         lines.append(f"force: mean {force['mean']:.1f} N, greatest {force['max']:.1f} N")

@@ -66,6 +66,16 @@ def test_an_edge_shorter_than_a_third_of_the_pad_is_drawn_between_its_corners(tm
 
 
 @pytest.mark.slow
+def test_what_was_followed_before_a_wall_is_kept(tmp_path):
+    told = run(TrackOptions("bracket", seed=1, out=tmp_path / "run"), View())
+    assert told["found"]["ended"] == "blocked"
+    assert not told["closed"]
+    assert any("ran into" in warning for warning in told["warnings"])
+    assert told["found"]["length_mm"] > 20.0
+    assert told["truth"]["rms_mm"] < 0.1
+
+
+@pytest.mark.slow
 def test_a_ball_has_no_edge_which_is_one_line_and_exit_1(tmp_path):
     out = str(tmp_path / "run")
     result = CliRunner().invoke(app, ["track", "edge", "sphere", "--seed", "1", "--json", "--out", out])
