@@ -39,6 +39,7 @@ class IdentifyConfig:
     unknown: float = 0.1  # prior probability of none of these
     least: int = 4  # touches that met something, before which nothing is sure
     confirmed: int = 2  # touches in a row, after each of which the same name is sure enough
+    patience: int = 8  # touches in a row, for which a name may be sure and its pose not
     blind: int = 1  # touches that met something, before which the widest gap is touched
     misses: int = 2  # touches in a row without a contact, after which belief is not asked where to touch
     idle: int = 3  # touches in a row that were chosen for want of one that tells
@@ -145,9 +146,8 @@ class Identifier:
         self._before = name
         if self.belief.confidence < self.config.confidence:
             self._agreed = 0
-        if self._agreed >= self.config.confirmed and (
-            name == UNKNOWN or is_placed(self.belief, self.library[name], self.config.confidence)
-        ):
+        placed = name == UNKNOWN or is_placed(self.belief, self.library[name], self.config.confidence)
+        if self._agreed >= (self.config.confirmed if placed else self.config.patience):
             self.ended = "sure"
 
     def _next(self, ball: Ball) -> tuple[Approach, Choice | None]:

@@ -70,7 +70,7 @@ def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Float
 def log_each(on: Floats, off: Floats, config: NoiseConfig) -> Floats:
     """(k, n) logarithms of each contact's own probability, of the two of `log_likelihoods`."""
     f = config.outliers
-    return np.logaddexp(on + np.log1p(-f), off + np.log(f))
+    return np.asarray(np.logaddexp(on + np.log1p(-f), off + np.log(f)))
 
 
 def log_known(on: Floats, off: Floats, shares: Floats, config: NoiseConfig) -> Floats:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from models.library import Entry
+from models.symmetry import pose_error
 from primitives.arrays import Floats
 from primitives.pose import quaternion_wxyz
 from recognition.matching import Belief, Evidence, Hypothesis
@@ -25,19 +26,29 @@ def pose_json(world_from_object: Floats) -> dict[str, Any]:
     }
 
 
-def candidate(h: Hypothesis, entry: Entry, probability: float) -> dict[str, Any]:
-    """One object at one pose."""
+def candidate(
+    h: Hypothesis, entry: Entry, probability: float, beside: Sequence[Hypothesis] = ()
+) -> dict[str, Any]:
+    """One object at one pose; `beside` are all poses that it may have instead, this one among them."""
+    place, turn = _sigma(h, entry, beside or (h,))
     return {
         "name": h.name,
         "probability": probability,
         "pose": pose_json(h.pose),
-        "pose_sigma": {
-            "translation_mm": h.translation_sigma,
-            "rotation_deg": float(np.degrees(h.rotation_sigma)),
-        },
+        "pose_sigma": {"translation_mm": place, "rotation_deg": float(np.degrees(turn))},
         "symmetry": entry.symmetry.name,
         "residual_mm": h.residual,
     }
+
+
+def _sigma(h: Hypothesis, entry: Entry, beside: Sequence[Hypothesis]) -> tuple[float, float]:
+    """[mm], [rad] root mean square error to be expected of a pose, of all poses with their shares."""
+    shares = np.exp(np.array([b.log_weight for b in beside]) - max(b.log_weight for b in beside))
+    off = [pose_error(entry.symmetry, b.pose, h.pose) for b in beside]
+    places = [b.translation_sigma**2 + o.distance**2 for b, o in zip(beside, off, strict=True)]
+    turns = [b.rotation_sigma**2 + o.angle**2 for b, o in zip(beside, off, strict=True)]
+    place, turn = (float(np.sqrt(shares @ np.array(x) / shares.sum())) for x in (places, turns))
+    return place, min(turn, float(np.pi))
 
 
 def without_pose(name: str, probability: float) -> dict[str, Any]:
@@ -51,9 +62,14 @@ def objects(belief: Belief, library: Mapping[str, Entry], most: int = 10) -> lis
     ranked = sorted(belief.probabilities.items(), key=lambda item: -item[1])
     best = [(name, belief.best(name), p) for name, p in ranked]
     told = [
-        without_pose(name, p) if h is None else candidate(h, library[name], p) for name, h, p in best[:most]
+        without_pose(name, p) if h is None else candidate(h, library[name], p, _poses(belief, name))
+        for name, h, p in best[:most]
     ]
     return [c for i, c in enumerate(told) if i == 0 or c["probability"] >= _LEAST]
+
+
+def _poses(belief: Belief, name: str) -> list[Hypothesis]:
+    return [h for h in belief.hypotheses if h.name == name]
 
 
 def modes(belief: Belief, entry: Entry, most: int = 32) -> list[dict[str, Any]]:

@@ -7,7 +7,8 @@ Bhattacharyya distances, which for one covariance are d^2 / 8::
     I >= - sum_i w_i log2 sum_j w_j exp(-d_ij^2 / 8)
 
 Of the names alone it is that of all hypotheses less the mean of what is told within one name.  An object that
-is in no library could feel like anything; it shares a small part of every outcome.
+is in no library is like one of it in most places: it shares most of the outcomes of touches that meet something,
+and where the pad meets nothing it tells nothing.
 """
 
 from __future__ import annotations
@@ -30,19 +31,21 @@ class TouchNoise:
     gap: float = 0.35  # [mm]
     alike: float = 100.0  # [mm^2] of the skin, over which gaps err together
     never: float = 60.0  # squared distance between meeting and missing
-    unknown: float = 0.1  # overlap of any outcome with that of an object in no library
+    unknown: float = 0.7  # overlap of what is met with that of an object in no library
 
 
 def information(outcomes: Outcomes, known: Held, noise: TouchNoise | None = None) -> tuple[Floats, Floats]:
     """(c,) bits about the name, and (c,) bits about the pose that a name has."""
     noise = noise or TouchNoise()
     overlap = np.exp(-squared_distances(outcomes, noise) / 8.0)
-    whole = _bits(overlap, known.weights, known.unknown, noise.unknown)
+    shared = np.where(outcomes.hit, noise.unknown, 1.0)
+    whole = _bits(overlap, known.weights, known.unknown, shared)
     within = np.zeros(len(overlap))
     for rows in known.groups:
         share = float(known.weights[rows].sum())
         if len(rows) > 1 and share > 0.0:
-            within += share * _bits(overlap[:, rows][:, :, rows], known.weights[rows] / share, 0.0, 0.0)
+            own = overlap[:, rows][:, :, rows]
+            within += share * _bits(own, known.weights[rows] / share, 0.0, shared[:, rows])
     return np.maximum(whole - within, 0.0), within
 
 
@@ -60,9 +63,9 @@ def squared_distances(outcomes: Outcomes, noise: TouchNoise) -> Floats:
     return np.where(both, np.minimum(apart, noise.never), np.where(one, noise.never, 0.0))
 
 
-def _bits(overlap: Floats, weights: Floats, unknown: float, shared: float) -> Floats:
+def _bits(overlap: Floats, weights: Floats, unknown: float, shared: Floats) -> Floats:
     mixed = overlap @ weights + unknown * shared
     told = -(np.log2(np.maximum(mixed, 1e-12)) @ weights)
     if unknown > 0.0:
-        told = told - unknown * np.log2(unknown + shared * float(weights.sum()))
+        told = told - unknown * np.log2(unknown + shared @ weights)
     return np.asarray(told)

@@ -6,9 +6,11 @@ from typer.testing import CliRunner
 
 from models import parts
 from models.formats.openscad.writer import write
+from models.library import Library
 from primitives.errors import PalpateError
+from primitives.pose import pose
 from recognition import cli
-from recognition.matching import Belief
+from recognition.matching import Belief, Hypothesis
 from recognition.recognizing.answer import objects, why
 from recognition.recognizing.run import Asked, locate, recognize
 from recognition.recognizing.text import summary_text
@@ -102,3 +104,18 @@ def test_where_it_is_not_sure_it_says_which_touch_would_tell(tmp_path):
     assert answer["confidence"] < 0.95
     assert answer["why"]["separating_touch"]["bits"] > 0.1
     assert "a touch that would tell more" in summary_text(answer)
+
+
+def test_a_pose_among_others_as_probable_is_told_as_unsure(tmp_path):
+    write(parts.build("bracket"), tmp_path / "bracket.csg")
+    library = Library.open(tmp_path)
+    here, there = np.eye(4), pose(np.diag([1.0, -1.0, -1.0]), [30.0, 0.0, 0.0])
+    sharp = [
+        Hypothesis("bracket", at, np.log(0.5), 1e-4 * np.eye(6), 0.0, np.zeros(1)) for at in (here, there)
+    ]
+    belief = Belief(tuple(sharp), {"bracket": 1.0})
+    told = objects(belief, library)[0]["pose_sigma"]
+    assert told["translation_mm"] > 10.0
+    assert told["rotation_deg"] > 90.0
+    alone = objects(Belief((sharp[0],), {"bracket": 1.0}), library)[0]["pose_sigma"]
+    assert alone["rotation_deg"] < 2.0
