@@ -60,12 +60,12 @@ def follow_outline(
         _follow(outline, guard, along, touch, stroke, press, config)
     except (OverPress, Collision) as fault:
         outline.fault = fault
-    edges, last = outline.edges, outline.edges[-1].ended if outline.edges else "lost"
+    edges = outline.edges
     traces = tuple(trace for trace, _ in outline.drawn)
     return TrackedOutline(
         traces,
         np.array([_meeting(a, b) for a, b in pairwise(traces)]).reshape(-1, 3),
-        "blocked" if outline.fault is not None else "lost" if last == "corner" else last,
+        outline.ended,
         sum(edge.travel for edge in edges),
         tuple(force for edge in edges for force in edge.forces),
         tuple(force for edge in edges for force in edge.set_points),
@@ -81,7 +81,18 @@ class _Outline:
     length: float  # [mm] at most
     edges: list[Tracked] = field(default_factory=list)
     drawn: list[tuple[EdgeTrace, EdgeProfile | None]] = field(default_factory=list)
+    closed: bool = False  # at the corner that was its first
     fault: Fault | None = None
+
+    @property
+    def ended(self) -> Literal["closed", "lost", "length", "blocked"]:
+        """How."""
+        last = self.edges[-1].ended if self.edges else "lost"
+        if self.fault is not None:
+            return "blocked"
+        if self.closed:
+            return "closed"
+        return "lost" if last == "corner" else last
 
 
 def _follow(
@@ -96,6 +107,7 @@ def _follow(
     """Edge after edge, until it closes or ends."""
     edges, drawn = outline.edges, outline.drawn
     home: Home | None = None
+    first: Meeting | None = None
     met: Meeting | None = None
     while not edges or met is not None:
         left = outline.length - sum(edge.travel for edge in edges)
@@ -109,12 +121,15 @@ def _follow(
             outline.fault = edge.fault
             break
         before, met = met, _turned(guard, edge, config)
-        if edge.trace is not None or before is None or met is None:
-            continue
-        if dist(before.point, met.point) < SAME:
+        if edge.trace is None and before is not None and met is not None:
+            if dist(before.point, met.point) < SAME:
+                break
+            if drawn:
+                drawn.append((_short(before, met, drawn[-1][0], touch, stroke + len(edges) - 1), None))
+        if first is not None and met is not None and _again(first, met, config):
+            outline.closed = True
             break
-        if drawn:
-            drawn.append((_short(before, met, drawn[-1][0], touch, stroke + len(edges) - 1), None))
+        first = first or met
 
 
 def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
@@ -132,6 +147,11 @@ def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
     lift = float((place - here[:3, 3]) @ here[:3, 2])
     guard.go_to(se3.pose(here[:3, :3], place - lift * here[:3, 2]))
     return corner
+
+
+def _again(first: Meeting, met: Meeting, config: EdgeConfig) -> bool:
+    """Whether a corner is the first one, come to again."""
+    return dist(first.point, met.point) < config.closing and float(first.along @ met.along) > 0.8
 
 
 def _short(begins: Meeting, ends: Meeting, before: EdgeTrace, touch: int, stroke: int) -> EdgeTrace:
