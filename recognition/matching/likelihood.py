@@ -25,7 +25,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import logsumexp
+from scipy.special import gammaln, logsumexp
 
 from primitives.arrays import Bools, Floats
 from recognition.matching.facets import TILTED
@@ -82,6 +82,15 @@ def log_unlike(on: Floats, off: Floats, shares: Floats) -> Floats:
     """(k,) logarithms of p(Z | an unknown like it)."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     return _integrated(on, off, shares, 0.5 * (nodes + 1.0), np.log(0.5 * weights))
+
+
+def log_astray(times: float, contacts: float, bound: float) -> float:
+    """What contradictions by empty space leave of an unknown object: each is a place more where it is another.
+
+    Under a uniform f, n contacts that fit and m places that do not have the probability m! (n + 1)! / (n + m + 1)!
+    over that of the contacts alone; never less than `bound`, what they leave of the known one.
+    """
+    return max(bound, float(gammaln(times + 1) + gammaln(contacts + 2) - gammaln(contacts + times + 2)))
 
 
 def _rare(config: NoiseConfig) -> tuple[Floats, Floats]:

@@ -7,6 +7,7 @@ would tell where it is.  The sigma points of an axis e with the variance s^2 are
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,8 @@ import numpy as np
 from models.library import Entry
 from primitives.arrays import Floats
 from primitives.pose import exp, pose
+
+_CROSSED = (-1.5, -0.5, 0.5, 1.5)  # sigmas along each axis, which have a normal variable's variance nearly
 
 
 @dataclass(frozen=True)
@@ -36,22 +39,43 @@ def sigma_points(
     `covariance` (6, 6) is of (v [mm], w [rad]) in the object's frame, about the middle of its box.
     """
     config = config or LooseConfig()
+    steps, middle = _steps(covariance, entry, config)
+    shares = [way * s / max(config.sigmas) for s in config.sigmas for way in (1.0, -1.0)]
+    return [at, *(at @ _moved(share * step, middle) for step in steps for share in shares)]
+
+
+def cross_points(
+    at: Floats, covariance: Floats, entry: Entry, config: LooseConfig | None = None
+) -> list[Floats]:
+    """Poses (4, 4) all over what a loose one stands for: every combination of steps along its axes."""
+    config = config or LooseConfig()
+    steps, middle = _steps(covariance, entry, config)
+    shares = np.array(_CROSSED) / max(config.sigmas)
+    combined = itertools.product(shares, repeat=len(steps)) if steps else ()
+    return [at @ _moved(np.asarray(each) @ np.array(steps), middle) for each in combined]
+
+
+def _moved(step: Floats, middle: Floats) -> Floats:
+    return np.asarray(pose(np.eye(3), middle) @ exp(step) @ pose(np.eye(3), -middle))
+
+
+def _steps(covariance: Floats, entry: Entry, config: LooseConfig) -> tuple[list[Floats], Floats]:
+    """(6,) steps of the widest sigma along each loose axis, and the (3,) point that they turn about."""
     points = np.asarray(entry.samples.points, dtype=float)
     low, high = points.min(axis=0), points.max(axis=0)
     size, middle = float(np.linalg.norm(high - low)), 0.5 * (low + high)
     scale = np.array([1.0, 1.0, 1.0, 0.35 * size, 0.35 * size, 0.35 * size])  # [mm] of every component
     values, axes = np.linalg.eigh(covariance * np.outer(scale, scale))
     few, solid = points[: config.samples], entry.solid.placed(np.eye(4))
-    found = [at]
+    found: list[Floats] = []
     for k in np.argsort(-values)[: 2 * config.axes]:
-        if len(found) > 2 * config.axes * len(config.sigmas) or values[k] < config.moved**2:
+        if len(found) >= config.axes or values[k] < config.moved**2:
             break
         step = max(config.sigmas) * np.sqrt(values[k]) * axes[:, k] / scale
         step *= min(1.0, config.turned / max(float(np.linalg.norm(step[3:])), 1e-9))
         step *= min(1.0, config.shifted * size / max(float(np.linalg.norm(step[:3])), 1e-9))
-        shares = [way * s / max(config.sigmas) for s in config.sigmas for way in (1.0, -1.0)]
-        beside = [pose(np.eye(3), middle) @ exp(share * step) @ pose(np.eye(3), -middle) for share in shares]
-        moved = few @ beside[-1][:3, :3].T + beside[-1][:3, 3]
+        beside = _moved(-step, middle)
+        moved = few @ beside[:3, :3].T + beside[:3, 3]
         if float(np.abs(solid.signed_distance(moved)).mean()) > config.moved:
-            found += [at @ b for b in beside]
-    return found
+            found.append(step)
+    return found, middle

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import logsumexp
 
 from models.library import Entry
 from models.symmetry import nearest_pose
@@ -22,8 +23,15 @@ from recognition.matching.align import Aligned, refine
 from recognition.matching.belief import Hypothesis
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
-from recognition.matching.likelihood import NoiseConfig, log_each, log_known, log_likelihoods, log_unlike
-from recognition.matching.loose import LooseConfig, sigma_points
+from recognition.matching.likelihood import (
+    NoiseConfig,
+    log_astray,
+    log_each,
+    log_known,
+    log_likelihoods,
+    log_unlike,
+)
+from recognition.matching.loose import LooseConfig, cross_points, sigma_points
 from recognition.matching.places import Places, places_of
 from recognition.matching.target import Target, gap, target_of
 from recognition.matching.untouched import log_untouched
@@ -93,7 +101,8 @@ def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior:
         at = log_volume + _copies(entry) - np.log(prior.volume) - _ROTATIONS
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
         made, bound = _let_in(made, entry, target, evidence)
-        modes.append(Mode(made, float(total[k] + at + bound), float(unlike[k] + at)))
+        other = log_astray(-bound / -_SWEPT, float(seen.shares.sum()), bound)
+        modes.append(Mode(made, float(total[k] + at + bound), float(unlike[k] + at + other)))
     return modes
 
 
@@ -185,14 +194,25 @@ def _let_in(made: Hypothesis, entry: Entry, target: Target, evidence: Evidence) 
     """The hypothesis where space that was felt empty lets it be, of all poses it stands for, and what is left."""
     if evidence.free is None and evidence.missed is None and not len(evidence.untouched):
         return made, 0.0
-    sigma, best = float(np.median(evidence.contacts.sigma)), (-np.inf, made)
-    for at in sigma_points(made.pose, made.covariance, entry, _TRIED):
+    sigma = float(np.median(evidence.contacts.sigma))
+
+    def left_at(at: Floats) -> float:
         there = replace(made, pose=frozen(at))
-        left = _free(evidence, target, at, sigma) + log_untouched(there, entry, evidence)
-        best = max(best, (left, there), key=lambda option: option[0])
-        if left == 0.0:
-            break
-    return best[1], best[0]
+        return _free(evidence, target, at, sigma) + log_untouched(there, entry, evidence)
+
+    poses = sigma_points(made.pose, made.covariance, entry, _TRIED)
+    left: list[float] = []
+    for at in poses:
+        left.append(left_at(at))
+        if left[-1] == 0.0:
+            return replace(made, pose=frozen(at)), 0.0
+    best = int(np.argmax(left))
+    if left[best] > _SWEPT:
+        return replace(made, pose=frozen(poses[best])), left[best]
+    poses += cross_points(made.pose, made.covariance, entry, _TRIED)
+    left += [left_at(at) for at in poses[len(left) :]]
+    best = int(np.argmax(left))
+    return replace(made, pose=frozen(poses[best])), float(logsumexp(left) - np.log(len(left)))
 
 
 def _free(evidence: Evidence, target: Target, world: Floats, sigma: float) -> float:

@@ -9,7 +9,7 @@ from models.solid import Solid
 from primitives.evidence import Contacts
 from primitives.pose import pose, random_rotation, rotate, transform_points
 from recognition.matching import Evidence, match
-from recognition.matching.likelihood import NoiseConfig, log_known, log_unlike
+from recognition.matching.likelihood import NoiseConfig, log_astray, log_known, log_unlike
 
 NAMES = ("bracket", "wedge", "block", "flange")
 SIGMA, TURN = 0.1, 0.02
@@ -56,3 +56,9 @@ def test_what_fits_costs_an_unknown_object_the_number_of_contacts() -> None:
     on, off = np.full((1, 30), 3.0), np.full((1, 30), -9.0)
     odds = log_known(on, off, np.ones(30), NoiseConfig()) - log_unlike(on, off, np.ones(30))
     assert odds[0] == pytest.approx(np.log(31.0), abs=0.1)
+
+
+def test_empty_space_where_a_known_object_is_speaks_against_one_like_it_too() -> None:
+    assert log_astray(0.0, 14.0, 0.0) == 0.0
+    few, many = log_astray(1.0, 14.0, -4.6), log_astray(6.0, 14.0, -27.6)
+    assert -27.6 < many < few < 0.0

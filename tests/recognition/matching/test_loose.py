@@ -7,7 +7,7 @@ from models.csg import Cube, Cylinder
 from models.library import Library
 from models.solid import Solid
 from primitives.pose import pose, rotation_exp
-from recognition.matching.loose import sigma_points
+from recognition.matching.loose import cross_points, sigma_points
 
 LIBRARY = Library.of(
     {"bar": Solid.from_csg(Cube((80.0, 30.0, 20.0))), "rod": Solid.from_csg(Cylinder(10.0, 60.0))}
@@ -32,3 +32,12 @@ def test_a_turn_about_an_axis_of_revolution_is_no_other_pose():
     turning = np.diag([1e-4] * 5 + [2.0])
     assert len(sigma_points(AT, turning, LIBRARY["rod"])) == 1
     assert len(sigma_points(AT, turning, LIBRARY["bar"])) == 3
+
+
+def test_crossed_poses_scatter_as_the_covariance_says():
+    found = cross_points(AT, np.diag([16.0, 9.0, *[1e-4] * 4]), LIBRARY["bar"])
+    shifts = np.array([AT[:3, :3].T @ (p[:3, 3] - AT[:3, 3]) for p in found])
+    assert len(found) == 16
+    assert shifts.mean(axis=0) == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
+    assert (shifts**2).mean(axis=0)[:2] == pytest.approx([20.0, 11.25], rel=0.01)
+    assert cross_points(AT, 1e-4 * np.eye(6), LIBRARY["bar"]) == []
