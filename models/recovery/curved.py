@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 from models.recovery.coaxial import coaxial
 from models.recovery.convincing import convincing
 from models.recovery.curved_options import CurvedOptions
-from models.recovery.fits import depth, evidence, fit_facets, refit_facets
+from models.recovery.fits import cut_reach, depth, evidence, fit_facets, refit_facets
 from models.recovery.grow import Mesh, Reach, grow
 from models.recovery.patches import patch_round, patches
 from primitives.arrays import Bools, Floats, Ints
@@ -72,17 +72,23 @@ def in_neighborhood(
 ) -> Iterator[Region]:
     """Regions from seeds in one neighborhood, larger facets first; marks what they take as no longer free.
 
+    Facets whose corners a cut may have moved come after others, and those it may have left beside a region last.
     What was `found` before has axes about which there may be more.
     """
-    tried = np.zeros(len(free), dtype=bool)
+    tried, covered = np.zeros((2, len(free)), dtype=bool)
+    ordered = hood[np.lexsort((-mesh.flats.area[hood], _near_rim(mesh, hood)[hood]))].tolist()
     patience = options.failures + min(len(hood) // 100, options.patient)
     left = float(patience)
-    for seed in hood[np.argsort(-mesh.flats.area[hood])].tolist():
-        if not free[seed] or tried[seed]:
+    for seed, late in ((seed, late) for late in (False, True) for seed in ordered):
+        if not free[seed] or tried[seed] or covered[seed] != late:
             continue
+        if late:
+            left = min(left, options.failures_late)
         region = _from_seed(mesh, seed, hood, free, noise, slack, options, found)
         if region is not None:
             free[region.facets] = False
+            reach = cut_reach(mesh, region.shape, region.facets, region.reach, noise)
+            covered[grow(mesh, region.shape, region.convex, region.facets, free, reach)] = True
             left = patience if len(region.facets) > 2 * options.patches[0] else left - 0.25
             yield region
             if left <= 0:
@@ -92,6 +98,17 @@ def in_neighborhood(
         left -= 1
         if left <= 0:
             return
+
+
+def _near_rim(mesh: Mesh, hood: Ints) -> Bools:
+    """(f,) facets at a neighborhood's rim or beside one that is: a boolean may have cut their corners there."""
+    second, count = mesh.creases.other, len(mesh.flats)
+    first = np.repeat(np.arange(count), np.diff(mesh.creases.start))
+    out = ~mesh.thin
+    out[hood] = False
+    for _ in range(2):
+        out = out | (np.bincount(first, out[second], count) > 0)
+    return np.asarray(out)
 
 
 def alike(mesh: Mesh, ratio: float, smooth: float) -> tuple[Ints, Ints]:

@@ -36,6 +36,7 @@ class CurvedOptions:
         12  # patches that may lead nowhere before a neighborhood is given up; and one in 100 facets; in a row
     )
     patient: int = 40  # the most that a large neighborhood adds to them
+    failures_late: int = 3  # the same, among facets that a surface found before may explain
     slack: float = 1.2  # how far corners may be off where chords were cut, in units of the chords' sag
     together: int = 3  # surfaces that may explain a neighborhood of cut chords
     fit: FacetFitOptions = field(default_factory=FacetFitOptions)

@@ -6,11 +6,11 @@ their normals, which give the fit its start and settle what few corners leave op
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from models.recovery.grow import Mesh
+from models.recovery.grow import Mesh, Reach
 from primitives.arrays import Floats, Ints
 from primitives.evidence import Contacts
 from primitives.fit import Fit, FitOptions, NoFit, fit, refit
@@ -62,6 +62,24 @@ def depth(mesh: Mesh, shape: Shape, facets: Ints) -> Floats:
     """(n,) [mm] how far the facets' middles are from the shape."""
     away: Floats = np.abs(shape.signed_distance(mesh.flats.center[facets]))
     return away
+
+
+def farthest(mesh: Mesh, shape: Shape, facets: Ints) -> Floats:
+    """(n,) [mm] how far the farthest corner of each facet is from the shape."""
+    flats = mesh.flats
+    if not len(facets):
+        return np.empty(0)
+    count = flats.start[facets + 1] - flats.start[facets]
+    first = np.cumsum(count) - count
+    rows = np.repeat(flats.start[facets] - first, count) + np.arange(int(count.sum()))
+    away = np.abs(shape.signed_distance(mesh.vertices[flats.corners[rows]]))
+    return np.asarray(np.maximum.reduceat(away, first))
+
+
+def cut_reach(mesh: Mesh, shape: Shape, facets: Ints, reach: Reach, noise: float) -> Reach:
+    """How far corners that a boolean cut out of a shape's facets may be from it: new ones lie on the chords."""
+    sag = float(np.quantile(depth(mesh, shape, facets), 0.9))
+    return replace(reach, corner=3 * noise + 1.3 * sag, middle=3 * noise + 2.5 * sag)
 
 
 def _thinned(rows: Ints, most: int) -> Ints:

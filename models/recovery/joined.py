@@ -1,7 +1,8 @@
 """Fragments of one surface made one, and the facets that cuts left beside it taken in.
 
 Where a boolean cut the chords of a mesh, new corners lie on chords and not on the surface: up to a chord's sag
-away.  Only what no surface claimed at the strict tolerance is taken at this one, or fragments as a whole.
+away.  Only what no surface claimed at the strict tolerance is taken at this one, by the surface that it is nearest
+to, or fragments as a whole.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from models.recovery.curved import Region
-from models.recovery.fits import depth
+from models.recovery.fits import cut_reach, farthest
 from models.recovery.grow import Mesh, grow
 from primitives.arrays import Ints
 
@@ -25,20 +26,28 @@ def joined(mesh: Mesh, regions: list[Region], noise: float) -> list[Region]:
     ordered = sorted(regions, key=lambda region: -float(area[region.facets].sum()))
     for i, region in enumerate(ordered):
         owner[region.facets] = i
-    out: list[Region] = []
+    free = owner == -1
+    off = np.full(
+        len(owner), np.inf
+    )  # [mm] of a facet that was free, from the nearest surface that reaches it
+    reaches = [region.reach for region in ordered]
     for i, region in enumerate(ordered):
-        mine: Ints = np.flatnonzero(owner == i)
+        mine: Ints = np.flatnonzero((owner == i) & ~free)
         if not len(mine):
             continue
-        sag = float(np.quantile(depth(mesh, region.shape, mine), 0.9))
-        reach = replace(region.reach, corner=3 * noise + 1.3 * sag, middle=3 * noise + 2.5 * sag)
-        free = (owner == -1) | (owner > i)
-        grown = grow(mesh, region.shape, region.convex, mine, free, reach)
-        takes = owner[grown]
+        reach = cut_reach(mesh, region.shape, mine, region.reach, noise)
+        grown = grow(mesh, region.shape, region.convex, mine, free | (owner > i), reach)
+        takes = np.where(free[grown], -1, owner[grown])
         for j in np.unique(takes[takes > i]):
-            share = area[grown[takes == j]].sum() / area[owner == j].sum()
+            share = area[grown[takes == j]].sum() / area[(owner == j) & ~free].sum()
             if share > _COVERED:
-                owner[owner == j] = i
-        owner[grown[takes == -1]] = i
-        out.append(replace(region, facets=np.flatnonzero(owner == i), reach=reach))
-    return out
+                owner[(owner == j) & ~free] = i
+        taken = grown[takes == -1]
+        away = farthest(mesh, region.shape, taken)
+        nearer = away < off[taken]
+        owner[taken[nearer]], off[taken[nearer]], reaches[i] = i, away[nearer], reach
+    kept = [
+        replace(region, facets=np.flatnonzero(owner == i), reach=reaches[i])
+        for i, region in enumerate(ordered)
+    ]
+    return [region for region in kept if len(region.facets)]
