@@ -39,7 +39,7 @@ def coaxial(
         seen.append((origin, along))
         h = (points - origin) @ along
         rho = np.linalg.norm(points - origin - np.outer(h, along), axis=1)
-        for shape in (_straight(origin, along, h, rho), _round(origin, along, h, rho)):
+        for shape in (_straight(origin, along, h, rho), _round(origin, along, h, rho, _LOOSE * noise)):
             if shape is None:
                 continue
             off = shape.signed_distance(points)
@@ -58,7 +58,8 @@ def _straight(origin: Floats, along: Floats, h: Floats, rho: Floats) -> Shape | 
     return Cone(apex, along * np.sign(slope), float(np.arctan(abs(slope))))
 
 
-def _round(origin: Floats, along: Floats, h: Floats, rho: Floats) -> Shape | None:
+def _round(origin: Floats, along: Floats, h: Floats, rho: Floats, loose: float) -> Shape | None:
+    """A torus; one whose tube passes its own axis, as a wide fillet's does, where no ball does as well."""
     middle = np.array([h.mean(), rho.mean()])
     size = float(np.hypot(np.ptp(h), np.ptp(rho)))
     if not size > 0:
@@ -69,9 +70,20 @@ def _round(origin: Floats, along: Floats, h: Floats, rho: Floats) -> Shape | Non
         return None
     a, b, c = np.linalg.lstsq(rows, x * x + y * y, rcond=None)[0]
     minor, major = size * float(np.sqrt(max(c + a * a + b * b, 0.0))), float(middle[1] + size * b)
-    if not 0 < minor < major:
+    if not (minor > 0 and major > 0):
+        return None
+    if minor >= major and ((rho < major - loose).any() or _is_ball(h, rho, loose)):
         return None
     return Torus(origin + along * float(middle[0] + size * a), along, major, minor)
+
+
+def _is_ball(h: Floats, rho: Floats, loose: float) -> bool:
+    """Whether a circle about a point of the axis goes through the corners."""
+    height = h - h.mean()
+    squares = height**2 + rho**2
+    a, c = np.linalg.lstsq(np.column_stack([2 * height, np.ones(len(h))]), squares, rcond=None)[0]
+    off = np.hypot(height - a, rho) - np.sqrt(max(c + a * a, 0.0))
+    return float(np.sqrt((off**2).mean())) < loose
 
 
 def _same(origin: Floats, along: Floats, other: Floats, direction: Floats) -> bool:
