@@ -23,6 +23,13 @@ class Creases:
         """The pairs of one facet."""
         return slice(int(self.start[facet]), int(self.start[facet + 1]))
 
+    def mean_turn(self) -> Floats:
+        """(f,) [rad] by which each facet turns into its neighbors, each by the length of their common rim."""
+        count = len(self.start) - 1
+        first = np.repeat(np.arange(count), np.diff(self.start))
+        rim = np.bincount(first, self.length, count)
+        return np.bincount(first, self.length * np.abs(self.turn), count) / np.maximum(rim, 1e-300)
+
 
 def find_creases(vertices: Floats, triangles: Ints, neighbors: Ints, flats: Flats) -> Creases:
     """Every meeting of two facets."""

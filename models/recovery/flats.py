@@ -15,6 +15,7 @@ from numba import njit
 from primitives.arrays import Bools, Floats, Ints
 
 _ROUNDS = 4  # times a facet's plane is found again
+_BENT = 3e-3  # [1] of turn times reach, that corners of one plane may be off
 
 
 @dataclass(frozen=True)
@@ -71,12 +72,19 @@ def find_flats(
     )
 
 
-def corner_noise(vertices: Floats, flats: Flats, least: float, most: float) -> float:
-    """[mm] of rounding in the corners, as the facets with more than four of them show it."""
+def corner_noise(vertices: Floats, flats: Flats, turn: Floats, least: float, most: float) -> float:
+    """[mm] of rounding in the corners, as the facets with more than four of them show it.
+
+    Not those that may be triangles of a fine curved mesh: off by a good part of what their `turn` [rad] from
+    facet to facet bends them.
+    """
     corners, start, normal = flats.corners, flats.start, flats.normal
     facet = np.repeat(np.arange(len(flats)), np.diff(start))
-    away = np.abs(np.einsum("ij,ij->i", vertices[corners] - flats.center[facet], normal[facet]))
-    proven = (np.diff(start) > 4)[facet]
+    offset = vertices[corners] - flats.center[facet]
+    away = np.abs(np.einsum("ij,ij->i", offset, normal[facet]))
+    reach = np.sqrt(np.maximum.reduceat(np.einsum("ij,ij->i", offset, offset), start[:-1]))
+    bent = np.maximum.reduceat(away, start[:-1]) > _BENT * turn * reach
+    proven = ((np.diff(start) > 4) & ~bent)[facet]
     spread = 2 * float(np.quantile(away[proven], 0.8)) if proven.any() else 0.0
     return float(np.clip(spread, least, most))
 

@@ -37,7 +37,7 @@ def label_leftover(
     for region in regions:
         label[region.facets] = len(surfaces)
         surfaces.append(LabeledSurface(region.shape, region.convex, -1))
-    for group in _freeform(mesh, label, options):
+    for group in freeform_groups(mesh, label, options):
         label[group] = len(surfaces)
         surfaces.append(LabeledSurface(None, True, -1))
     ledges = _ledges(mesh, regions, label)
@@ -70,7 +70,8 @@ def _ledges(mesh: Mesh, regions: list[Region], label: Ints) -> Bools:
     return out
 
 
-def _freeform(mesh: Mesh, label: Ints, options: LeftoverOptions) -> list[Ints]:
+def freeform_groups(mesh: Mesh, label: Ints, options: LeftoverOptions) -> list[Ints]:
+    """Facets without a label that run on smoothly, one group for each face."""
     area, n = mesh.flats.area, len(mesh.flats)
     first, second = alike(mesh, options.alike, options.smooth)
     open_ = (label[first] < 0) & (label[second] < 0)

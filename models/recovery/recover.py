@@ -1,8 +1,9 @@
 """Which exact surface every triangle of a closed mesh stands for.
 
 The steps: triangles in one plane become facets (`flats`), facets that meet become a graph (`creases`), curved
-surfaces gather the facets that are their chords (`curved`), fragments of one surface join (`joined`), and of what
-is left, facets that stand alone are planes and those that run on smoothly are freeform (`leftover`).
+surfaces gather the facets that are their chords (`curved`), fragments of one surface join (`joined`), pieces of
+freeform faces are given back to them (`fragments`), and of what is left, facets that stand alone are planes and
+those that run on smoothly are freeform (`leftover`).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from models.recovery.curved import Region, find_curved
 from models.recovery.curved_options import CurvedOptions
 from models.recovery.cut import find_cut, with_truncated_ends
 from models.recovery.flats import corner_noise, find_flats
+from models.recovery.fragments import without_fragments
 from models.recovery.grow import Mesh
 from models.recovery.joined import joined
 from models.recovery.leftover import LeftoverOptions, label_leftover
@@ -51,7 +53,8 @@ def recover(
     angle = float(np.deg2rad(tolerances.flat_deg))
     flat = tolerances.flat * size
     flats = find_flats(vertices, triangles, neighbors, flat, flat / 30, angle)
-    noise = corner_noise(vertices, flats, flat / 30, flat / 3)
+    turn = find_creases(vertices, triangles, neighbors, flats).mean_turn()
+    noise = corner_noise(vertices, flats, turn, flat / 30, flat / 3)
     flat = max(flat / 5, 3 * noise)
     flats = find_flats(vertices, triangles, neighbors, flat, noise, angle)
     creases = find_creases(vertices, triangles, neighbors, flats)
@@ -64,5 +67,6 @@ def recover(
         regions = joined(mesh, regions + find(mesh, taken, noise, tolerances.curved), noise)
         regions = with_wedged(mesh, regions, noise, tolerances.curved)
     regions = [with_truncated_ends(mesh, region, noise, tolerances.curved) for region in regions]
+    regions = without_fragments(mesh, regions, noise, tolerances.leftover)
     labels, surfaces = label_leftover(mesh, regions, flat, tolerances.leftover)
     return Recovered(frozen(labels[flats.of_triangle], np.int64), surfaces)
