@@ -71,6 +71,18 @@ def meeting(
     return min(found, key=lambda met: (met.aside > config.aside, abs(met.ahead)), default=None)
 
 
+def too_short(seen: Observation, edge: Followed, clear: float, config: CornerConfig) -> bool:
+    """Whether an edge's two ends are so near that all of it lies within `clear` [mm] of a corner."""
+    return edge.ahead + edge.behind < 2.0 * clear and meeting(seen, edge, config) is not None
+
+
+def ends_at_corner(
+    seen: Observation, edge: Followed, last: Followed, clear: float, config: CornerConfig
+) -> bool:
+    """Whether an edge was lost because another meets it where its face ends, within `clear` [mm] ahead."""
+    return min(edge.ahead, edge.opens) < clear and meeting(seen, last, config) is not None
+
+
 def agreed(meetings: list[Meeting], config: CornerConfig) -> bool:
     """Whether the last meetings are one corner."""
     last = meetings[-config.looks :]

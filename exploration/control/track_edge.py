@@ -12,7 +12,14 @@ from typing import Literal
 
 import numpy as np
 
-from exploration.control.corners import CornerConfig, Meeting, agreed, meeting
+from exploration.control.corners import (
+    CornerConfig,
+    Meeting,
+    agreed,
+    ends_at_corner,
+    meeting,
+    too_short,
+)
 from exploration.control.dwell import dwell
 from exploration.control.edge_profile import EdgeProfile, profile_of
 from exploration.control.edge_seen import first_expected
@@ -126,13 +133,15 @@ def follow_edge(
     ended: Ended = "length"
     while run.travel < length:
         image = softened(seen.image)
-        edge = (
-            _followed(image, response, expected, config.misfit * max(1.0, run.misfit)) if expected else None
-        )
-        if edge is not None and not run.ticks and _short(seen, edge, config):
+        worst = config.misfit * max(1.0, run.misfit)
+        edge = _followed(image, response, expected, worst, config.clear) if expected else None
+        if edge is not None and not run.ticks and too_short(seen, edge, config.clear, config.corners):
             last, ended = edge, "corner"
             break
-        if not edge or edge.misfit > config.misfit * max(1.0, run.misfit):
+        if not edge or edge.misfit > worst:
+            if last and edge is not None and ends_at_corner(seen, edge, last, config.clear, config.corners):
+                ended = "corner"
+                break
             missed += 1
             if missed > config.patience:
                 if retries == config.retries or not run.ticks:
@@ -204,19 +213,19 @@ def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> E
     return "closed" if there and start.tangent @ run.ticks[-1].tangent > 0.8 else None
 
 
-def _followed(image: TactileImage, response: Response, expected: Expected, misfit: float) -> Followed:
-    """The edge, of as much of it as one arc explains: less than the reach where it is about to turn."""
+def _followed(
+    image: TactileImage, response: Response, expected: Expected, misfit: float, clear: float
+) -> Followed:
+    """The edge, of as much of it as one arc explains: less than the reach where it is about to bend.
+
+    Not where its face ends within `clear` [mm]: round a corner no arc runs.
+    """
     edge = follow_line(image, response, expected)
     for share in (0.5, 0.3):
-        if not edge or edge.misfit <= misfit:
+        if not edge or edge.misfit <= misfit or min(edge.ahead, edge.opens) < clear:
             break
         edge = follow_line(image, response, replace(expected, reach=share * expected.reach))
     return edge
-
-
-def _short(seen: Observation, edge: Followed, config: EdgeConfig) -> bool:
-    """Whether the edge's two ends are so near that all of it is too near a corner to be read."""
-    return edge.ahead + edge.behind < 2.0 * config.clear and meeting(seen, edge, config.corners) is not None
 
 
 def _breaks(run: _Run, seen: Observation, edge: Followed, config: EdgeConfig) -> Meeting | None:
