@@ -12,7 +12,10 @@ upright.  The skin shows its integral against the response: sum of d depth(s_k) 
 are r, z0, b and where the edge as it was fitted lies from the faces' meeting (our derivation).
 
 A rounding widens the response by little (0.4 % at 0.5 mm): one frame cannot tell it, a track's profile can, as
-well as the response's own width is known.
+well as the response's own width is known.  The radius enters by its square, so that of a nearly sharp edge the
+likeliest is 0 as often as not.  What is told is the mean over all radii that the profile allows, every one before
+touch as good as another, and their standard deviation: with C(r) the least chi2 over the other unknowns, the width
+among them, p(r) ~ exp(-C(r) / 2) (our derivation).
 """
 
 from dataclasses import dataclass
@@ -20,16 +23,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from exploration.sensing.response import Response
+from exploration.sensing.response import REACH, Response
 from primitives.arrays import Floats
 
 STARTS = (0.3, 1.0, 2.5, 6.0)  # [mm]
 GREATEST = 20.0  # [mm]
 SHIFT = 12.0  # [mm] at most, of the edge as it was fitted from the faces' meeting
 FLOOR = 0.04  # share of the greatest depth, below which readings may be cut off at the converter's zero
-SECANT = 0.3  # [mm] of radius, over which the profile's change is taken
+AROUND, RADII = 1.5, 31  # [mm] about the likeliest radius, either way, and how many radii are weighed there
 MODEL = 0.004  # [mm] of the width, as well as its table knows the response
-WIDER = 0.01  # [mm] the same, of the response's width
 STEP = 0.05  # [mm] of the profile before it is spread
 FROM, TO = -10.0, 16.0  # [mm] of it
 
@@ -58,27 +60,36 @@ def rounding_of(
     """
     felt = depth > FLOOR * depth.max()
     place, depth, sigma = place[felt], depth[felt], sigma[felt]
+    doubt = float(np.hypot(known, MODEL))
 
-    def missed(p: Floats, wide: float = width) -> Floats:
-        out: Floats = (spread(place - p[3], p[0], p[1], p[2], wide, response, dihedral) - depth) / sigma
-        return out
+    def missed(p: Floats) -> Floats:
+        """Of radius, press, slope, shift and width: of every place, and of the width."""
+        shown = spread(place - p[3], p[0], p[1], p[2], p[4], response, dihedral)
+        return np.append((shown - depth) / sigma, (p[4] - width) / doubt)
 
     deepest = float(depth[-len(depth) // 4 :].mean())
-    bounds = ([0.0, 0.1 * deepest, -0.3, -SHIFT], [GREATEST, 3.0 * deepest, 0.3, SHIFT])
+    low = np.array([0.0, 0.1 * deepest, -0.3, -SHIFT, 0.5 * width])
+    high = np.array([GREATEST, 3.0 * deepest, 0.3, SHIFT, 2.0 * width])
+    scale = np.array([1.0, 0.1, 0.01, 0.5, 0.01])
     fits = []
     for r in STARTS:
-        start = [r, deepest, 0.0, -half_height(r, deepest, np.pi - dihedral)]
-        fits.append(least_squares(missed, start, bounds=bounds, x_scale=[1.0, 0.1, 0.01, 0.5]))
+        start = np.array([r, deepest, 0.0, -half_height(r, deepest, np.pi - dihedral), width])
+        fits.append(least_squares(missed, start, bounds=(low, high), x_scale=scale))
     best = min(fits, key=lambda fit: float(fit.cost))
     misfit = 2.0 * float(best.cost) / max(1, len(depth) - 4)
-    slopes = np.array(best.jac, dtype=float)
-    larger = best.x + np.array([SECANT, 0.0, 0.0, 0.0])
-    slopes[:, 0] = (missed(larger) - best.fun) / SECANT  # at 0 the tangent says nothing
-    inverse = np.linalg.pinv(slopes.T @ slopes)
-    by_width = (missed(best.x, width + WIDER) - best.fun) / WIDER
-    shift = float((inverse @ slopes.T @ by_width)[0]) * float(np.hypot(known, MODEL))
-    noise = float(np.sqrt(inverse[0, 0] * max(1.0, misfit)))
-    return Rounding(float(best.x[0]), float(np.hypot(noise, shift)), misfit)
+    radii = np.linspace(max(0.0, best.x[0] - AROUND), min(GREATEST, best.x[0] + AROUND), RADII)
+    left, chi2 = best.x[1:], np.empty(RADII)
+    for k, r in enumerate(radii.tolist()):
+        fit = least_squares(
+            lambda q, r=r: missed(np.append(r, q)), left, bounds=(low[1:], high[1:]), x_scale=scale[1:]
+        )
+        left, chi2[k] = fit.x, 2.0 * float(fit.cost) / max(1.0, misfit)
+    share = np.exp(-0.5 * (chi2 - chi2.min()))
+    share /= share.sum()
+    mean = float(share @ radii)
+    return Rounding(
+        mean, float(np.sqrt(share @ (radii - mean) ** 2 + (radii[1] - radii[0]) ** 2 / 12.0)), misfit
+    )
 
 
 def spread(
@@ -87,8 +98,10 @@ def spread(
     """(n,) [mm] what the skin shows (n,) [mm] inside where the faces would meet."""
     s = np.arange(FROM, TO, STEP)
     steps = np.diff(pressed(s, radius, press, slope, np.pi - dihedral))
-    middle = s[:-1] + 0.5 * STEP
-    out: Floats = response.edge(t[:, None] - middle, width) @ steps
+    reach = int(np.ceil(REACH * width / STEP))
+    kernel = np.diff(response.edge((np.arange(-reach, reach + 2) - 0.5) * STEP, width))
+    grown = np.cumsum(np.convolve(steps, kernel))[reach : reach + len(s) - 1]
+    out: Floats = np.interp(t, s[1:], grown, left=0.0)
     return out
 
 
