@@ -80,9 +80,11 @@ def rounding_of(
     radii = np.linspace(max(0.0, best.x[0] - AROUND), min(GREATEST, best.x[0] + AROUND), RADII)
     left, chi2 = best.x[1:], np.empty(RADII)
     for k, r in enumerate(radii.tolist()):
-        fit = least_squares(
-            lambda q, r=r: missed(np.append(r, q)), left, bounds=(low[1:], high[1:]), x_scale=scale[1:]
-        )
+
+        def elsewhere(q: Floats, r: float = r) -> Floats:
+            return missed(np.append(r, q))
+
+        fit = least_squares(elsewhere, left, bounds=(low[1:], high[1:]), x_scale=scale[1:])
         left, chi2[k] = fit.x, 2.0 * float(fit.cost) / max(1.0, misfit)
     share = np.exp(-0.5 * (chi2 - chi2.min()))
     share /= share.sum()
