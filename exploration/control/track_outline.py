@@ -60,12 +60,14 @@ def follow_outline(
         _follow(outline, guard, along, touch, stroke, press, config)
     except (OverPress, Collision) as fault:
         outline.fault = fault
-    edges = outline.edges
+    edges, ended = outline.edges, outline.ended
+    if ended == "lost" and sum(edge.travel for edge in edges) < 2.0 * config.clear:
+        outline.drawn.clear()  # what was soon lost again was no edge
     traces = tuple(trace for trace, _ in outline.drawn)
     return TrackedOutline(
         traces,
         np.array([_meeting(a, b) for a, b in pairwise(traces)]).reshape(-1, 3),
-        outline.ended,
+        ended,
         sum(edge.travel for edge in edges),
         tuple(force for edge in edges for force in edge.forces),
         tuple(force for edge in edges for force in edge.set_points),
