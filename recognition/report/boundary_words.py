@@ -65,7 +65,7 @@ def axis(face: Json) -> str:
     for i, name in enumerate("xyz"):
         if abs(abs(direction[i]) - 1) < 1e-9:
             return ("+" if direction[i] > 0 else "-") + name
-    return ", ".join(f"{x + 0.0:.3f}" for x in direction)
+    return ", ".join(f"{round(x, 3) + 0.0:.3f}" for x in direction)
 
 
 def neighbors(summary: Json) -> dict[int, dict[int, str]]:
