@@ -48,6 +48,7 @@ class MatchConfig:
     telling: int = 4  # contacts from which on their pairs rank objects
     most_untold: int = 500  # objects that are searched where they do not
     settled: float = 0.98  # probability of a name from which on the first are enough
+    pinned: float = 5.0  # [mm] error of its place, below which they are
     unusual: float = 2.5  # standard deviations of a fit, beyond which more objects are searched
     believed: int = 4  # poses of an object that were believed, and are looked at before new ones
     polished: int = 24  # of these, refined again to the least mean distance
@@ -89,7 +90,7 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
         modes = _modes(found, library, evidence, prior, config)
         belief = _weighed(modes, library, evidence, prior, unknown, config)
         enough = told and count >= config.most_objects
-        if (enough or belief.confidence > config.settled) and _fits(belief, evidence, config):
+        if (enough or _settled(belief, config)) and _fits(belief, evidence, config):
             break
     if told_where and not belief.hypotheses:
         _require_near(told_where, evidence, max(target_of(library[name]).size for name in found))
@@ -120,17 +121,18 @@ def _weighed_again(belief: Belief, library: Mapping[str, Entry], whole: Evidence
         for mode in modes_of(library[name], np.stack(p), seen, evidence, prior, config.noise, config.polished)
     ]
     belief = _weighed(modes, library, evidence, prior, unknown, config)
-    return Belief(
-        tuple(replace(h, log_likelihoods=_at(rows, h.log_likelihoods, n)) for h in belief.hypotheses),
-        belief.probabilities,
-    )
+    told = []
+    for h in belief.hypotheses:
+        each = np.full(n, np.nan)
+        each[rows] = h.log_likelihoods
+        told.append(replace(h, log_likelihoods=frozen(each)))
+    return Belief(tuple(told), belief.probabilities)
 
 
-def _at(rows: Ints, values: Floats, n: int) -> Floats:
-    """(n,) with the values of some rows, and nan in those that were not weighed."""
-    spread_out = np.full(n, np.nan)
-    spread_out[rows] = values
-    return frozen(spread_out)
+def _settled(belief: Belief, config: MatchConfig) -> bool:
+    """Whether no other object need be searched: where the pose may slide, many a face fits what was felt."""
+    best = belief.best(belief.decision)
+    return belief.confidence > config.settled and best is not None and best.translation_sigma < config.pinned
 
 
 def _fits(belief: Belief, evidence: Evidence, config: MatchConfig) -> bool:
