@@ -26,6 +26,8 @@ from models.recovery.prismatic import fit_planes
 from primitives.arrays import Bools, Ints
 from primitives.shapes import Cylinder
 
+_MANY = 24  # facets that no surface fits as a whole by chance
+
 
 def find_cut(mesh: Mesh, taken: Bools, noise: float, options: CurvedOptions) -> list[Region]:
     """Regions of surfaces among the facets that are not taken."""
@@ -55,8 +57,14 @@ def _explained(mesh: Mesh, hood: Ints, regions: list[Region], options: CurvedOpt
 
 
 def _only(mesh: Mesh, hood: Ints, noise: float, options: CurvedOptions) -> list[Region]:
-    """The one surface of any kind that explains a neighborhood whose corners were moved, as by decimation."""
-    found = _round(mesh, hood, noise, replace(options, together=1), tuple(options.fewest))
+    """The one surface of any kind that explains a neighborhood whose corners were moved, as by decimation.
+
+    Of many facets the whole is fitted first: what is too noisy for a patch may yet be plain.
+    """
+    whole = replace(options, together=1)
+    if len(hood) > _MANY:
+        whole = replace(whole, patches=(len(hood), *options.patches), slack=2 * options.slack)
+    found = _round(mesh, hood, noise, whole, tuple(options.fewest))
     return found if _explained(mesh, hood, found, options) else []
 
 
