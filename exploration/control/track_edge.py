@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from exploration.control.closing import ClosingConfig, Home, came_round, comes_by
 from exploration.control.corners import (
     CornerConfig,
     Meeting,
@@ -53,18 +54,8 @@ class EdgeConfig(EdgeServoConfig):
     patience: int = 6  # ticks without the line
     back: float = 4.0  # [mm] that a lost edge is gone back for
     retries: int = 2
-    closing: float = 2.0  # [mm]
-    overlap: float = 3.0  # [mm] past its start that a closed edge is followed
-    least_loop: float = 25.0  # [mm]
+    closing: ClosingConfig = field(default_factory=ClosingConfig)
     misfit: float = 3.0  # times what is usual, from which a fit is not the edge
-
-
-@dataclass(frozen=True)
-class Home:
-    """Where an outline began."""
-
-    point: Floats  # (3,) [mm]
-    tangent: Floats  # (3,) unit direction of travel
 
 
 @dataclass(frozen=True)
@@ -105,6 +96,8 @@ class _Run:
     met: list[Meeting] = field(default_factory=list)  # corners seen, one after another
     looked: float = 0.0  # [mm] of travel when corners were last looked for
     misfit: float = 20.0  # chi2 per degree of freedom, as is usual
+    second: int = 0  # the tick that is a start as well
+    start: int = 0  # the tick that a closed edge came back to
 
 
 def follow_edge(
@@ -171,7 +164,7 @@ def follow_edge(
         step = seen.world_from_sensor[:3, 3] - before[:3, 3]
         run.travel += max(0.0, float(step @ run.ticks[-1].tangent))
         expected = servo.expected(edge, before, seen.world_from_sensor)
-    clear = _clear(run.ticks, corner, config)
+    clear = _clear(run.ticks[run.start :], corner, config)
     draw = partial(
         smoothed,
         clear,
@@ -201,16 +194,15 @@ def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> E
     run.cornering = run.cornering + 1 if min(edge.ahead, edge.opens) < config.corner else 0
     if run.cornering >= config.confirm:
         return "corner"
-    if home is None and run.travel < config.least_loop:
+    if home is not None:
+        return "closed" if comes_by(home, run.ticks[-1], config.closing) else None
+    if not run.second and run.travel > config.closing.second:
+        run.second = len(run.ticks) - 1
+    start = came_round(run.ticks, run.second, run.travel, config.closing)
+    if start is None:
         return None
-    start = home or Home(run.ticks[0].point, run.ticks[0].tangent)
-    gap = run.ticks[-1].point - start.point
-    if gap @ gap > (config.closing + 3.0 * config.overlap) ** 2:
-        return None
-    past = float(gap @ start.tangent)
-    aside = float(np.linalg.norm(gap - past * start.tangent))
-    there = config.overlap < past < 3.0 * config.overlap and aside < config.closing
-    return "closed" if there and start.tangent @ run.ticks[-1].tangent > 0.8 else None
+    run.start = start
+    return "closed"
 
 
 def _followed(

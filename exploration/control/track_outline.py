@@ -11,11 +11,12 @@ from typing import Literal
 
 import numpy as np
 
+from exploration.control.closing import Home
 from exploration.control.corners import Meeting, meeting
 from exploration.control.dwell import dwell
 from exploration.control.edge_profile import EdgeProfile
 from exploration.control.hybrid import PRESS
-from exploration.control.track_edge import EdgeConfig, Home, Tracked, follow_edge
+from exploration.control.track_edge import EdgeConfig, Tracked, follow_edge
 from exploration.devices.guard import Collision, Fault, Guard, OverPress
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
@@ -153,7 +154,7 @@ def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
 
 def _again(first: Meeting, met: Meeting, config: EdgeConfig) -> bool:
     """Whether a corner is the first one, come to again."""
-    return dist(first.point, met.point) < config.closing and float(first.along @ met.along) > 0.8
+    return dist(first.point, met.point) < config.closing.aside and float(first.along @ met.along) > 0.8
 
 
 def _short(begins: Meeting, ends: Meeting, before: EdgeTrace, touch: int, stroke: int) -> EdgeTrace:
