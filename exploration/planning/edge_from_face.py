@@ -160,12 +160,12 @@ def _stroked_to(pad: Pad, config: EdgeFromFaceConfig) -> Sighting | NoEdge:
         heading = sign * axes[:, axis]
         try:
             stroke = pad.stroke(heading)
+            way = pad.guard.world_from_sensor[:3, :2] @ heading
+            seen = [e for e in pad.sightings(heading) if e.outward @ way > config.facing]
         except (OverPress, Collision):
             return NoEdge("the pad met something in its way")
         if stroke.ended == "wall":
             return NoEdge("the pad met something in its way")
-        way = pad.guard.world_from_sensor[:3, :2] @ heading
-        seen = [e for e in pad.sightings(heading) if e.outward @ way > config.facing]
         if stroke.ended == "edge" and seen:
             return _beside_contact(pad, seen)
         if stroke.ended == "closed":
