@@ -25,8 +25,9 @@ from primitives.evidence import EdgeTrace
 
 DEFAULT = EdgeConfig()
 PAST = 4.0  # [mm] from the corner, where the next edge is taken up
+FRAMES = 16  # that a corner is seen in
 SAME = 1.0  # [mm] between two corners that are one
-SEEN = 0.2  # [mm] standard deviation of a corner seen in one frame
+SEEN = 0.2  # [mm] standard deviation of a corner seen in one place
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ def _follow(
 
 def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
     """Move beside the edge that the last one meets; where it does, or None where none is seen."""
-    seen = dwell(guard, 4)
+    seen = dwell(guard, FRAMES)
     last = edge.last
     assert last is not None
     here = seen.world_from_sensor
