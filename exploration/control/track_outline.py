@@ -25,6 +25,7 @@ from primitives.evidence import EdgeTrace
 
 DEFAULT = EdgeConfig()
 PAST = 4.0  # [mm] from the corner, where the next edge is taken up
+EDGES = 100  # of an outline at most; two corners might send the pad to and fro
 FRAMES = 16  # that a corner is seen in
 SAME = 1.0  # [mm] between two corners that are one
 SEEN = 0.2  # [mm] standard deviation of a corner seen in one place
@@ -113,7 +114,7 @@ def _follow(
     home: Home | None = None
     first: Meeting | None = None
     met: Meeting | None = None
-    while not edges or met is not None:
+    while not edges or (met is not None and len(edges) < EDGES):
         left = outline.length - sum(edge.travel for edge in edges)
         heading = along if met is None else met.along
         edge = follow_edge(guard, heading, left, touch, stroke + len(edges), press, config, home)
@@ -130,7 +131,8 @@ def _follow(
                 break
             if drawn:
                 drawn.append((_short(before, met, drawn[-1][0], touch, stroke + len(edges) - 1), None))
-        if first is not None and met is not None and _again(first, met, config):
+        gone = sum(edge.travel for edge in edges) > config.closing.least_loop
+        if gone and first is not None and met is not None and _again(first, met, config):
             outline.closed = True
             break
         first = first or met
