@@ -1,7 +1,8 @@
 """The dialogue with a Grbl controller: lines that it has room for, and reports with the time that they hold for.
 
 Every byte sent is counted until its `ok` or `error:N` has come, and no line is sent that would not fit
-into the receive buffer.  A report's time is the middle between its question and its answer.
+into the receive buffer.  A report's time is the middle between its question and the soonest answer of late: one
+that took longer was held up on its way back.
 """
 
 import re
@@ -17,6 +18,7 @@ _BUFFER = 127  # bytes of the smallest receive buffer
 _UNHEARD = 0.2  # [s] after which a question was not heard
 _AWAY = 0.1  # [s] between two looks, beyond which nobody listened
 _OBEYED = 0.05  # [s] after which a line has begun to be obeyed, so that Idle means it was answered
+_TURNS = 31  # answers whose soonest tells how long one takes
 _LOST = 1.0  # [s] after which an answer that has not come will not
 
 
@@ -40,6 +42,7 @@ class GrblLink:
         self._sent: deque[tuple[int, float, float]] = deque()  # bytes, when, and after how much listening
         self._heard = 0.0  # [s] of listening; what nobody listened to does not count
         self._asked = self._last_asked = 0.0
+        self._turns: deque[float] = deque(maxlen=_TURNS)  # [s] from a question to its answer
         self._patience = _LOST
         self._listened = clock.now()
         self.deaf = 0.0  # [s] of listening without a report
@@ -106,7 +109,7 @@ class GrblLink:
         if (report := grbl_text.status(line, self._offset)) is not None:
             asked, self._asked = self._asked, 0.0
             self.deaf = 0.0
-            heard.reports.append((((asked or now) + now) / 2, report))
+            heard.reports.append((self._held(asked, now), report))
             if report.state == "Idle" and self._sent and asked - self._sent[-1][1] > _OBEYED:
                 self.lost += len(self._sent)
                 self._sent.clear()
@@ -124,6 +127,13 @@ class GrblLink:
             heard.other.append(line)
         elif line:
             self.garbled += 1
+
+    def _held(self, asked: float, now: float) -> float:
+        """[s] for which a report holds; one that came unasked holds when it came."""
+        if not asked:
+            return now
+        self._turns.append(now - asked)
+        return asked + min(self._turns) / 2
 
     def exchange(self, line: str, patience: float) -> Heard:
         """Send a line and wait for its answer; everything heard until then."""

@@ -26,6 +26,8 @@ from exploration.devices.whereabouts import Whereabouts
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
+_OLD = 0.012  # [s] at which a report, going on from it with its speed, is off by too much
+_WAITS = 0.05  # [s] at most for a newer one
 _ENDS = 1.0  # [s] of the machine's time for the thread to end by itself
 
 
@@ -70,7 +72,13 @@ class GrblStage:
         self._thread.start()
 
     def as_of(self, moment: float) -> None:
-        """From now on `pose` tells where the stage was at a time of its clock, of a frame for example."""
+        """From now on `pose` tells where the stage was at a time of its clock, of a frame for example.
+
+        Where the last report is too old to go on from, it waits a little for the next.
+        """
+        until = moment + _WAITS
+        while self._where.moment < moment - _OLD and self._clock.now() < until and not self.fault:
+            self._clock.sleep(0.001)
         self._as_of = moment
 
     def joints(self) -> Floats:
@@ -102,6 +110,11 @@ class GrblStage:
         if self.fault or (self._safety is not None and self._safety.tripped):
             return False
         return self._plan.goal is not None
+
+    @property
+    def held(self) -> bool:
+        """Whether frames stay away, or motion that was canceled has not come to its end."""
+        return self._held or self._cancel.pending
 
     def stop(self) -> None:
         """Come to rest at once."""

@@ -1,7 +1,7 @@
 """An array on a port: a thread reads, cuts and stamps; `read` takes the next frame and never the bytes.
 
-A frame's time is the host's clock when its last byte came.  A control loop that takes long finds the
-newest frame, not a queue of old ones; what it missed is counted.
+A frame's time is the host's clock when its last byte came, less what held it up (`FrameTimes`).  A control loop
+that takes long finds the newest frame, not a queue of old ones; what it missed is counted.
 """
 
 import threading
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.devices.clock import MACHINE, Clock
+from exploration.devices.frame_times import FrameTimes
 from exploration.devices.ports import Port
 from exploration.devices.wire import flexitac, line_text, matrix_text, weiss_dsa, weiss_wts
 from exploration.devices.wire.stream import Cutter, RawFrame, Stream
@@ -86,6 +87,7 @@ class SerialArray:
         self._taken = -1
         self._fault = ""
         self._open = True
+        self._times = FrameTimes(period)
         self._index = 0
         self._sequence = -1  # of the newest frame, as the array counts
         self._strange = 0  # bytes of no frame before the newest frame
@@ -208,13 +210,16 @@ class SerialArray:
         return False
 
     def _take(self, raw: RawFrame, now: float) -> None:
-        frame = TaxelFrame(frozen(np.reshape(raw.counts, self._array.shape)), now, self._index)
         self.counts.read += 1
         self.counts.late += bool(self._index and now - self._last > 1.5 * self._period)
+        lost = 0
         if raw.sequence is not None:
             ahead = raw.sequence - self._sequence - 1
-            self.counts.lost += ahead if self._sequence >= 0 and 0 < ahead < _RESTARTED else 0
+            lost = ahead if self._sequence >= 0 and 0 < ahead < _RESTARTED else 0
             self._sequence = raw.sequence
+        self.counts.lost += lost
+        moment = self._times.stamp(now, lost, raw.sequence is None and self._stream.skipped > self._strange)
+        frame = TaxelFrame(frozen(np.reshape(raw.counts, self._array.shape)), moment, self._index)
         self._index += 1
         self._last, self._strange, self._deaf = now, self._stream.skipped, 0.0
         self.watch(frame)

@@ -116,15 +116,21 @@ class EmulatedRig:
         while self._hands:
             self._hands.popleft()()
         self._send(b"")
+        self._hear(0.0)
         now = self._tick()
         self._live_until(now)
+        self._hear(min(_ROUND, max(self._next_frame() - now, 0.0)))
+
+    def _hear(self, wait: float) -> None:
+        """Obey what has come, after waiting [s] for it, at the time at which it was sent.
+
+        Whoever sent it read this clock, and that has stood since the last round, whoever did not get to run.
+        """
         ends = [end for end in (self._stage_end, self._array_end) if end >= 0]
-        wait = min(_ROUND, max(self._next_frame() - now, 0.0))
         for end in select.select(ends, [], [], wait)[0]:
             data = terminals.read(end)
             if end == self._stage_end and data and not self.faults.deaf:
                 self._asked = (self.clock.now(), time.monotonic())
-                self._live_until(self._tick())
                 self.machine.receive(data)
             elif end == self._array_end and data:
                 terminals.write(self._array_end, replies(self._protocol, data, self._spec))
