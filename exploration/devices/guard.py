@@ -130,7 +130,9 @@ class Guard:
         if self._last is not None:
             self.pending.say(self._last.time, twist)
             where = self._last.world_from_sensor
-            if self._following.stands(where, twist, self.period, self.pending.latency):
+            if self.stage.held:
+                self._following.rest()
+            elif self._following.stands(where, twist, self.period, self.pending.latency):
                 self.stage.stop()
                 raise Fault(
                     "the stage stands still though told to move; check its reach and drives", self._last

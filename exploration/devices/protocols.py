@@ -74,7 +74,10 @@ class TactileSensor(Protocol):
 
 
 class MotionStage(Protocol):
-    """Something that moves an array about; a class of one's own that names it as its base tells of no events."""
+    """Something that moves an array about.
+
+    A class of one's own that names it as its base is never held and tells of no events.
+    """
 
     @property
     def limits(self) -> StageLimits:
@@ -101,6 +104,11 @@ class MotionStage(Protocol):
     def stop(self) -> None:
         """Come to rest at the acceleration limit."""
         ...
+
+    @property
+    def held(self) -> bool:
+        """Whether a watchdog holds it, so that it follows no twist for now."""
+        return False
 
     def events(self) -> tuple[StageEvent, ...]:
         """What its drives have noticed since last asked; empty when all is well."""

@@ -107,6 +107,11 @@ class SimulatedStage:
         """Come to rest at the acceleration limit."""
         self.move(np.zeros(6))
 
+    @property
+    def held(self) -> bool:
+        """No: no frame stays away here."""
+        return False
+
     def events(self) -> tuple[StageEvent, ...]:
         """What the drives have noticed since last asked."""
         found, self._events = tuple(self._events), []

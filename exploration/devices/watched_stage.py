@@ -77,6 +77,11 @@ class WatchedStage:
                 return False
             return self._held or self._stage.moving
 
+    @property
+    def held(self) -> bool:
+        """Whether frames stay away."""
+        return self._held
+
     def stop(self) -> None:
         """Come to rest; what tripped has been heard."""
         with self._lock:

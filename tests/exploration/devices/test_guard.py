@@ -95,3 +95,23 @@ def test_a_stage_that_stands_still_is_told_of_and_one_that_follows_is_not() -> N
     for _ in range(400):
         late.append(late[-1] @ se3.pose(translation=0.005 * twist[:3]))
         assert not follows.stands(late[-30], twist, 0.005, 0.1)
+
+
+def test_a_stage_that_a_watchdog_holds_is_not_taken_for_one_that_stands():
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 60.0]))
+    moving, held = guard.stage, []
+
+    class Held:
+        def __getattr__(self, name):
+            return getattr(moving, name)
+
+        def move(self, twist):
+            moving.move(np.zeros(6))
+
+        held = property(lambda self: held[0])
+
+    guard.stage, held[:] = Held(), [True]
+    keep_moving(guard, 20.0)
+    held[:] = [False]
+    with pytest.raises(Fault, match="stands still"):
+        keep_moving(guard, 20.0)
