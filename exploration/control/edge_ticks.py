@@ -77,12 +77,16 @@ class Ticks:
         return np.asarray(np.einsum("nij,nj->ni", self.poses[:, :3, :3], local) + self.poses[:, :3, 3])
 
     @cached_property
-    def travel(self) -> Floats:
-        """(n,) [mm] along the edge: steps along the tangent, which the noise across it does not lengthen."""
+    def tangents(self) -> Floats:
+        """(n, 3) unit directions of travel."""
         angle = self.parameters[:, 0]
         along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        tangents = np.einsum("nij,nj->ni", self.poses[:, :3, :2], along)
-        return travel_along(self.points, tangents)
+        return np.asarray(np.einsum("nij,nj->ni", self.poses[:, :3, :2], along))
+
+    @cached_property
+    def travel(self) -> Floats:
+        """(n,) [mm] along the edge: steps along the tangent, which the noise across it does not lengthen."""
+        return travel_along(self.points, self.tangents)
 
     @cached_property
     def normals(self) -> Floats:

@@ -22,7 +22,7 @@ from exploration.control.edge_ticks import EdgeTick, Ticks
 from exploration.control.smoothing_spline import Readings, Spline, in_order
 from exploration.sensing.lines.follow_line import follow_lines
 from exploration.sensing.response import Response
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Floats, Ints, frozen
 from primitives.evidence import EdgeTrace
 
 LEAST = 8  # ticks of a trace
@@ -56,17 +56,22 @@ def smoothed(
     response: Response,
     reach: float,
     drift: float,
+    before: Sequence[EdgeTick] = (),
+    after: Sequence[EdgeTick] = (),
 ) -> EdgeTrace | None:
     """The trace through all ticks; None where they are too few.
 
-    `reach` [mm] of the edge, either way, are fitted in a frame; its bend changes by `drift` [1/mm] within a mm.
+    Ticks `before` and `after` them bend its ends and are no part of it.  `reach` [mm] of the edge, either way, are
+    fitted in a frame; its bend changes by `drift` [1/mm] within a mm.
     """
-    rows = _fitted_again(ticks, response, reach, drift)
+    given = len(before) + np.arange(len(ticks))
+    rows, kept = _fitted_again([*before, *ticks, *after], response, reach, drift)
+    own = np.isin(kept, given)
     run = _drawn(rows)
-    if run is None:
+    if run is None or not own.any():
         return None
     travel = rows.travel
-    first, last = float(travel.min()), float(travel.max())
+    first, last = float(travel[own].min()), float(travel[own].max())
     if not run.straight:
         run = _refined(run, rows, response)
     at = np.linspace(first, last, max(2, int(np.ceil((last - first) / SPACING)) + 1))
@@ -76,7 +81,7 @@ def smoothed(
     turned = np.stack([np.interp(at, travel[order], column[order]) for column in rows.normals.T], axis=1)
     turned -= np.sum(turned * along, axis=1, keepdims=True) * along
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-    per_point = max(1.0, len(rows) * SPACING / max(last - first, SPACING))
+    per_point = max(1.0, own.sum() * SPACING / max(last - first, SPACING))
     sigma = np.full(len(at), run.spread / np.sqrt(per_point))
     return EdgeTrace(
         frozen(run.spline.at(at)), frozen(along), frozen(turned), frozen(sigma), closed, touch, stroke
@@ -131,11 +136,13 @@ def _refined(run: _Run, rows: Ticks, response: Response) -> _Run:
     return replace(run, spline=spline)
 
 
-def _fitted_again(ticks: Sequence[EdgeTick], response: Response, reach: float, drift: float) -> Ticks:
-    """Every frame's edge once more, its bend smoothed; ticks that no longer fit drop out."""
+def _fitted_again(
+    ticks: Sequence[EdgeTick], response: Response, reach: float, drift: float
+) -> tuple[Ticks, Ints]:
+    """Every frame's edge once more, its bend smoothed; ticks that no longer fit drop out; the others' numbers."""
     rows = Ticks.of(ticks)
     if len(rows) < LEAST:
-        return rows
+        return rows, np.arange(len(rows))
     run = _drawn(rows)
     bends, sigmas = _bends(rows.travel, rows.parameters[:, 5], rows.covariances[:, 5, 5], drift)
     floor = BEND_SIGMA
@@ -147,7 +154,8 @@ def _fitted_again(ticks: Sequence[EdgeTick], response: Response, reach: float, d
     lines = np.column_stack([rows.parameters[:, :2], rows.sides, bends])
     sure = np.maximum(np.maximum(sigmas, floor), change / 4.0)
     parameters, covariances, found = follow_lines(rows.images, response, lines, sure, near)
-    return replace(rows, parameters=parameters, covariances=covariances).some(found)
+    fitted = replace(rows, parameters=parameters, covariances=covariances)
+    return fitted.some(found), np.flatnonzero(found)
 
 
 @numba.njit(cache=True, error_model="numpy")

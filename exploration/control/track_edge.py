@@ -28,6 +28,7 @@ from exploration.control.edge_servo import EdgeServo, EdgeServoConfig
 from exploration.control.edge_ticks import EdgeTick
 from exploration.control.edge_trace import smoothed
 from exploration.control.hybrid import PRESS
+from exploration.control.run_on import leading_from, leading_to
 from exploration.devices.guard import Collision, Fault, Guard, Observation, OverPress
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.follow_line import follow_line
@@ -62,7 +63,7 @@ class EdgeConfig(EdgeServoConfig):
 class Tracked:
     """What a tracked edge yielded; false where nothing was."""
 
-    draw: Callable[[], EdgeTrace | None]  # the trace, from what the ticks saw
+    draw: Callable[..., EdgeTrace | None]  # the trace, from what the ticks saw
     average: Callable[[], EdgeProfile | None]  # their profile across the edge
     ended: Ended
     travel: float  # [mm]
@@ -71,6 +72,7 @@ class Tracked:
     last: Followed | None = None  # the edge as last seen
     corner: Meeting | None = None  # that ended it, where it was seen coming
     fault: Fault | None = None  # that blocked it
+    ticks: tuple[EdgeTick, ...] = ()  # that the trace is drawn from
 
     def __bool__(self) -> bool:
         return self.trace is not None
@@ -165,20 +167,13 @@ def follow_edge(
         run.travel += max(0.0, float(step @ run.ticks[-1].tangent))
         expected = servo.expected(edge, before, seen.world_from_sensor)
     clear = _clear(run.ticks[run.start :], corner, config)
-    draw = partial(
-        smoothed,
-        clear,
-        ended == "closed",
-        touch,
-        stroke,
-        response,
-        config.reach,
-        config.bend_drift,
-    )
+    told = (touch, stroke, response, config.reach, config.bend_drift)
+    draw = partial(smoothed, clear, ended == "closed", *told)
+    if ended == "closed" and home is None and clear:
+        draw = partial(draw, leading_to(clear, clear[0]), leading_from(clear, clear[-1]))
+    average = partial(profile_of, clear, response)
     forces, wanted = tuple(t.force for t in run.ticks), tuple(servo.wanted)
-    return Tracked(
-        draw, partial(profile_of, clear, response), ended, run.travel, forces, wanted, last, corner, fault
-    )
+    return Tracked(draw, average, ended, run.travel, forces, wanted, last, corner, fault, ticks=tuple(clear))
 
 
 def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) -> list[EdgeTick]:

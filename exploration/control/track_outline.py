@@ -16,8 +16,10 @@ from exploration.control.corners import Meeting, meeting
 from exploration.control.dwell import dwell
 from exploration.control.edge_profile import EdgeProfile
 from exploration.control.hybrid import PRESS
+from exploration.control.run_on import leading_from, leading_to
 from exploration.control.track_edge import EdgeConfig, Tracked, follow_edge
 from exploration.devices.guard import Collision, Fault, Guard, OverPress
+from exploration.sensing.lines.followed import Followed
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
@@ -112,20 +114,28 @@ def _follow(
     """Edge after edge, until it closes or ends."""
     edges, drawn = outline.edges, outline.drawn
     home: Home | None = None
+    begun: Tracked | None = None
     first: Meeting | None = None
     met: Meeting | None = None
-    while not edges or (met is not None and len(edges) < EDGES):
+    heading: Floats | None = along
+    while heading is not None and len(edges) < EDGES:
         left = outline.length - sum(edge.travel for edge in edges)
-        heading = along if met is None else met.along
         edge = follow_edge(guard, heading, left, touch, stroke + len(edges), press, config, home)
         edges.append(edge)
         if edge.trace is not None:
             drawn.append((edge.trace, edge.profile))
+            begun = begun or edge
             home = home or Home(edge.trace.points[0], edge.trace.tangents[0])
         if edge.ended != "corner" or edge.last is None:
             outline.fault = edge.fault
+            if begun is not None and edge.ended == "closed" and edge is not begun:
+                _run_on(drawn, begun, edge)
             break
         before, met = met, _turned(guard, edge, config)
+        if met is not None:
+            heading = met.along
+        else:  # no two edges meet here: it was a bend
+            heading = _onward(guard, edge.last) if edge.travel > config.clear else None
         if edge.trace is None and before is not None and met is not None:
             if dist(before.point, met.point) < SAME:
                 break
@@ -136,6 +146,22 @@ def _follow(
             outline.closed = True
             break
         first = first or met
+
+
+def _onward(guard: Guard, last: Followed) -> Floats:
+    """(3,) the way that an edge went when it was last seen."""
+    way: Floats = guard.world_from_sensor[:3, :2] @ last.direction
+    return way
+
+
+def _run_on(drawn: list[tuple[EdgeTrace, EdgeProfile | None]], first: Tracked, last: Tracked) -> None:
+    """Draw the first edge and the last once more, each run on by the other: the outline closes along them."""
+    if not first.ticks or not last.ticks:
+        return
+    begins = first.draw(leading_to(last.ticks, first.ticks[0]))
+    ends = last.draw((), leading_from(first.ticks, last.ticks[-1]))
+    if begins is not None and ends is not None:
+        drawn[0], drawn[-1] = (begins, first.profile), (ends, last.profile)
 
 
 def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
