@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from tracking.outlines import disc, off_outline, outlines, prism, rounded_bar
+from tracking.outlines import disc, off_outline, outlines, prism, rounded_bar, share_traced
 from tracking.plant import SPEC, Start, guard_over, outlined, tracked, with_dihedral
 
 from exploration.control.track_edge import Tracked
@@ -44,6 +44,7 @@ class Trial:
     radius: float | None = None  # [mm]
     angle: float | None = None  # [deg] between a straight edge and the truth
     dihedral: float | None = None  # [deg]
+    traced: float | None = None  # share of a loop
 
 
 def run(rows: tuple[str, ...] = ROWS, seeds: int = SEEDS) -> list[dict[str, Any]]:
@@ -99,12 +100,14 @@ def loop(solid: Solid, ring: np.ndarray, at: int, seed: int) -> Trial:
     if not found:
         return Trial(np.empty(0), "lost", _ratios(found))
     whole = found.traces[0] if len(found.traces) == 1 else None
+    points = np.concatenate([trace.points for trace in found.traces])
     return Trial(
-        np.concatenate([off_outline(trace.points, ring) for trace in found.traces]),
+        off_outline(points, ring),
         found.ended,
         _ratios(found),
         loop_gap(found.traces) if found.ended == "closed" else None,
         described(whole).radius if whole else None,
+        traced=share_traced(points, ring),
     )
 
 
@@ -197,6 +200,9 @@ def _loop_rows(name: str, trials: list[Trial], radius: float | None = None) -> l
     out = _common_rows(name, trials, "<= 0.06", "closed")
     gaps = [t.gap for t in trials if t.gap is not None]
     radii = [t.radius for t in trials if t.radius is not None]
+    traced = [t.traced for t in trials if t.traced is not None and t.ended == "closed"]
+    if traced:
+        out.append(_row(name, "share of the loop that was traced, mean", 100.0 * np.mean(traced), "%"))
     if gaps:
         out.append(_row(name, "gap of the loop, greatest", max(gaps), "mm", "<= 0.15"))
     if radius is not None and radii:

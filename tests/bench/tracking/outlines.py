@@ -4,12 +4,14 @@ from typing import Any
 
 import manifold3d
 import numpy as np
+from scipy.spatial import cKDTree
 
 from models.csg import Cube, Cylinder, Prism
 from models.solid import Solid
 
 HEIGHT = 30.0  # [mm]
 FACET = 0.001  # [mm] between a round wall and its facets
+POINTS = 1500  # of an outline, whose chords lie as near
 
 
 def prism(dihedral_deg: float, length: float = 200.0) -> Solid:
@@ -76,7 +78,7 @@ def foil(chord: float = 100.0, tip: float = 5.0) -> np.ndarray:
     return even(out - [0.5 * chord, 0.0])
 
 
-def even(outline: np.ndarray, count: int = 4000) -> np.ndarray:
+def even(outline: np.ndarray, count: int = POINTS) -> np.ndarray:
     """(count, 2) points at equal steps along a closed outline."""
     ring = np.concatenate([outline, outline[:1]])
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))])
@@ -94,11 +96,16 @@ def off_outline(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
     return np.hypot(flat, points[:, 2])
 
 
+def share_traced(points: np.ndarray, outline: np.ndarray, near: float = 1.0) -> float:
+    """Share of the points of an outline that have one of (n, 3) traced points within `near` [mm]."""
+    return float(np.mean(cKDTree(points[:, :2]).query(outline)[0] < near))
+
+
 def outlines() -> dict[str, tuple[Any, np.ndarray, int]]:
     """Solid, outline, and where on it tracking starts."""
     square, leaf, wing = rounded_square(), clover(), foil()
     return {
-        "rounded square": (plate(square), square, 20),
-        "clover": (plate(leaf), leaf, 300),
-        "foil": (plate(wing), wing, 1300),
+        "rounded square": (plate(square), square, 8),
+        "clover": (plate(leaf), leaf, 112),
+        "foil": (plate(wing), wing, 487),
     }
