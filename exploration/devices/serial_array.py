@@ -204,6 +204,7 @@ class SerialArray:
             self._clock.sleep(0.1)
             if self._port.reopened():
                 self._stream.gap()
+                self._times = FrameTimes(self._period)
                 self._greet()
                 self.counts.reconnects += 1
                 return True
