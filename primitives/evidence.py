@@ -121,3 +121,16 @@ class FreeSpace:
             local = (points - pose[:3, 3]) @ pose[:3, :3]
             inside |= (np.abs(local) <= half - margin).all(axis=1)
         return inside
+
+
+@dataclass(frozen=True)
+class Imprint:
+    """What the skin felt over every taxel while the pad lay pressed: how far the surface stood in it."""
+
+    pose: Floats  # (4, 4) world_from_sensor; +z out of the skin toward the object
+    x: Floats  # (columns,) taxel centers [mm]
+    y: Floats  # (rows,)
+    depth: Floats  # (rows, columns) [mm], averaged over the taxel and spread by the rubber
+    sigma: Floats  # (rows, columns) [mm] standard deviation of `depth`; inf where the taxel is dead
+    spread: float  # [mm] standard deviation of the rubber's point spread
+    margin: float  # [mm] of skin past the outer taxels

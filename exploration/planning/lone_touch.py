@@ -26,7 +26,7 @@ from exploration.planning.swept import Swept, behind_skin, over_free_taxels
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
-from primitives.evidence import Contacts, EdgeTrace, FreeSpace
+from primitives.evidence import Contacts, EdgeTrace, FreeSpace, Imprint
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,7 @@ class LoneTouch:
         default_factory=lambda: np.empty((0, 3))
     )  # (n, 3) [mm] of the skin, under which
     # nothing was felt while the pad lay pressed
+    imprint: Imprint | None = None  # None where the pad does not lie pressed
 
     def __bool__(self) -> bool:
         return self.met
@@ -68,6 +69,7 @@ class LoneTouchConfig:
     """How a touch is made."""
 
     averaged: int = 8  # frames of what is felt
+    pressed: float = 0.3  # [mm] from which the whole skin tells, and not only where it was met
     least_line: float = 4.0  # [mm] of a line that counts as an edge
     speed: float = 50.0  # [mm/s] of the advance, through space that was not seen yet
     spacing: float = 3.0  # [mm] between the points of an edge
@@ -114,6 +116,7 @@ def touch_once(guard: Guard, approach: Approach, config: LoneTouchConfig | None 
         _words(contacts, edges, felt or None, why),
         seen.world_from_sensor,
         free_cells(seen, felt) if felt else np.empty((0, 3)),
+        _imprint(seen) if felt and felt.depth > config.pressed else None,
     )
 
 
@@ -135,6 +138,20 @@ def _come_down(guard: Guard, approach: Approach, config: LoneTouchConfig) -> tup
     if landed or touched(guard.hold().image):
         return True, "" if landed else "unsettled"
     return False, "the housing was in the way"
+
+
+def _imprint(seen: Observation) -> Imprint:
+    image = seen.image
+    margin = float(min(image.margin, 4.0 * image.spread))
+    return Imprint(
+        seen.world_from_sensor,
+        image.array.x,
+        image.array.y,
+        image.depth,
+        image.sigma,
+        image.spread,
+        margin,
+    )
 
 
 def _on_touched(contacts: Contacts, seen: Observation, felt: Felt) -> Contacts:

@@ -13,7 +13,7 @@ import numpy as np
 from exploration.planning.routes import Tool
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats
-from primitives.evidence import NOT_FELT, Contacts
+from primitives.evidence import NOT_FELT, Contacts, Imprint
 from primitives.surface import Surface
 
 
@@ -52,6 +52,13 @@ class Told:
         near = np.abs(self.surface.signed_distance(contacts.points)) < self._config.near
         alike = (self.surface.normals(contacts.points) * contacts.normals).sum(axis=1) > self._config.facing
         return contacts.select(~(near & alike))
+
+    def under(self, imprint: Imprint) -> bool:
+        """Whether any of what dented the skin may be it."""
+        rows, columns = np.nonzero(imprint.depth > 0.1 * imprint.depth.max())
+        dented = [imprint.x[columns], imprint.y[rows], -imprint.depth[rows, columns]]
+        points = se3.transform_points(imprint.pose, np.column_stack(dented))
+        return bool((np.abs(self.surface.signed_distance(points)) < self._config.near).any())
 
     def stopped(self, point: Floats) -> bool:
         """Whether it is what stopped a stroke at a (3,) point."""

@@ -142,7 +142,13 @@ class GuardedHand:
         if self.told is None:
             return made
         own = self.told.without(made.contacts)
-        return replace(made, contacts=own, met=made.met and len(own) == len(made.contacts))
+        alone = made.imprint is not None and not self.told.under(made.imprint)
+        return replace(
+            made,
+            contacts=own,
+            met=made.met and len(own) == len(made.contacts),
+            imprint=made.imprint if alone else None,
+        )
 
     def _free_itself(self, start: Floats) -> None:
         """After a fault the guard has backed off; the way to `start` is tried once more."""

@@ -1,7 +1,7 @@
 """What touches tell together: one `Evidence`, and the belief that follows from it.
 
 Contacts, the space swept while the object stood still, places of the skin that felt nothing beside others that
-did, and approaches that met nothing are matched at once.
+did, the whole picture that the skin felt, and approaches that met nothing are matched at once.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ def evidence_of(touches: Sequence[LoneTouch], config: LearnConfig | None = None)
         joined([t.free for t in touches]) if held_still else None,
         untouched=np.concatenate([np.empty((0, 3)), *(t.untouched for t in touches)]),
         missed=joined([t.free for t in touches if not t.met]),
+        imprints=tuple(t.imprint for t in met if t.imprint is not None),
     )
 
 

@@ -16,7 +16,7 @@ from scipy.spatial.distance import cdist
 
 from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
-from primitives.evidence import Contacts, EdgeTrace, FreeSpace
+from primitives.evidence import Contacts, EdgeTrace, FreeSpace, Imprint
 
 ALIKE = 0.1  # share of the error's variance that contacts of one touch have in common
 WIDE = 200.0  # [mm] of a prior round contacts, where nobody told it
@@ -37,6 +37,7 @@ class Evidence:
     )  # (m, 3) [mm] of the pressed skin, that
     # felt nothing
     missed: FreeSpace | None = None  # what approaches swept that met nothing
+    imprints: tuple[Imprint, ...] = ()  # what the whole skin felt of each touch
     covers: tuple[FreeSpace, ...] = ()  # bodies in the way: what touched them says nothing of the object
 
     def checked(self) -> Evidence:

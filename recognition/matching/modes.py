@@ -23,6 +23,7 @@ from recognition.matching.align import Aligned, refine
 from recognition.matching.belief import Hypothesis
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
+from recognition.matching.imprints import log_imprints
 from recognition.matching.likelihood import (
     NoiseConfig,
     log_astray,
@@ -192,13 +193,15 @@ def _axis(turn: Floats) -> Floats:
 
 def _let_in(made: Hypothesis, entry: Entry, target: Target, evidence: Evidence) -> tuple[Hypothesis, float]:
     """The hypothesis where space that was felt empty lets it be, of all poses it stands for, and what is left."""
-    if evidence.free is None and evidence.missed is None and not len(evidence.untouched):
+    nothing = evidence.free is None and evidence.missed is None and not len(evidence.untouched)
+    if nothing and not evidence.imprints:
         return made, 0.0
     sigma = float(np.median(evidence.contacts.sigma))
 
     def left_at(at: Floats) -> float:
         there = replace(made, pose=frozen(at))
-        return _free(evidence, target, at, sigma) + log_untouched(there, entry, evidence)
+        told = _free(evidence, target, at, sigma) + log_untouched(there, entry, evidence)
+        return told + log_imprints(there, entry, evidence)
 
     poses = sigma_points(made.pose, made.covariance, entry, _TRIED)
     left: list[float] = []

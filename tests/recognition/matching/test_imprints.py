@@ -1,0 +1,48 @@
+"""The picture that a simulated skin felt, against near-duplicates whose contacts are the same."""
+
+import numpy as np
+
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.lone_touch import Approach, touch_once
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models import parts
+from models.library import Library
+from models.solid import Solid
+from primitives import pose as se3
+from primitives.arrays import frozen
+from primitives.evidence import Contacts, Imprint
+from recognition.matching import Evidence, Hypothesis
+from recognition.matching.imprints import log_imprints
+
+LIBRARY = Library.of(
+    {name: Solid.from_csg(parts.build(name)) for name in ("bolt_plate", "bolt_plate_one_wider")}
+)
+TOP = float(LIBRARY["bolt_plate"].solid.bounds[1, 2])
+WIDER = (26.0, 19.0)  # [mm] beside the hole that one of them has wider
+
+
+def _felt(name: str, place: tuple[float, float]) -> Imprint:
+    """The pad laid on the plate's top, beside a hole."""
+    solid, spec = LIBRARY[name].solid, load_sensor("lts210")
+    start = se3.pose(se3.frame_along(np.array([0.0, 0.0, -1.0])), np.array([*place, TOP + 10.0]))
+    stage, arrays = simulate(solid, [spec], np.random.default_rng(0), start_pose=start)
+    touch = touch_once(Guard(stage, arrays, [Calibration.nominal(spec)]), Approach(start, 30.0))
+    assert touch.imprint is not None
+    return touch.imprint
+
+
+def _left(name: str, imprint: Imprint, shift: float = 0.0, turned: float = 0.001) -> float:
+    covariance = frozen(np.diag([1e-4] * 3 + [turned**2] * 3))
+    at = frozen(se3.pose(np.eye(3), [shift, 0.0, 0.0]))
+    h = Hypothesis(name, at, 0.0, covariance, 0.0, frozen(np.zeros(1)))
+    return log_imprints(h, LIBRARY[name], Evidence(Contacts.of([]), imprints=(imprint,)))
+
+
+def test_a_hole_a_little_wider_is_told_by_what_is_felt_beside_it() -> None:
+    imprint = _felt("bolt_plate", WIDER)
+    assert _left("bolt_plate", imprint) == 0.0
+    assert _left("bolt_plate_one_wider", imprint) < -1.0
+    assert _left("bolt_plate", imprint, shift=3.0) < -2.0
+    assert _left("bolt_plate_one_wider", imprint, turned=1.0) == 0.0
