@@ -1,8 +1,8 @@
 """A hand without a tactile image: contacts by ray casting, with a stated noise, for many identifications.
 
 The pad comes down, rolls flush about the first place that it meets, and feels what lies within its press: four
-contacts of a flat patch, one of a curved one, a bare point where it cannot lie flush.  All contacts of one touch
-share an error of the place and one of the attitude, as those of one stage pose do.
+contacts of a flat patch, one of a curved one, a bare point where it cannot lie flush.  All contacts of one touch,
+and what the skin feels, share an error of the place and one of the attitude, as those of one stage pose do.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.ndimage import gaussian_filter
 
 from exploration.devices.guard import Cost
 from exploration.devices.protocols import StageLimits
@@ -19,12 +20,14 @@ from exploration.planning.round_ball import Ball, length_of, way_round
 from exploration.planning.search import sweeps
 from models.solid import Solid
 from primitives.arrays import Bools, Floats, frozen
-from primitives.evidence import Contacts, FreeSpace
+from primitives.evidence import Contacts, FreeSpace, Imprint
 from primitives.pose import pose, rotation_exp
 from recognition.matching.next_touch.choose import travel_seconds
 
 ROWS, COLUMNS, PITCH = 10, 16, 1.8
 PRESS = 0.6  # [mm]
+SPREAD = 1.2  # [mm] of the rubber
+FINE = 3  # rays a taxel, along x and along y
 DEEP = 30.0  # [mm] from the skin to the housing's back
 
 
@@ -36,6 +39,7 @@ class RayNoise:
     turn: float = 0.01  # [rad] of a touch
     each: float = 0.02  # [mm] of a contact, besides
     flat: float = 0.04  # [mm] a patch that departs less from a plane counts as flat
+    taxel: float = 0.01  # [mm] of what one taxel feels
     steep: float = 0.35  # cosine of the lean beyond which the housing meets the object first
 
 
@@ -119,19 +123,45 @@ class RayHand:
             contacts = Contacts.of(bare, None, 0.4, touch=number)
             return LoneTouch(number, approach, contacts, (), swept, True, "something sharp", self.here)
         touched = gap < PRESS - 0.1
-        contacts = self._contacts(number, origins, gap, touched, point, normal)
+        tilt = rotation_exp(self.noise.turn * self.rng.standard_normal(3))
+        shift = self.noise.place * self.rng.standard_normal()
+        contacts = self._contacts(number, origins, gap, touched, point, normal, tilt, shift)
         free = gap > PRESS + 0.2
         untouched = (
             origins[free] + PRESS * self.here[:3, 2] if contacts.has_normal.all() else np.empty((0, 3))
         )
-        return LoneTouch(number, approach, contacts, (), swept, True, "a face", self.here, untouched)
+        middle = contacts.points.mean(axis=0)
+        told = pose(tilt @ self.here[:3, :3], middle + tilt @ (self.here[:3, 3] - middle) + shift * normal)
+        return LoneTouch(
+            number, approach, contacts, (), swept, True, "a face", self.here, untouched, self._imprint(told)
+        )
+
+    def _imprint(self, told: Floats) -> Imprint:
+        """What every taxel feels, at the pose that the stage tells."""
+        origins, ways = _rays(self.here, FINE)
+        gap = self.solid.cast_rays(origins - 3.0 * ways, ways).distance - 3.0
+        dent = np.maximum(PRESS - gap, 0.0).reshape(ROWS * FINE, COLUMNS * FINE)
+        felt = gaussian_filter(dent, SPREAD * FINE / PITCH, mode="reflect")
+        felt = felt.reshape(ROWS, FINE, COLUMNS, FINE).mean(axis=(1, 3))
+        x, y = ((np.arange(n) - 0.5 * (n - 1)) * PITCH for n in (COLUMNS, ROWS))
+        noise = self.noise.taxel
+        felt = felt + noise * self.rng.standard_normal(felt.shape)
+        # the pad at the press: its undented skin lies that much past the surface
+        told = told @ pose(np.eye(3), [0.0, 0.0, PRESS])
+        return Imprint(told, x, y, felt, np.full(felt.shape, noise), SPREAD, 0.0)
 
     def _contacts(
-        self, number: int, origins: Floats, gap: Floats, touched: Bools, point: Floats, normal: Floats
+        self,
+        number: int,
+        origins: Floats,
+        gap: Floats,
+        touched: Bools,
+        point: Floats,
+        normal: Floats,
+        tilt: Floats,
+        shift: float,
     ) -> Contacts:
         noise, way = self.noise, self.here[:3, 2]
-        tilt = rotation_exp(noise.turn * self.rng.standard_normal(3))
-        shift = noise.place * self.rng.standard_normal()
         if touched.sum() >= 12 and float(np.ptp(gap[touched])) < noise.flat:
             local = (origins[touched] - self.here[:3, 3]) @ self.here[:3, :2]
             values, vectors = np.linalg.eigh(np.cov(local.T))
@@ -150,9 +180,10 @@ class RayHand:
         )
 
 
-def _rays(at: Floats) -> tuple[Floats, Floats]:
-    x, y = ((np.arange(n) - 0.5 * (n - 1)) * PITCH for n in (COLUMNS, ROWS))
-    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+def _rays(at: Floats, fine: int = 1) -> tuple[Floats, Floats]:
+    """Row by row over the skin, or so many times finer."""
+    x, y = ((np.arange(n * fine) - 0.5 * (n * fine - 1)) * PITCH / fine for n in (COLUMNS, ROWS))
+    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     origins = at[:3, 3] + grid @ at[:3, :2].T
     return origins, np.ascontiguousarray(np.broadcast_to(at[:3, 2], origins.shape))
 
