@@ -134,3 +134,4 @@ class Imprint:
     sigma: Floats  # (rows, columns) [mm] standard deviation of `depth`; inf where the taxel is dead
     spread: float  # [mm] standard deviation of the rubber's point spread
     margin: float  # [mm] of skin past the outer taxels
+    touch: int = 0

@@ -116,7 +116,7 @@ def touch_once(guard: Guard, approach: Approach, config: LoneTouchConfig | None 
         _words(contacts, edges, felt or None, why),
         seen.world_from_sensor,
         free_cells(seen, felt) if felt else np.empty((0, 3)),
-        _imprint(seen) if felt and felt.depth > config.pressed else None,
+        _imprint(seen, number) if felt and felt.depth > config.pressed else None,
     )
 
 
@@ -140,7 +140,7 @@ def _come_down(guard: Guard, approach: Approach, config: LoneTouchConfig) -> tup
     return False, "the housing was in the way"
 
 
-def _imprint(seen: Observation) -> Imprint:
+def _imprint(seen: Observation, touch: int) -> Imprint:
     image = seen.image
     margin = float(min(image.margin, 4.0 * image.spread))
     return Imprint(
@@ -151,6 +151,7 @@ def _imprint(seen: Observation) -> Imprint:
         image.sigma,
         image.spread,
         margin,
+        touch,
     )
 
 

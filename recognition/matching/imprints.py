@@ -5,10 +5,10 @@ gives way as springs side by side do, is dented where rays meet the surface, and
 
     felt(r) = G * max(0, dent(r)) + d G * 1 + slope . G * r + shift . grad (G * dent)
 
-with the last three, of this one touch, least squares with a prior: a pose is never exact.  What is left of a taxel
-beyond what the sensor's noise and the model's own error explain counts as normal errors do, taxels that the rubber
-spreads into one another together, and one touch up to a bound.  A pose that is not known well enough to say what
-lay under the pad loses nothing (our derivation).
+with the last three, of this one touch, and a spin by least squares with a prior: a pose is never exact.  What is
+left of a taxel beyond what the sensor's noise and the model's own error explain counts as normal errors do, taxels
+that the rubber spreads into one another together, and one touch up to a bound.  A pose that is not known well
+enough to say what lay under the pad loses nothing (our derivation).
 """
 
 from __future__ import annotations
@@ -54,30 +54,34 @@ def log_imprints(
         return 0.0
     solid = entry.solid.placed(h.pose)
     aside = float(np.hypot(config.aside, h.translation_sigma))
-    return -sum(_cost(imprint, solid, aside, config) for imprint in evidence.imprints)
+    return -sum(cost(imprint, solid, aside, config) for imprint in evidence.imprints)
 
 
-def _cost(imprint: Imprint, solid: Solid, aside: float, config: ImprintConfig) -> float:
+def cost(imprint: Imprint, solid: Solid, aside: float, config: ImprintConfig) -> float:
+    """What one imprint costs a posed solid; the pad's place along the skin has the sigma `aside` [mm]."""
     live = np.isfinite(imprint.sigma)
-    expected, bases = _expected(imprint, solid, config)
+    expected, bases = foreseen(imprint, solid, config)
     deepest = max(float(imprint.depth[live].max(initial=0.0)), float(expected.max()))
     sigma = np.sqrt(imprint.sigma[live] ** 2 + config.floor**2 + (config.off * deepest) ** 2)
     left = (imprint.depth - expected)[live] / sigma
     rows = bases[:, live] / sigma
-    prior = np.array([config.depth, config.slope, config.slope, aside, aside]) ** -2.0
+    prior = np.array([aside, aside, config.depth, config.slope, config.slope, config.slope]) ** -2.0
     left = left - np.linalg.solve(rows @ rows.T + np.diag(prior), rows @ left) @ rows
     beyond = np.maximum(np.abs(left) - config.allowed, 0.0)
-    return float(min(0.5 * (beyond**2).sum() / _together(imprint), config.bound))
+    return float(min(0.5 * (beyond**2).sum() / together(imprint), config.bound))
 
 
-def _together(imprint: Imprint) -> float:
+def together(imprint: Imprint) -> float:
     """Taxels that the rubber spreads into one another."""
     pitch = _pitch(imprint.x), _pitch(imprint.y)
     return max(1.0, 4.0 * np.pi * imprint.spread**2 / (pitch[0] * pitch[1]))
 
 
-def _expected(imprint: Imprint, solid: Solid, config: ImprintConfig) -> tuple[Floats, Floats]:
-    """(rows, columns) [mm] felt on a solid, and (5, rows, columns) how that changes with the pad's pose."""
+def foreseen(imprint: Imprint, solid: Solid, config: ImprintConfig) -> tuple[Floats, Floats]:
+    """(rows, columns) [mm] felt on a solid, and (6, rows, columns) how that changes as the pad moves.
+
+    Moves are (v [mm], w [rad]) of the sensor in its own frame.
+    """
     (x, beside), (y, above) = (_finer(line, imprint.margin, config.split) for line in (imprint.x, imprint.y))
     dent = _dents(imprint.pose, x, y, solid, config.deepest)
     met = (dent > 0.0).astype(np.float64)
@@ -89,7 +93,9 @@ def _expected(imprint: Imprint, solid: Solid, config: ImprintConfig) -> tuple[Fl
 
     felt = spread(dent)
     along_y, along_x = map(np.asarray, np.gradient(felt, step[1], step[0]))
-    images = [felt, spread(met), spread(met * x), spread(met * y[:, None]), along_x, along_y]
+    up = y[:, None]
+    tilts = spread(met * up), -spread(met * x), x * along_y - up * along_x
+    images = [felt, along_x, along_y, spread(met), *tilts]
     split = config.split
     inner = np.stack(images)[:, above : len(y) - above, beside : len(x) - beside]
     shape = (len(images), len(imprint.y), split, len(imprint.x), split)

@@ -3,7 +3,7 @@
     shortlist   objects by the distances and angles of pairs of contacts (`models.library.pair_table`)
     search      poses of each, scored on its distance field (`hypotheses`)
     sift        those poses of all objects that may still be the best (`sifted`)
-    refine      these on the exact surface, each once (`modes`)
+    refine      these on the exact surface, each once (`modes`), the likeliest by what the skin felt (`sharpened`)
     weigh       names, poses and "unknown" against each other
 
 Where the belief is not settled by the first objects of the shortlist, the next ones are searched too; and more of
@@ -28,6 +28,7 @@ from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
 from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods
 from recognition.matching.modes import Felt, Mode, modes_of, residual
+from recognition.matching.sharpened import sharpened
 from recognition.matching.shortlist import shortlist
 from recognition.matching.sifted import SiftConfig, sifted
 from recognition.matching.target import Target, target_of
@@ -175,11 +176,12 @@ def _modes(found: Mapping[str, Found], library: Mapping[str, Entry], evidence: E
     """The modes of those poses that may be among the likeliest of all."""
     seen = Felt.of(evidence)
     kept = sifted(found, library, seen, evidence, config.noise, config.sift)
-    return [
+    modes = [
         mode
         for name, poses in kept.items()
         for mode in modes_of(library[name], poses, seen, evidence, prior, config.noise, config.polished)
     ]
+    return sharpened(modes, library, seen, evidence, prior, config.noise)
 
 
 def _weighed(modes: list[Mode], library: Mapping[str, Entry], evidence: Evidence, prior: Prior, unknown: float,

@@ -80,8 +80,14 @@ class Felt:
 def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
              polished: int) -> list[Mode]:  # fmt: skip
     """The modes that (k, 3, 4) poses lead to, each symmetric pose once, likeliest first."""
+    done = _refined(entry, target_of(entry), poses, seen, not evidence.scale_known, polished)
+    return modes_at(entry, done, seen, evidence, prior, noise)
+
+
+def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
+             more: Floats | None = None) -> list[Mode]:  # fmt: skip
+    """The modes of poses as they are; `more` (6, 6) is what else is known of them, besides by contacts."""
     target, absolute = target_of(entry), not evidence.scale_known
-    done = _refined(entry, target, poses, seen, absolute, polished)
     scale, turn = _scales(done, seen, evidence, target, noise)
     on, off = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * scale, seen.tau * turn,
                                 target.size, noise, absolute)  # fmt: skip
@@ -93,11 +99,12 @@ def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior:
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
         if float(np.linalg.norm(world[:3, :3] @ target.center + world[:3, 3] - prior.center)) > prior.radius:
             continue
-        covariance, log_volume = _spread_of(
-            done.information[k] / max(scale**2, 1e-12), done.poses[k], seen.points, target
-        )
+        information = done.information[k] / max(scale**2, 1e-12)
+        covariance, log_volume = _spread_of(information, done.poses[k], seen.points, target)
+        if more is not None:
+            covariance, _ = _spread_of(information + more, done.poses[k], seen.points, target)
         covariance = _but_for_turns(entry, covariance)
-        if any(_same(entry, m.hypothesis, world, target) for m in modes):
+        if any(same(entry, m.hypothesis, world, target) for m in modes):
             continue
         at = log_volume + _copies(entry) - np.log(prior.volume) - _ROTATIONS
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
@@ -170,7 +177,7 @@ def _but_for_turns(entry: Entry, covariance: Floats) -> Floats:
     return np.asarray(covariance - across @ np.linalg.solve(rows @ across, across.T))
 
 
-def _same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
+def same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
     """Whether a pose is one that is there already, up to symmetry and to what the covariance spans."""
     near = nearest_pose(entry.symmetry, world, h.pose)
     turn = h.pose[:3, :3].T @ near[:3, :3]

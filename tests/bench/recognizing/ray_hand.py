@@ -133,10 +133,11 @@ class RayHand:
         middle = contacts.points.mean(axis=0)
         told = pose(tilt @ self.here[:3, :3], middle + tilt @ (self.here[:3, 3] - middle) + shift * normal)
         return LoneTouch(
-            number, approach, contacts, (), swept, True, "a face", self.here, untouched, self._imprint(told)
-        )
+            number, approach, contacts, (), swept, True, "a face", self.here, untouched,
+            self._imprint(told, number),
+        )  # fmt: skip
 
-    def _imprint(self, told: Floats) -> Imprint:
+    def _imprint(self, told: Floats, touch: int) -> Imprint:
         """What every taxel feels, at the pose that the stage tells."""
         origins, ways = _rays(self.here, FINE)
         gap = self.solid.cast_rays(origins - 3.0 * ways, ways).distance - 3.0
@@ -148,7 +149,7 @@ class RayHand:
         felt = felt + noise * self.rng.standard_normal(felt.shape)
         # the pad at the press: its undented skin lies that much past the surface
         told = told @ pose(np.eye(3), [0.0, 0.0, PRESS])
-        return Imprint(told, x, y, felt, np.full(felt.shape, noise), SPREAD, 0.0)
+        return Imprint(told, x, y, felt, np.full(felt.shape, noise), SPREAD, 0.0, touch)
 
     def _contacts(
         self,

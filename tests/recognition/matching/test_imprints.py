@@ -10,10 +10,11 @@ from exploration.sensing.spec import load_sensor
 from models import parts
 from models.library import Library
 from models.solid import Solid
+from models.symmetry import pose_error
 from primitives import pose as se3
 from primitives.arrays import frozen
 from primitives.evidence import Contacts, Imprint
-from recognition.matching import Evidence, Hypothesis
+from recognition.matching import Evidence, Hypothesis, match
 from recognition.matching.imprints import log_imprints
 
 LIBRARY = Library.of(
@@ -46,3 +47,22 @@ def test_a_hole_a_little_wider_is_told_by_what_is_felt_beside_it() -> None:
     assert _left("bolt_plate_one_wider", imprint) < -1.0
     assert _left("bolt_plate", imprint, shift=3.0) < -2.0
     assert _left("bolt_plate_one_wider", imprint, turned=1.0) == 0.0
+
+
+def test_an_edge_under_the_skin_says_where_along_its_face_an_object_is() -> None:
+    plate = Library.of({"bolt_plate": LIBRARY["bolt_plate"].solid})
+    imprint = _felt("bolt_plate", (33.0, 34.0))
+    top = [[x, y, TOP] for x in (-30.0, 30.0) for y in (-10.0, 10.0)]
+    sides = [[x, 40.0, z] for x in (-30.0, 30.0) for z in (-2.0, 2.0)]
+    end = [[39.2, y, 0.0] for y in (-30.0, 30.0)]  # told 0.8 mm too deep
+    facing = np.repeat(np.eye(3)[[2, 1, 0]], [4, 4, 2], axis=0)
+    sigma = np.repeat([0.02, 0.02, 0.8], [4, 4, 2])
+    contacts = Contacts.of([*top, *sides, *end], facing, sigma, 0.01, touch=imprint.touch)
+    off = []
+    for imprints in ((), (imprint,)):
+        best = match(Evidence(contacts, imprints=imprints), plate).hypotheses[0]
+        off.append(pose_error(plate["bolt_plate"].symmetry, best.pose, np.eye(4)).distance)
+        sigma_told = best.translation_sigma
+    assert off[0] > 0.5
+    assert off[1] < 0.3
+    assert sigma_told < 0.4

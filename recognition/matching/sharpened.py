@@ -1,0 +1,157 @@
+"""The likeliest poses, refined by what the whole skin felt: a contact slides along its face, an edge does not.
+
+An imprint moves with the pad by the six images B of `imprints.foreseen`.  With r what is left of it, both over the
+sigma of a taxel, and t taxels that the rubber spreads into one another, the pad's move d is known by::
+
+    G = B B' / t,   g = B r / t,   less what the touch's own error N(0, S) blurs:   (G - G K G),  (g - G K g)
+    K = (G + S^-1)^-1
+
+and the object's pose by all of them and by its contacts, whose curvature stands for them (Gauss-Newton).  How
+likely a mode is stays what contacts say, for an imprint that fits costs nothing (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from models.library import Entry
+from primitives.arrays import Floats
+from primitives.evidence import Imprint
+from primitives.pose import hat, inverse, pose
+from recognition.matching.align import Aligned, refine
+from recognition.matching.evidence import Evidence, Prior
+from recognition.matching.facets import facets_of
+from recognition.matching.imprints import ImprintConfig, foreseen, together
+from recognition.matching.likelihood import NoiseConfig
+from recognition.matching.modes import Felt, Mode, modes_at, same
+from recognition.matching.steps import turn
+from recognition.matching.target import target_of
+
+
+@dataclass(frozen=True)
+class SharpenConfig:
+    """Which modes are looked at, and how exact the pad's own pose is."""
+
+    behind: float = 8.0  # of log likelihood, by which a mode may be behind the best
+    most: int = 6  # modes
+    rounds: int = 6
+    enough: float = 1e-3  # [mm] of a step, and as many parts of the object's size
+    aside: float = 0.12  # [mm] of a touch's place along the skin, 1 sigma, with what an object may differ
+    spin: float = 0.02  # [rad]
+    bare: tuple[float, float] = (0.15, 0.03)  # [mm], [rad] of its depth and tilt
+    told: tuple[float, float] = (1.0, 0.2)  # the same where contacts with normals tell these already
+    longest: float = 1.0  # [mm] of a step
+    bound: float = 20.0  # of half the squared sigmas that one imprint is off: it counts no more
+    fits: float = 4.0  # of these, beyond which it says that the pose is another one, and not which
+    skin: ImprintConfig = ImprintConfig()  # noqa: RUF009
+
+
+class _Fit(NamedTuple):
+    """Of all imprints at one pose."""
+
+    off: float  # half the squared sigmas
+    worst: float  # of one of them
+    information: Floats  # (6, 6) of (v, w) about the contacts' middle, in the object's frame
+    pull: Floats  # (6,)
+
+
+def sharpened(modes: Sequence[Mode], library: Mapping[str, Entry], seen: Felt, evidence: Evidence, prior: Prior,
+              noise: NoiseConfig, config: SharpenConfig = SharpenConfig()) -> list[Mode]:  # fmt: skip
+    """The modes, the likeliest of them where imprints and contacts together put them."""
+    if not evidence.imprints or not evidence.scale_known or not modes:
+        return list(modes)
+    ranked = sorted(modes, key=lambda m: -m.log_known)
+    kept: list[Mode] = []
+    for k, mode in enumerate(ranked):
+        entry = library[mode.hypothesis.name]
+        if k < config.most and mode.log_known > ranked[0].log_known - config.behind:
+            better = _sharper(mode, entry, seen, evidence, prior, noise, config)
+            if not _among(kept, better, entry):
+                kept.append(better)
+        elif not _among(kept, mode, entry):
+            kept.append(mode)
+    return kept
+
+
+def _among(kept: Sequence[Mode], mode: Mode, entry: Entry) -> bool:
+    """Whether a mode is one that is there already."""
+    target = target_of(entry)
+    own = [m.hypothesis for m in kept if m.hypothesis.name == entry.name]
+    return any(same(entry, h, mode.hypothesis.pose, target) for h in own)
+
+
+def _sharper(mode: Mode, entry: Entry, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
+             config: SharpenConfig) -> Mode:  # fmt: skip
+    at = np.ascontiguousarray(inverse(mode.hypothesis.pose)[:3])
+    middle, size = seen.points.mean(axis=0), target_of(entry).size
+    contacts = _there(at, entry, seen).information[0]
+    bound = np.diag([(3.0 / size) ** 2] * 3 + [1.0] * 3)
+    moved = np.zeros(6)
+    fit = _fit(at, entry, seen, evidence, config)
+    least = fit.off
+    share = 1.0
+    for _ in range(config.rounds):
+        step = np.linalg.solve(contacts + bound + fit.information, fit.pull - contacts @ moved)
+        longest = float(np.abs(step * [1, 1, 1, size, size, size]).max())
+        step *= min(share, config.longest / max(longest, 1e-12))
+        tried = at.copy()
+        turn(tried, step, at[:, :3] @ middle + at[:, 3])
+        after = _fit(tried, entry, seen, evidence, config)
+        total = after.off + 0.5 * float((moved + step) @ contacts @ (moved + step))
+        if total >= least:
+            share *= 0.4
+            continue
+        at, moved, fit, least, share = tried, moved + step, after, total, 1.0
+        if longest < config.enough:
+            break
+    if fit.worst > config.fits:
+        return mode
+    done = _there(at, entry, seen)
+    found = modes_at(entry, done, seen, evidence, prior, noise, fit.information)
+    return found[0] if found else mode
+
+
+def _there(at: Floats, entry: Entry, seen: Felt) -> Aligned:
+    """Distances, angles and curvature at one pose."""
+    contacts = seen.points, seen.normals, seen.felt, seen.sigma, seen.tau, seen.shares
+    return refine(np.ascontiguousarray(at[None]), *contacts, facets_of(entry.solid.body), 1.0, rounds=0)
+
+
+def _fit(at: Floats, entry: Entry, seen: Felt, evidence: Evidence, config: SharpenConfig) -> _Fit:
+    """All imprints at a (3, 4) pose object_from_world."""
+    whole = pose(at[:, :3], at[:, 3])
+    solid = entry.solid.placed(inverse(whole))
+    center = at[:, :3] @ seen.points.mean(axis=0) + at[:, 3]
+    told = set(evidence.contacts.touch[evidence.contacts.has_normal].tolist())
+    off, worst, information, pull = 0.0, 0.0, np.zeros((6, 6)), np.zeros(6)
+    for imprint in evidence.imprints:
+        depth, tilt = config.told if imprint.touch in told else config.bare
+        own = np.array([config.aside, config.aside, depth, tilt, tilt, config.spin])
+        lost, known, g = _of_one(imprint, foreseen(imprint, solid, config.skin), own, config)
+        pad = whole @ imprint.pose
+        back = pad[:3, :3].T
+        move = np.block([[back, -back @ hat(pad[:3, 3] - center)], [np.zeros((3, 3)), back]])
+        share = min(1.0, config.bound / max(lost, 1e-9))
+        off, worst = off + min(lost, config.bound), max(worst, lost)
+        information += share * move.T @ known @ move
+        pull += share * move.T @ g
+    return _Fit(off, worst, information, pull)
+
+
+def _of_one(imprint: Imprint, foretold: tuple[Floats, Floats], own: Floats,
+            config: SharpenConfig) -> tuple[float, Floats, Floats]:  # fmt: skip
+    """Half the squared sigmas that it is off, and the information and pull on the pad's move."""
+    expected, bases = foretold
+    live, skin = np.isfinite(imprint.sigma), config.skin
+    deepest = max(float(imprint.depth[live].max(initial=0.0)), float(expected.max()))
+    sigma = np.sqrt(imprint.sigma[live] ** 2 + skin.floor**2 + (skin.off * deepest) ** 2)
+    left, rows = (imprint.depth - expected)[live] / sigma, bases[:, live] / sigma
+    alike = together(imprint)
+    curved, g = rows @ rows.T / alike, rows @ left / alike
+    blurred = np.linalg.solve(curved + np.diag(own**-2.0), np.column_stack([curved, g]))
+    off = 0.5 * (float(left @ left) / alike - float(g @ blurred[:, 6]))
+    return off, curved - curved @ blurred[:, :6], g - curved @ blurred[:, 6]
