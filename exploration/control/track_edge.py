@@ -21,6 +21,7 @@ from exploration.control.corners import (
     meeting,
     too_short,
 )
+from exploration.control.deaf_taxels import hearing
 from exploration.control.dwell import dwell
 from exploration.control.edge_profile import EdgeProfile, profile_of
 from exploration.control.edge_seen import first_expected
@@ -166,7 +167,7 @@ def follow_edge(
         step = seen.world_from_sensor[:3, 3] - before[:3, 3]
         run.travel += max(0.0, float(step @ run.ticks[-1].tangent))
         expected = servo.expected(edge, before, seen.world_from_sensor)
-    clear = _clear(run.ticks[run.start :], corner, config)
+    clear = hearing(_clear(run.ticks[run.start :], corner, config), response)
     told = (touch, stroke, response, config.reach, config.bend_drift)
     draw = partial(smoothed, clear, ended == "closed", *told)
     if ended == "closed" and home is None and clear:
