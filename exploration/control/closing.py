@@ -7,7 +7,7 @@ direction; so a second start, some way on, does as well.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
+import numba
 
 from exploration.control.edge_ticks import EdgeTick
 from primitives.arrays import Floats
@@ -34,21 +34,35 @@ class Home:
 
 def comes_by(home: Home, tick: EdgeTick, config: ClosingConfig) -> bool:
     """Whether the edge runs by there now, a little way past it."""
-    gap = tick.point - home.point
-    if gap @ gap > (config.aside + 3.0 * config.overlap) ** 2:
-        return False
-    past = float(gap @ home.tangent)
-    aside = float(np.linalg.norm(gap - past * home.tangent))
-    there = config.overlap < past < 3.0 * config.overlap and aside < config.aside
-    return there and float(home.tangent @ tick.tangent) > config.same_way
+    return _runs_by(home.point, home.tangent, tick, config)
 
 
 def came_round(ticks: Sequence[EdgeTick], second: int, travel: float, config: ClosingConfig) -> int | None:
     """The tick that the edge has come back to after `travel` [mm]: the first, the `second` start's, or None."""
     for start, gone in ((0, 0.0), (second, config.second)):
-        begun = ticks[start]
-        if travel - gone > config.least_loop and comes_by(
-            Home(begun.point, begun.tangent), ticks[-1], config
-        ):
-            return start
+        if travel - gone > config.least_loop:
+            begun = ticks[start]
+            if _runs_by(begun.point, begun.tangent, ticks[-1], config):
+                return start
     return None
+
+
+def _runs_by(point: Floats, tangent: Floats, tick: EdgeTick, config: ClosingConfig) -> bool:
+    return bool(
+        _past(tick.point, tick.tangent, point, tangent, config.overlap, config.aside, config.same_way)
+    )
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _past(
+    now: Floats, way: Floats, point: Floats, tangent: Floats, overlap: float, aside: float, same_way: float
+) -> bool:
+    """Whether a place lies `overlap` to three times as far past a point, beside it by less than `aside`."""
+    square = past = cosine = 0.0
+    for i in range(3):
+        gap = now[i] - point[i]
+        square += gap * gap
+        past += gap * tangent[i]
+        cosine += way[i] * tangent[i]
+    beside = square - past * past
+    return overlap < past < 3.0 * overlap and beside < aside * aside and cosine > same_way

@@ -37,7 +37,7 @@ class StageTrail:
 
 @numba.njit(cache=True, error_model="numpy")
 def _poses_at(known: Floats, poses: Floats, times: Floats, mount: Floats, out: Floats) -> None:
-    here, turn = np.eye(4), np.empty(3)
+    here, turn, turned = np.eye(4), np.zeros(3), -1
     for n in range(len(times)):
         k = len(known) - 1
         while k > 0 and known[k - 1] >= times[n]:
@@ -48,7 +48,9 @@ def _poses_at(known: Floats, poses: Floats, times: Floats, mount: Floats, out: F
         before, after = poses[max(k - 1, 0)], poses[k]
         for i in range(3):
             here[i, 3] = before[i, 3] + share * (after[i, 3] - before[i, 3])
-        _rotation_vector(before, after, turn)
+        if k != turned:
+            _rotation_vector(before, after, turn)
+            turned = k
         _turned(before, share * turn[0], share * turn[1], share * turn[2], here)
         for i in range(4):
             for j in range(4):
