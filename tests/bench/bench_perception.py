@@ -24,6 +24,7 @@ from perception.times import time_rows
 from exploration.sensing.baselines.table import baselines
 from exploration.sensing.lines.hough import find_lines, sure_lines
 from exploration.sensing.lines.outline import find_outline
+from exploration.sensing.lines.region import ONE, THREE, TWO
 from exploration.sensing.spec import load_sensor
 
 SURE = f"{OURS}, sure lines"
@@ -49,15 +50,15 @@ EDGES = {
 }
 TOLD = {"dihedral120": np.radians(120.0), "dihedral150": np.radians(150.0)}  # between the edge's faces
 MANY = {
-    "corner": presses.corner,
-    "slot": presses.slot,
-    "wall": presses.wall,
-    "vertex": presses.vertex,
-    "bar-end": presses.bar_end,
+    "corner": (presses.corner, TWO[0]),
+    "slot": (presses.slot, TWO[1]),
+    "wall": (presses.wall, TWO[0]),
+    "vertex": (presses.vertex, THREE[0]),
+    "bar-end": (presses.bar_end, THREE[0]),
 }
 WITHOUT = {"flat": presses.flat, "empty": presses.empty, "sphere": presses.ball, "cylinder": presses.bar}
 BUILT = ("lts210", "dsa", "fingertip", "square32")
-ROWS = ("times", *EDGES, *MANY, "disc-hole", "false", "hostile", "curvature", "built", "real")
+ROWS = ("times", *EDGES, *MANY, "disc-hole", "false", "false-others", "hostile", "curvature", "built", "real")
 
 
 def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, Any]]:
@@ -69,12 +70,13 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
         if key in EDGES:
             name, maker, noise, asked = EDGES[key]
             finders = methods()
+            terms = None if key in TOLD else ONE[0]
             if key in TOLD:
                 finders |= {OURS: partial(find_lines, dihedral=TOLD[key]), f"{OURS}, not told": find_lines}
-            out += edge_rows(name, finders, maker, noise, frames, asked)
+            out += edge_rows(name, finders, maker, noise, frames, asked, terms)
         elif key in MANY:
             finders = methods() | {SURE: sure_lines}
-            out += many_rows(key, finders, MANY[key], PLAIN, frames, SEVERAL)
+            out += many_rows(key, finders, *MANY[key], PLAIN, frames, SEVERAL)
         else:
             out += _OTHER_ROWS[key](frames)
     return out
@@ -97,10 +99,24 @@ def _built(frames: int) -> list[dict[str, Any]]:
     return rows
 
 
+def _false_others(frames: int) -> list[dict[str, Any]]:
+    """The other arrays under balls and bars wider than they are long; nothing is asked: 4x4 taxels hold little."""
+    finders = {OURS: find_lines, SURE: sure_lines}
+    rows = []
+    for name, spec in OTHERS.items():
+        makers = {
+            f"{kind.__name__}, {name}": partial(presses.wider, kind, spec)
+            for kind in (presses.flat, presses.ball, presses.bar)
+        }
+        rows += false_rows(finders, makers, PLAIN, frames, None)
+    return rows
+
+
 _OTHER_ROWS = {
     "times": lambda frames: time_rows(PLAIN, frames),
     "disc-hole": lambda frames: arc_rows(lambda image: find_outline(image).arcs, PLAIN, frames),
     "false": lambda frames: false_rows(methods() | {SURE: sure_lines}, WITHOUT, PLAIN, FALSE * frames),
+    "false-others": _false_others,
     "hostile": lambda frames: hostile_rows(find_lines, PLAIN, frames),
     "curvature": lambda frames: curvature_rows(PLAIN, frames // 10),
     "built": _built,

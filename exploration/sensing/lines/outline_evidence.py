@@ -1,4 +1,4 @@
-"""How much likelier an outline is than the best smooth surface: log odds, by Laplace's approximation.
+"""How much likelier an outline is than another, or than the best smooth surface: by Laplace's approximation.
 
 Each reading of a frame has evidence, with chi2 at its best and P the precision of its unknowns there,
 
@@ -27,7 +27,21 @@ from exploration.sensing.surfaces.order import order_contact
 from exploration.sensing.surfaces.smooth_fit import SmoothContact
 from exploration.sensing.surfaces.smooth_shapes import PLANE
 
-PRIOR = {"smooth": 0.4, "line": 0.2, "two": 0.12, "arc": 0.1, "more": 0.05}  # of what lies under a pad
+PRIOR = {  # of what lies under a pad
+    "smooth": 0.4,
+    "line": 0.2,
+    "two": 0.12,
+    "arc": 0.1,
+    "three": 0.05,
+    "more": 0.05,
+}
+_KINDS = {
+    (0, 0): "smooth",
+    (1, 0): "line",
+    (2, 0): "two",
+    (3, 0): "three",
+    (0, 1): "arc",
+}  # of lines and arcs
 DECADES = log(100.0)  # over which a radius is even
 PARALLEL = 0.3  # [sine of the angle] between the two edges of a wall
 ASKEW = 0.01  # [rad] by which they are not parallel
@@ -56,7 +70,20 @@ def log_odds(
     wall, pin = _is_wall(fit), _kind(fit) == "arc" and fit.region.signs[0] > 0.0
     if narrow and ordered.shape != PLANE and (wall or pin):
         smooth -= _wider(ordered.fit, max(image.array.size), 1.0 if wall else 0.5) / (2.0 * scale)
-    return gain + log(PRIOR[_kind(fit)]) + _volume(fit, size) + (_parallel(fit) if wall else 0.0) - smooth
+    return gain + log_weight(fit, size) - smooth
+
+
+def log_weight(fit: RegionFit, size: float) -> float:
+    """What its kind and the volume of its unknowns add to the log evidence of an outline on a pad of a size [mm].
+
+    More unknowns make a fit better and weigh less: by what they might have been, over what the frame leaves open.
+    """
+    return log(PRIOR[_kind(fit)]) + _volume(fit, size) + (_parallel(fit) if _is_wall(fit) else 0.0)
+
+
+def log_over(fit: RegionFit, other: RegionFit) -> float:
+    """The rest of the log evidence, of an outline less that of another."""
+    return (other.chi2 - fit.chi2) / (2.0 * max(1.0, min(fit.inflation, other.inflation)))
 
 
 def _wider(fit: Footprint, size: float, share: float) -> float:
@@ -84,8 +111,7 @@ def _is_wall(fit: RegionFit) -> bool:
 
 
 def _kind(fit: RegionFit) -> str:
-    n, m = len(fit.region.sides), len(fit.region.signs)
-    return {(1, 0): "line", (2, 0): "two", (0, 1): "arc"}.get((n, m), "more")
+    return _KINDS.get((len(fit.region.sides), len(fit.region.signs)), "more")
 
 
 def _volume(fit: RegionFit, size: float) -> float:

@@ -1,7 +1,8 @@
 """Rows of circular edges: radius over the bound, and how far the rim lies off where it is nearest the center.
 
 A straight line through the same frames says what is lost without arcs.  An arc of curvature k that its bound
-leaves open by s is told from a line with the chance Phi(k/s - z), by whoever takes `FALSE` of all lines for arcs.
+leaves open by s is told from a line with the chance Phi(k/s - z), by whoever takes `FALSE` of all lines for arcs;
+a small boss is told from a ball as lines are from smooth surfaces (`told_apart`).
 """
 
 from collections.abc import Callable
@@ -14,7 +15,8 @@ from perception.noise import Noise, observe
 from perception.presses import ARC_RADII, disc, hole
 from perception.scene import Scene
 from perception.score import row
-from perception.told_apart import FALSE
+from perception.told_apart import FALSE, told
+from perception.told_kind import TOLD, told_disc
 from scipy.special import ndtr, ndtri
 
 from exploration.sensing.baselines.erf_fit import SLOPED, erf_fit
@@ -26,6 +28,7 @@ FAR = 1.5  # [taxels] of the rim: not found
 LOOSE = (
     0.3  # of the radius: a bound beyond it says that the frame does not hold the radius, and nothing is asked
 )
+SOME = 40  # of the scenes, on which smooth surfaces are tried
 Finder = Callable[[TactileImage], tuple[Arc, ...]]
 
 
@@ -43,15 +46,17 @@ def arc_rows(find: Finder, noise: Noise, frames: int) -> list[dict[str, Any]]:
 def _rows(
     name: str, find: Finder, scenes: list[Scene], noise: Noise, rng: np.random.Generator
 ) -> list[dict[str, Any]]:
-    turns, shifts, least, straight, told, missed = [], [], [], [], [], 0
+    turns, shifts, least, straight, bent, missed = [], [], [], [], [], 0
+    limit = []
     pitch, radius = scenes[0].spec.array.pitch[0], scenes[0].numbers["radius"]
     for scene in scenes:
         image = observe(scene, noise, rng)
         known, truth = fisher(scene, noise), scene.found[0]
         covariance = known.joint()
-        told.append(ndtr(truth[2] / np.sqrt(covariance[2, 2]) - ndtri(1 - FALSE)))
+        bent.append(ndtr(truth[2] / np.sqrt(covariance[2, 2]) - ndtri(1 - FALSE)))
         inward = _inward(truth)
         of_shift = np.append(inward, -1.0)
+        limit.append(of_shift @ (told_disc(scene, image, name.startswith("disc")) - truth))
         arcs = find(image)
         errors = [np.append(a.center, a.radius) - truth for a in arcs]
         if lines := erf_fit(image, config=SLOPED):
@@ -79,8 +84,14 @@ def _rows(
             row(OURS, f"{name}: rim bias toward the center", float(np.mean(shifts)), "mm", 0.02),
             row(OURS, f"{name}: rim bias, its own sigma", float(np.std(shifts)) / np.sqrt(len(shifts)), "mm"),
         ]
-    least_missed = 100 * (1 - float(np.mean(told)))
-    rows.append(row("bound", f"{name}: not told from a line", least_missed, "%"))
+    least_missed = 100 * (1 - float(np.mean(bent)))
+    unlike = 100 * float(np.mean([told(scene, noise) for scene in scenes[:SOME]]))
+    rows += [
+        row(TOLD, f"{name}: rim bias toward the center", float(np.mean(limit)), "mm"),
+        row(TOLD, f"{name}: rim bias, its own sigma", float(np.std(limit)) / np.sqrt(len(limit)), "mm"),
+        row("bound", f"{name}: not told from a line", least_missed, "%"),
+        row("bound", f"{name}: not told from a smooth surface", 100 - unlike, "%"),
+    ]
     rows.append(row(OURS, f"{name}: not found", 100 * missed / len(scenes), "%"))
     if straight:
         rows.append(

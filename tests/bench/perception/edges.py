@@ -12,14 +12,17 @@ from perception.presses import Maker
 from perception.scene import Scene
 from perception.score import Tally, row
 from perception.told_apart import findable
+from perception.told_kind import TOLD, TRIED, is_missed, said, told_lines
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.line import Line
+from exploration.sensing.lines.region import Terms
 
 Finder = Callable[[TactileImage], tuple[Line, ...]]
 OURS = "palpate"
 OTHERS_SEE = 10  # every tenth frame: they err by the thousand
 WEIGHED, FEWEST = 20, 40  # of how many frames one is, of at least so many, on which what can be found is told
+RARELY = 4  # the same where hardly a line cannot
 
 
 @dataclass(frozen=True)
@@ -44,17 +47,28 @@ def drawn(maker: Maker, noise: Noise, frames: int, seed: int) -> list[tuple[Scen
 
 
 def tallies(
-    methods: dict[str, Finder], pressed: list[tuple[Scene, TactileImage]], noise: Noise
+    methods: dict[str, Finder],
+    pressed: list[tuple[Scene, TactileImage]],
+    noise: Noise,
+    terms: Terms | None = None,
 ) -> dict[str, Tally]:
-    """The errors and times of every method."""
+    """The errors and times of every method, and of who is told that lines are joined by `terms`."""
     pitch = pressed[0][0].spec.array.pitch[0]
-    out = {name: Tally(name, pitch) for name in methods}
+    several = len(pressed[0][0].found) > 1
+    limits = [TOLD] * bool(terms) + [TRIED] * bool(terms and several)
+    out = {name: Tally(name, pitch) for name in (*limits, *methods)}
     for find in methods.values():
         find(pressed[0][1])
     for scene, image in pressed:
         truth = scene.found
         known = fisher(scene, noise)
         least, told = known.variances(), known.variances(ZERO)
+        if terms:
+            fit = told_lines(scene, image, terms)
+            out[TOLD].add(said(fit), truth, least, told, np.nan)
+        if terms and several:
+            lines = said(fit) if is_missed(fit, image) else methods[OURS](image)
+            out[TRIED].add(lines, truth, least, told, np.nan)
         for name, find in methods.items():
             began = time.perf_counter()
             lines = find(image)
@@ -63,11 +77,17 @@ def tallies(
 
 
 def edge_rows(
-    name: str, methods: dict[str, Finder], maker: Maker, noise: Noise, frames: int, asked: Asked
+    name: str,
+    methods: dict[str, Finder],
+    maker: Maker,
+    noise: Noise,
+    frames: int,
+    asked: Asked,
+    terms: Terms | None = None,
 ) -> list[dict[str, Any]]:
     """Accuracy over the bound, bias, failures and time of each method on one kind of frame."""
     pressed = drawn(maker, noise, frames, sum(map(ord, name)))
-    found = tallies(methods, pressed, noise)
+    found = tallies(methods, pressed, noise, terms)
     pitch = pressed[0][0].spec.array.pitch[0]
     some = next(iter(found.values()))
     rows = []
@@ -75,9 +95,10 @@ def edge_rows(
         rms = np.sqrt(np.mean(some.least, axis=0))
         rows.append(row("bound", f"{name}: angle RMS", np.degrees(rms[0]), "deg"))
         rows.append(row("bound", f"{name}: offset RMS", rms[1] / pitch, "taxel"))
-    if asked.findable:
-        asked = replace(asked, failures=100.0 - _findable(pressed, noise))
-        rows.append(row("bound", f"{name}: failures", float(asked.failures or 0.0), "%"))
+    if asked.findable or asked.failures is not None:
+        least = 100.0 - _findable(pressed, noise, WEIGHED if asked.findable else RARELY)
+        asked = replace(asked, failures=least if asked.findable else asked.failures)
+        rows.append(row("bound", f"{name}: failures", least, "%"))
     for method, tally in found.items():
         ours = asked if method == OURS else Asked()
         angle, offset = tally.pooled()
@@ -92,17 +113,24 @@ def edge_rows(
             rows.append(row(method, f"{name}: bias into the material", bias[1] / pitch, "taxel", ours.bias))
         failed = 100 * tally.missed / tally.total
         rows.append(row(method, f"{name}: failures", failed, "%", ours.failures))
-        rows.append(row(method, f"{name}: median time", tally.median_time(), "us"))
+        if method != TOLD:
+            rows.append(row(method, f"{name}: median time", tally.median_time(), "us"))
     return rows
 
 
 def many_rows(
-    name: str, methods: dict[str, Finder], maker: Maker, noise: Noise, frames: int, asked: Asked
+    name: str,
+    methods: dict[str, Finder],
+    maker: Maker,
+    terms: Terms,
+    noise: Noise,
+    frames: int,
+    asked: Asked,
 ) -> list[dict[str, Any]]:
     """The same for frames of several lines, each error over its own frame's joint bound."""
     pressed = drawn(maker, noise, frames, sum(map(ord, name)))
     rows = [row("bound", f"{name}: lines not found", 100.0 - _findable(pressed, noise), "%")]
-    for method, tally in tallies(methods, pressed, noise).items():
+    for method, tally in tallies(methods, pressed, noise, terms).items():
         ours = asked if method == OURS else Asked()
         angle, offset = tally.by_frame()
         rows += [
@@ -117,19 +145,24 @@ def many_rows(
             ),
             row(method, f"{name}: lines not found", 100 * tally.missed / tally.total, "%"),
             row(method, f"{name}: surplus lines", 100 * tally.surplus / tally.frames, "per 100 frames"),
-            row(method, f"{name}: median time", tally.median_time(), "us"),
         ]
+        if method not in (TOLD, TRIED):
+            rows.append(row(method, f"{name}: median time", tally.median_time(), "us"))
     return rows
 
 
-def _findable(pressed: list[tuple[Scene, TactileImage]], noise: Noise) -> float:
+def _findable(pressed: list[tuple[Scene, TactileImage]], noise: Noise, weighed: int = WEIGHED) -> float:
     """[%] of their lines that the best of detectors finds."""
-    some = pressed[: max(FEWEST, len(pressed) // WEIGHED)]
+    some = pressed[: max(FEWEST, len(pressed) // weighed)]
     return 100.0 * findable([scene for scene, _ in some], noise)
 
 
 def false_rows(
-    methods: dict[str, Finder], makers: dict[str, Maker], noise: Noise, frames: int
+    methods: dict[str, Finder],
+    makers: dict[str, Maker],
+    noise: Noise,
+    frames: int,
+    limit: float | None = 3.0,
 ) -> list[dict[str, Any]]:
     """Frames with a line where there is none, in 10,000; other methods see one frame in `OTHERS_SEE`."""
     rows = []
@@ -144,6 +177,6 @@ def false_rows(
                     false[name] += bool(find(image))
         for name in methods:
             share = 1e4 * false[name] / seen[name]
-            asked = 3.0 if name.startswith(OURS) else None
+            asked = limit if name.startswith(OURS) else None
             rows.append(row(name, f"false lines: {kind}", share, "in 10,000", asked))
     return rows

@@ -122,6 +122,14 @@ def bar(
     return _without_lines(spec, n, lambda n: solids.bar(n["radius"]), unknown)
 
 
+def wider(kind: Callable[..., Scene], spec: SensorSpec, rng: np.random.Generator) -> Scene:
+    """A flat face, a ball or a bar, of the radii that are greater than the pad is long."""
+    if kind is flat:
+        return flat(rng, spec)
+    radii = BALLS if kind is ball else BARS
+    return kind(rng, float(rng.choice([r for r in radii if r > max(spec.array.size)])), spec=spec)
+
+
 def _parallel(
     rng: np.random.Generator, spec: SensorSpec, solid: Callable[[float, float], solids.Solid]
 ) -> Scene:

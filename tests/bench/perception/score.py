@@ -5,18 +5,27 @@ mean squares of error over those of the bound, all frames pooled; `frame by fram
 frame's bound first, so that no ill-determined frame speaks for all.  Failures are left out of both, and counted.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from exploration.sensing.lines.line import Line
 from primitives.arrays import Floats
 
 FAR = 1e9  # cost of a pair that is none
 FAR_ANGLE, FAR_OFFSET = np.radians(15.0), 1.5  # [rad], [taxel] a failure
 HELD = 1 / 5  # of a failure: the bound of a line that a frame holds
+
+
+class Straight(Protocol):
+    """What is scored of a line: [rad], [mm]."""
+
+    @property
+    def angle(self) -> float: ...
+    @property
+    def offset(self) -> float: ...
 
 
 def row(method: str, metric: str, value: float, unit: str, asked: float | None = None) -> dict[str, Any]:
@@ -35,7 +44,7 @@ def is_far(error: Floats, pitch: float) -> bool:
     return bool(abs(error[0]) > FAR_ANGLE or abs(error[1]) > FAR_OFFSET * pitch)
 
 
-def paired(lines: tuple[Line, ...], truth: Floats, least: Floats, pitch: float) -> list[Floats | None]:
+def paired(lines: Sequence[Straight], truth: Floats, least: Floats, pitch: float) -> list[Floats | None]:
     """The error of the line that stands for each true one; None where there is none near."""
     out: list[Floats | None] = [None] * len(truth)
     if not lines:
@@ -67,7 +76,7 @@ class Tally:
     surplus: int = 0
     frames: int = 0
 
-    def add(self, lines: tuple[Line, ...], truth: Floats, least: Floats, told: Floats, took: float) -> None:
+    def add(self, lines: Sequence[Straight], truth: Floats, least: Floats, told: Floats, took: float) -> None:
         self.frames += 1
         self.times.append(took)
         if len(truth) == 1:

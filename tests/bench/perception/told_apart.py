@@ -39,12 +39,17 @@ def findable(scenes: list[Scene], noise: Noise) -> float:
     """The greatest share of the lines of these scenes that can be found, and near the truth."""
     shares = []
     for scene in scenes:
-        seen = float(ndtr(np.sqrt(apart(scene, noise)) - ndtri(1 - FALSE)))
+        seen = told(scene, noise)
         limits = np.array([FAR_ANGLE, FAR_OFFSET * scene.spec.array.pitch[0]])
         for covariance in fisher(scene, noise).each():
             near = multivariate_normal(np.zeros(2), covariance).cdf(limits, lower_limit=-limits)
             shares.append(seen * float(near))
     return float(np.mean(shares))
+
+
+def told(scene: Scene, noise: Noise) -> float:
+    """The greatest share of presses of a scene that are told from all smooth surfaces."""
+    return float(ndtr(np.sqrt(apart(scene, noise)) - ndtri(1 - FALSE)))
 
 
 def apart(scene: Scene, noise: Noise) -> float:
