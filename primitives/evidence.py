@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -116,11 +117,57 @@ class FreeSpace:
 
     def contains(self, points: Floats, margin: float = 0.0) -> Bools:
         """(m,) whether each of (m, 3) points lies in a box shrunk by `margin` [mm]."""
-        inside = np.zeros(len(points), dtype=bool)
-        for pose, half in zip(self.poses, self.half_extents, strict=True):
-            local = (points - pose[:3, 3]) @ pose[:3, :3]
-            inside |= (np.abs(local) <= half - margin).all(axis=1)
+        inside = np.zeros(len(points), dtype=np.bool_)
+        for k in range(len(self.poses)):
+            _mark_inside(points, self.poses[k], self.half_extents[k], margin, inside)
         return inside
+
+    def passed(self, points: Floats, margin: float, least: int, most: int) -> int:
+        """Number of the boxes, shrunk by `margin` [mm], that hold `least` of (m, 3) points; `most` at most."""
+        return int(_boxes_with(points, self.poses, self.half_extents, margin, least, most))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _in_box(points: Floats, i: int, pose: Floats, half: Floats, margin: float) -> bool:
+    """Whether one of (m, 3) points lies in a box."""
+    for j in range(3):
+        local = 0.0
+        for k in range(3):
+            local += (points[i, k] - pose[k, 3]) * pose[k, j]
+        if abs(local) > half[j] - margin:
+            return False
+    return True
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mark_inside(points: Floats, pose: Floats, half: Floats, margin: float, inside: Bools) -> None:
+    for i in range(len(points)):
+        if not inside[i]:
+            inside[i] = _in_box(points, i, pose, half, margin)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _boxes_with(points: Floats, poses: Floats, halves: Floats, margin: float, least: int, most: int) -> int:
+    boxes, middle, reach = 0, np.zeros((1, 3)), 0.0
+    for k in range(3):
+        middle[0, k] = points[:, k].mean()
+    for i in range(len(points)):
+        away = 0.0
+        for k in range(3):
+            away += (points[i, k] - middle[0, k]) ** 2
+        reach = max(reach, np.sqrt(away))
+    for b in range(len(poses)):
+        count = 0
+        if not _in_box(middle, 0, poses[b], halves[b], margin - reach):
+            continue  # the box is beyond the ball round them
+        for i in range(len(points)):
+            count += _in_box(points, i, poses[b], halves[b], margin)
+            if count == least:
+                boxes += 1
+                break
+        if boxes == most:
+            break
+    return boxes
 
 
 @dataclass(frozen=True)

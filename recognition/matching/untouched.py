@@ -60,8 +60,6 @@ def _passed(h: Hypothesis, entry: Entry, missed: FreeSpace | None, config: Untou
     """Of approaches that met nothing."""
     if missed is None or not len(missed.poses):
         return 0.0
-    points, through = transform_points(h.pose, entry.samples.points), 0
-    for pose, half in zip(missed.poses, missed.half_extents, strict=True):
-        inside = FreeSpace(pose[None], half[None]).contains(points, config.shrunk)
-        through += int(inside.sum() >= config.samples)
-    return float(np.log(config.passed) * min(through, config.most))
+    points = transform_points(h.pose, entry.samples.points)
+    through = missed.passed(points, config.shrunk, config.samples, int(config.most))
+    return float(np.log(config.passed) * through)
