@@ -15,6 +15,7 @@ _BASE = 64  # frames from one to the other of two that tell it, and fewest at al
 _LATEST = 160  # frames that the line is drawn under
 _ANEW = 8  # frames after which the line is drawn again
 _MISSED = 48  # frames in a row that are all late: one before them never came
+_SOON, _FAR = 8, 20.0  # frames and periods: the same of many that were lost at once, while nobody listened
 _LEAST = 0.01  # periods from one stamp to the next
 _AWAY = 2.0  # [s] without a frame, after which nothing before tells of the next
 
@@ -63,7 +64,7 @@ class FrameTimes:
         numbers, heard = self._numbers[order], self._heard[order]
         if len(order) > 2 * _BASE:
             passed = (heard[_BASE:] - heard[:-_BASE]) / (numbers[_BASE:] - numbers[:-_BASE])
-            self._step = float(np.median(passed))
+            self._step = float(np.clip(np.median(passed), 0.5 * self._period, 2.0 * self._period))
         self._start = float((heard[-_LATEST:] - self._step * numbers[-_LATEST:]).min())
 
     def _look_for_missed(self, above: float, broken: bool) -> None:
@@ -71,9 +72,16 @@ class FrameTimes:
         if self._count <= 2 * _BASE + _ANEW:  # the slope is not known yet
             return
         self._above = np.append(self._above[1:], above)
-        missed = round(above if broken else float(self._above.min()))
+        last = 1 if broken else _SOON if self._many_lost() else _MISSED
+        missed = round(float(self._above[-last:].min()))
         if missed > 0:
-            latest = [(self._count - 1 - k) % _KEPT for k in range(1 if broken else _MISSED)]
+            latest = [(self._count - 1 - k) % _KEPT for k in range(last)]
             self._numbers[latest] += missed
             self._number += missed
             self._above[:] = 0.0
+
+    def _many_lost(self) -> bool:
+        """Whether the last frames are far too late, and yet come one by one as the array sends them."""
+        first, last = (self._heard[(self._count - k) % _KEPT] for k in (_SOON, 1))
+        live = last - first > 0.8 * (_SOON - 1) * self._step
+        return bool(live and self._above[-_SOON:].min() > _FAR)

@@ -26,6 +26,7 @@ from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.pose import apart
 
+_STALE = 0.1  # [s] without a frame, in which a stage of itself ends what it was told
 _TRAIL = 80  # ticks of the way back that are remembered
 _TRAIL_STEP = 10  # ticks between its stops
 
@@ -191,7 +192,10 @@ class Guard:
         self.cost.frames += 1
         if self._last is not None:
             self.cost.travel += apart(seen.world_from_sensor, self._last.world_from_sensor)
-            self.cost.seconds += seen.time - self._last.time
+            passed = seen.time - self._last.time
+            self.cost.seconds += passed
+            if passed > _STALE:
+                self._following.rest()
         self._last = seen
         self._trail.append(seen.world_from_sensor)
 

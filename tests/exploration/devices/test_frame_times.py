@@ -52,6 +52,13 @@ def test_a_frame_lost_in_silence_is_made_out_within_a_fraction_of_a_second():
     assert np.abs(late[:500] + late[560:]).max() < 1e-6
 
 
+def test_many_frames_lost_while_nobody_listened_are_made_out_at_once():
+    times, sent = FrameTimes(0.005), [*range(500), *range(700, 1300)]
+    late = [times.stamp(max(0.005 * k, 4.0 * (700 <= k < 800))) - 0.005 * k for k in sent]
+    assert np.abs(late[:500]).max() < 1e-6
+    assert np.abs(late[620:]).max() < 0.003
+
+
 def test_after_a_pause_the_next_frame_is_its_own_beginning():
     times = FrameTimes(0.005)
     for k in range(300):
