@@ -51,7 +51,10 @@ class StrokeConfig:
     sharper: float = 1.5  # times as curved as where the stroke began, if that was sharp already
     rising: float = 2.0  # times the nominal press, under the pad's front, at which a concavity begins
     room: float = 2.0  # [mm] kept from the end of the stage's reach, beside what it takes to stop
-    lies: float = 0.5  # share of a stroke's usual area of contact, from which the pad lies on its surface
+    lies: float = (
+        0.5  # share of a stroke's usual area of contact, from which the pad lies on its surface, and
+    )
+    covers: float = 0.08  # of the pad's own: what hangs on a corner or rim all along lies on nothing
     ahead: float = 0.4  # share of the half pad ahead of the center, up to which that contact's middle may be
     sunk: float = 2.0  # times the nominal press, up to which it may be deep
     walls: bool = False  # whether what is met from the side ends a stroke; else it is a fault
@@ -196,7 +199,9 @@ def _lies_flush(
     if not felt:
         return False
     level = float(felt.centroid @ heading) < config.ahead * half and felt.depth < config.sunk * press
-    return level and felt.area > config.lies * area
+    return level and felt.area > max(
+        config.lies * area, config.covers * float(np.prod(seen.image.array.size))
+    )
 
 
 def _returned(at: Floats, start: Floats, config: StrokeConfig) -> bool:

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from exploration.control.feel import feel
 from exploration.control.latency import measure_latency
 from exploration.control.procedures.land import land
 from exploration.control.procedures.stroke_curvature import stroke_curvature
-from exploration.control.track_surface import follow_surface
+from exploration.control.track_surface import StrokeConfig, _lies_flush, follow_surface
 from exploration.devices.guard import Guard, GuardLimits
 from exploration.devices.simulated import PoseNoise, simulate
 from exploration.sensing.calibration import Calibration
@@ -83,3 +84,11 @@ def test_strokes_in_four_directions_tell_a_cone_and_its_radius():
     assert abs(abs(found.tangent) - 0.25) < 0.05
     radius = (30.0 - 0.25 * z) / np.cos(np.arctan(0.25))
     assert abs(found.radius[0] - radius) < 0.02 * radius
+
+
+@pytest.mark.parametrize(("aside", "lies"), [(0.0, True), (21.0, False)])
+def test_a_pad_that_has_hung_on_a_corner_all_along_lies_on_nothing(over, aside, lies):
+    guard, _ = over(Cube((20.0, 30.0, 30.0)), se3.pose(DOWN, [aside, aside, 14.5]))
+    seen = guard.hold()
+    away, area = np.array([1.0, 0.0]), feel(seen.image).area
+    assert _lies_flush(seen, away, area, 9.0, 0.5, StrokeConfig()) is lies
