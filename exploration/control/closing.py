@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numba
 
-from exploration.control.edge_ticks import EdgeTick
+from exploration.control.edge_ticks import EdgeTick, placed
 from primitives.arrays import Floats
 
 
@@ -49,15 +49,30 @@ def came_round(ticks: Sequence[EdgeTick], second: int, travel: float, config: Cl
 
 def _runs_by(point: Floats, tangent: Floats, tick: EdgeTick, config: ClosingConfig) -> bool:
     return bool(
-        _past(tick.point, tick.tangent, point, tangent, config.overlap, config.aside, config.same_way)
+        _past(
+            tick.edge.parameters,
+            tick.world_from_sensor,
+            point,
+            tangent,
+            config.overlap,
+            config.aside,
+            config.same_way,
+        )
     )
 
 
 @numba.njit(cache=True, error_model="numpy")
 def _past(
-    now: Floats, way: Floats, point: Floats, tangent: Floats, overlap: float, aside: float, same_way: float
+    parameters: Floats,
+    pose: Floats,
+    point: Floats,
+    tangent: Floats,
+    overlap: float,
+    aside: float,
+    same_way: float,
 ) -> bool:
-    """Whether a place lies `overlap` to three times as far past a point, beside it by less than `aside`."""
+    """Whether a tick lies `overlap` to three times as far past a point, beside it by less than `aside`."""
+    now, way = placed(parameters, pose)
     square = past = cosine = 0.0
     for i in range(3):
         gap = now[i] - point[i]

@@ -32,9 +32,13 @@ class EdgeTick:
         """(3,) unit direction of travel."""
         return self._placed[1]
 
+    def advanced(self, world_from_sensor: Floats) -> float:
+        """[mm] along the edge by which the pad at a (4, 4) pose has gone on."""
+        return float(_advanced(self.edge.angle, self.world_from_sensor, world_from_sensor))
+
     @cached_property
     def _placed(self) -> tuple[Floats, Floats]:
-        found: tuple[Floats, Floats] = _placed(self.edge.parameters, self.world_from_sensor)
+        found: tuple[Floats, Floats] = placed(self.edge.parameters, self.world_from_sensor)
         return found
 
 
@@ -100,7 +104,7 @@ class Ticks:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _placed(p: Floats, pose: Floats) -> tuple[Floats, Floats]:
+def placed(p: Floats, pose: Floats) -> tuple[Floats, Floats]:
     """(3,) point of the edge of (6,) parameters beside the pad's center, and its direction, in the world."""
     point, tangent = np.empty(3), np.empty(3)
     ca, sa = np.cos(p[0]), np.sin(p[0])
@@ -108,3 +112,13 @@ def _placed(p: Floats, pose: Floats) -> tuple[Floats, Floats]:
         point[i] = pose[i, 3] + p[1] * (pose[i, 1] * ca - pose[i, 0] * sa) - p[2] * pose[i, 2]
         tangent[i] = pose[i, 0] * ca + pose[i, 1] * sa
     return point, tangent
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _advanced(angle: float, before: Floats, after: Floats) -> float:
+    """[mm] from one (4, 4) pose to another in the direction of an angle of the first."""
+    ca, sa = np.cos(angle), np.sin(angle)
+    gone = 0.0
+    for i in range(3):
+        gone += (after[i, 3] - before[i, 3]) * (before[i, 0] * ca + before[i, 1] * sa)
+    return gone

@@ -164,8 +164,7 @@ def follow_edge(
         except (OverPress, Collision) as met:
             ended, fault = "blocked", met
             break
-        step = seen.world_from_sensor[:3, 3] - before[:3, 3]
-        run.travel += max(0.0, float(step @ run.ticks[-1].tangent))
+        run.travel += max(0.0, run.ticks[-1].advanced(seen.world_from_sensor))
         expected = servo.expected(edge, before, seen.world_from_sensor)
     clear = hearing(_clear(run.ticks[run.start :], corner, config), response)
     told = (touch, stroke, response, config.reach, config.bend_drift)

@@ -5,7 +5,7 @@ moves meanwhile as it was last told.  A control loop is ``frame = sensor.read();
 """
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, isfinite
 from typing import Protocol
 
 import numpy as np
@@ -35,7 +35,7 @@ class StageLimits:
 def checked_twist(twist: Floats) -> Floats:
     """(6,) finite numbers, as every stage demands them."""
     wanted = np.array(twist, dtype=float)
-    if wanted.shape != (6,) or not np.isfinite(wanted).all():
+    if wanted.shape != (6,) or not all(map(isfinite, wanted.tolist())):
         raise PalpateError(f"a twist is six finite numbers (mm/s, rad/s), not {twist!r}")
     return wanted
 

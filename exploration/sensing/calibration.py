@@ -147,7 +147,7 @@ def _signals(
         for j in range(counts.shape[1]):
             value = 0.0 if dead[i, j] else (counts[i, j] - zero[i, j]) * per_count[i, j]
             signal[i, j] = value
-            noise[i, j] = np.hypot(quiet[i, j], gain_sigmas[i, j] * max(value, 0.0))
+            noise[i, j] = np.sqrt(quiet[i, j] ** 2 + (gain_sigmas[i, j] * max(value, 0.0)) ** 2)
             most = max(most, counts[i, j])
     return signal, noise, most
 

@@ -23,6 +23,7 @@ from exploration.sensing.surfaces.normal_equations import invert
 from primitives.arrays import Bools, Floats, frozen
 
 STEPS = 8
+SETTLED = 0.05  # chi2 that a step gains, after which the line stands
 CLEAR = 1.5  # [response widths] kept from such ends
 BENT = 0.05  # [1/mm] of an edge that comes round under the pad
 LEAST = 12  # taxels that a fit needs
@@ -129,7 +130,7 @@ def _follow(
     p[2] = level
     prior = (bend, bend_sigma, TILT)
     chi2 = weighed(taxels, table, width, p, side, prior, normal, rhs)
-    damping = 0.0
+    damping, settled = 0.0, False
     for _ in range(STEPS):
         damped = normal.copy()
         for a in range(6):
@@ -138,6 +139,10 @@ def _follow(
         if not ok:
             return p, covariance, 0.0, ends, contact, False
         step = inverse @ rhs
+        gained = step @ rhs
+        if damping == 0.0 and gained < SETTLED:  # so short a step leads where the normal equations say
+            p, chi2, covariance, settled = p + step, chi2 - gained, inverse, True
+            break
         trial = p + step
         new = weighed(taxels, table, width, trial, side, prior, normal, rhs)
         if not new < chi2 + 1e-9:
@@ -149,9 +154,10 @@ def _follow(
         gained = chi2 - new
         p, chi2 = trial, new
         damping = 0.1 * damping if damping > 1e-3 else 0.0
-        if gained < 0.05:
+        if gained < SETTLED:
             break
-    ok, covariance = invert(normal)
+    if not settled:
+        ok, covariance = invert(normal)
     p[1] -= side * 0.5 * p[5] * width * width
     strong = ok and p[2] > 5.0 * np.sqrt(covariance[2, 2])
     near = abs(p[0] - angle) < 0.5 and abs(p[1] - offset) < 4.0 * width

@@ -70,7 +70,7 @@ def _trusted_less(sigma: Floats, depth: Floats, lost: Floats) -> Floats:
     out = np.empty(sigma.shape)
     for i in range(sigma.shape[0]):
         for j in range(sigma.shape[1]):
-            out[i, j] = np.hypot(sigma[i, j], lost[i, j] * deepest)
+            out[i, j] = np.sqrt(sigma[i, j] ** 2 + (lost[i, j] * deepest) ** 2)
     return out
 
 

@@ -39,11 +39,11 @@ class Rubber:
                 for edges, taxels in ((skin.x_edges, skin.columns), (skin.y_edges, skin.rows))
             )
         self._x_band, self._y_band = _bands(self._x), _bands(self._y)
-        self._out = np.zeros((self._y.shape[1], self._x.shape[1]))
+        self._shape = self._y.shape[1], self._x.shape[1]
 
     def press(self, modes: Floats, partial: Bools) -> Floats:
         """(rows, columns) [N/mm^2] from (6, R, C) modes; above the mean, only those of `partial` cells count."""
-        out = np.zeros_like(self._out)
+        out = np.zeros(self._shape)
         _spread(modes, partial, self._x, self._y, self._x_band, self._y_band, self._stiffness, out)
         return out
 

@@ -69,7 +69,7 @@ class MeshGap:
             self.modes[:] = 0.0
             self.partial[:] = False
             return 0.0
-        deepest: float = draw(
+        deepest, fullest = draw(
             poses,
             skin.x_edges,
             skin.y_edges,
@@ -82,9 +82,9 @@ class MeshGap:
             self.modes,
             self.partial,
         )
-        if self._covered.max() > FULL:
+        if fullest > FULL:
             self._supersample(poses, *np.nonzero(self._covered > FULL))
-        return deepest
+        return float(deepest)
 
     def _cast(self, poses: Floats) -> float:
         skin = self._skin

@@ -41,8 +41,8 @@ def draw(
     covered: Floats,
     modes: Floats,
     partial: Bools,
-) -> float:
-    """Fill (6, R, C) modes, the share of each cell that is indented, and `partial`; the greatest depth."""
+) -> tuple[float, float]:
+    """Fill (6, R, C) modes, the share of each cell that is indented, and `partial`; greatest depth and share."""
     modes[:] = 0.0
     covered[:] = 0.0
     partial[:] = False
@@ -71,7 +71,7 @@ def draw(
                     normals, start, loop, seen, sides[:count], room, head, notes, covered, modes, partial,
                 )  # fmt: skip
                 deepest = max(deepest, depth)
-    return deepest
+    return deepest, covered.max()
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,27 +1,26 @@
 """Coming round: past the start, or past a second one where the first was taken in a corner."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from exploration.control.closing import ClosingConfig, Home, came_round, comes_by
+from exploration.control.edge_ticks import EdgeTick
+from exploration.sensing.lines.followed import Followed
+from primitives.pose import frame_along, pose
 
 STEP = 0.1  # [mm] a tick
 
 
 def ring(radius: float, laps: float, first_tangent=None):
     """Ticks on a circle about the origin, and the tick 12 mm on; the first looks another way if told."""
-    angles = np.arange(0.0, 2 * np.pi * laps, STEP / radius)
-    ticks = [
-        SimpleNamespace(
-            point=radius * np.array([np.cos(a), np.sin(a), 0.0]),
-            tangent=np.array([-np.sin(a), np.cos(a), 0.0]),
-        )
-        for a in angles
-    ]
-    if first_tangent is not None:
-        ticks[0].tangent = np.asarray(first_tangent)
+    edge = Followed(np.zeros(6), np.eye(6), 1, 1.0, np.full(5, np.inf), np.zeros(3), True)
+    ticks = []
+    for a in np.arange(0.0, 2 * np.pi * laps, STEP / radius):
+        along = [-np.sin(a), np.cos(a), 0.0]
+        if not ticks and first_tangent is not None:
+            along = first_tangent
+        turn = frame_along([0.0, 0.0, 1.0], along)
+        ticks.append(EdgeTick(edge, None, pose(turn, radius * np.array([np.cos(a), np.sin(a), 0.0])), 1.0))
     return ticks, round(ClosingConfig().second / STEP)
 
 
