@@ -3,14 +3,14 @@
 Every line and arc that a hypothesis adds has a price in chi2: above Schwarz's, the logarithm of the number of
 taxels for each of its numbers, where it is nested in another, for many starts are tried; near it where it is not.
 Starts come from the Hough transform's peaks, from edge points split by their normals, from circles through them,
-from the moments of a small contact, and from what the best hypothesis so far leaves unexplained.  The starts that
-fit best as they are take all steps.
+from the moments of a small contact, from bending a line that fits, and from what the best hypothesis so far leaves
+unexplained.  The starts that fit best as they are take all steps.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
-from math import atan2, dist, inf
+from math import atan2, cos, dist, inf, sin
 
 import numpy as np
 
@@ -43,6 +43,7 @@ class SearchConfig:
     arc: float = 29.0  # [chi2]
     longest: float = 300.0  # [mm] radius from which an arc is a line, and
     nearly: float = 50.0  # [mm] from which it may be one
+    bent: float = 100.0  # [mm] radius to which a line is bent
     polished: int = 2  # starts of each number of unknowns, at most
     settled: float = 0.5  # [standard deviations of chi2] within which, and with
     structure: float = 3.2  # [sigma] no patch of residuals greater than this, the search ends
@@ -67,7 +68,7 @@ def search(evidence: Evidence, config: SearchConfig) -> RegionFit | None:
     best = fit_region(evidence.image, evidence.response, Region(), [])
     for stage in (_lone, _arcs, _pairs, _triples, _dips):
         if stage is _arcs or not _done(best, config):
-            best = _likeliest(evidence, list(stage(evidence, best, config)), best, config)
+            best = _likeliest(evidence, list(stage(evidence, best, config)), best, config, stage is _arcs)
     best = _likeliest(evidence, list(_straightened(best, config)), best, config, True)
     return best if best.converged else None
 
@@ -113,8 +114,14 @@ def _lone(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable
 
 
 def _arcs(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
-    """One arc through all edge points, through each piece; a rim inside a rim; a small disc."""
+    """One arc through all edge points, through each piece; a line bent; a rim inside a rim; a small disc."""
     points, image = evidence.points, evidence.image
+    if len(best.region.sides) == 1 and not best.region.signs:
+        angle, offset = best.parameters[3:5].tolist()
+        for sign in (1.0, -1.0):
+            away = offset + sign * best.region.sides[0] * config.bent
+            bow = (-away * sin(angle), away * cos(angle), config.bent, sign)
+            yield _arc(bow), list(bow[:3])
     whole = blob(image, evidence.response)
     if whole is not None and whole[2] < config.smallest * min(image.array.size):
         yield _arc(whole), list(whole[:3])

@@ -123,6 +123,15 @@ def test_rims_are_arcs_whose_radius_is_as_sure_as_they_say(frames, radius, insid
     assert abs(np.mean(shift)) < 4 * np.std(shift) / np.sqrt(len(shift)) + 0.02
 
 
+def test_a_rim_that_is_nearly_straight_is_told_from_a_line(frames):
+    right = 0
+    for inside in (True, False):
+        rng, rim = np.random.default_rng(9), times(disc(60 * np.cos(0.5), 60 * np.sin(0.5), 60.0, inside))
+        found = [find_outline(frames(rim, rng)).arcs for _ in range(25)]
+        right += sum(len(arcs) == 1 and arcs[0].material_inside is inside for arcs in found)
+    assert right >= 47
+
+
 def test_the_radius_of_a_small_disc_is_not_widened_by_slopes_that_are_noise(frames):
     rng = np.random.default_rng(8)
     found = [find_outline(frames(times(disc(0.3, -0.4, 3.0)), rng)).arcs for _ in range(60)]
