@@ -2,7 +2,7 @@
 
 Every hypothesis is a `Region`, fitted to all taxels at once in closed form (`region_fit`): one line; an arc,
 of which a line is the limit; two and three lines, joined in all ways; a rim inside a rim; holes in what was found.
-Each line or arc more has its price in chi2, and a hypothesis that explains the frame ends the search.
+Each line or arc more must be worth it by its evidence, and a hypothesis that explains the frame ends the search.
 What a smooth surface explains as well, by all the evidence (`outline_evidence`), has no outline: "nothing" is an
 answer.
 """

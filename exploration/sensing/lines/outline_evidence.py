@@ -126,7 +126,8 @@ def _volume(fit: RegionFit, size: float) -> float:
         x, y, radius = p[at : at + 3].tolist()
         density -= log(2.0 * pi * max(hypot(x, y), size) * size * DECADES * radius)
         wide[at : at + 2], wide[at + 2] = 12.0 / size**2, 12.0 / (DECADES * radius) ** 2
-    if not np.linalg.slogdet(fit.covariance)[0] > 0.0:
+    apart = np.stack([fit.covariance, np.eye(len(p)) + wide[:, None] * fit.covariance])
+    signs, logs = np.linalg.slogdet(apart)  # of C, and of C (P + P0)
+    if not signs[0] > 0.0:
         return -inf
-    precision = np.linalg.inv(fit.covariance) + np.diag(wide)
-    return density - 0.5 * float(np.linalg.slogdet(precision / (2.0 * pi))[1])
+    return density + 0.5 * float(logs[0] - logs[1]) + 0.5 * len(p) * log(2.0 * pi)

@@ -1,21 +1,22 @@
 """Which lines and arcs a frame needs: hypotheses from the simplest on, fitted to all taxels, the likeliest kept.
 
-Every line and arc that a hypothesis adds has a price in chi2: above Schwarz's, the logarithm of the number of
-taxels for each of its numbers, where it is nested in another, for many starts are tried; near it where it is not.
-Starts come from the Hough transform's peaks, from edge points split by their normals, from circles through them,
-from the moments of a small contact, from bending a line that fits, and from what the best hypothesis so far leaves
-unexplained.  The starts that fit best as they are take all steps.
+Likeliest is the one of most evidence (`outline_evidence`), which asks of every line and arc more that it gain
+what its numbers might have been otherwise.  Starts come from the Hough transform's peaks, from edge points split
+by their normals, from circles through them, from the moments of a small contact, from bending a line that fits,
+and from what the best hypothesis so far leaves unexplained.  The starts that fit best as they are take all steps.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
-from math import atan2, cos, dist, inf, sin
+from math import atan2, cos, dist, hypot, sin
 
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.edges import EdgePoints
+from exploration.sensing.lines.line import normalized
+from exploration.sensing.lines.outline_evidence import log_over, log_weight
 from exploration.sensing.lines.outline_starts import (
     Circle,
     Straight,
@@ -27,7 +28,7 @@ from exploration.sensing.lines.outline_starts import (
 from exploration.sensing.lines.region import NO_TERMS, ONE, THREE, TWO, WHOLE, Region, Terms
 from exploration.sensing.lines.region_fit import RegionFit, fit_region, unexplained
 from exploration.sensing.lines.residual_starts import blob, dip, opposite, trough
-from exploration.sensing.lines.seen import seen_of_disc
+from exploration.sensing.lines.seen import seen_of_disc, seen_of_line
 from exploration.sensing.response import Response
 from primitives.arrays import Floats
 
@@ -37,16 +38,15 @@ SAME = 1.0  # [mm] between circles that are not worth a try each
 
 @dataclass(frozen=True)
 class SearchConfig:
-    """What a hypothesis costs."""
+    """What is tried, and how long."""
 
-    lines: tuple[float, ...] = (0.0, 20.0, 37.0, 50.0)  # [chi2] so many
-    arc: float = 29.0  # [chi2]
     longest: float = 300.0  # [mm] radius from which an arc is a line, and
     nearly: float = 50.0  # [mm] from which it may be one
     bent: float = 100.0  # [mm] radius to which a line is bent
     polished: int = 2  # starts of each number of unknowns, at most
-    settled: float = 0.5  # [standard deviations of chi2] within which, and with
+    settled: float = -0.5  # [standard deviations of chi2] within which, and with
     structure: float = 3.2  # [sigma] no patch of residuals greater than this, the search ends
+    low: float = 0.1  # of the deepest taxel: a face that comes up to less at an edge runs out there
     open_arc: float = 3.0  # [rad] seen, up to which an arc may be lines
     holes: int = 2
     smallest: float = 0.35  # of the pad's short side: the radius up to which a contact may be a small disc
@@ -73,12 +73,6 @@ def search(evidence: Evidence, config: SearchConfig) -> RegionFit | None:
     return best if best.converged else None
 
 
-def price(fit: RegionFit, config: SearchConfig) -> float:
-    """[chi2] of a fit and of the numbers that it took."""
-    lines, arcs = len(fit.region.sides), len(fit.region.signs)
-    return fit.chi2 + config.lines[lines] + config.arc * arcs + (0.0 if fit.converged else inf)
-
-
 def _done(best: RegionFit, config: SearchConfig) -> bool:
     return best.settled(config.settled, config.structure) and not _lone_arc(best)
 
@@ -93,6 +87,8 @@ def _likeliest(
 ) -> RegionFit:
     """The best of a stage: of each number of unknowns the starts that fit best as they are, to the end."""
     image, response = evidence.image, evidence.response
+    size = hypot(*image.array.size)
+    weight = log_weight(best, size) if starts and best.converged else 0.0
     glances: dict[int, list[RegionFit]] = {}
     for region, shape in starts:
         glances.setdefault(region.unknowns, []).append(fit_region(image, response, region, shape, 0))
@@ -101,11 +97,27 @@ def _likeliest(
             break
         for glance in sorted(fits, key=lambda fit: fit.chi2)[: config.polished]:
             fit = fit_region(image, response, glance.region, glance.parameters[3:])
-            if price(fit, config) < price(best, config):
-                best = fit
+            if fit.converged:
+                other = log_weight(fit, size)
+                likelier = not best.converged or log_over(fit, best) + other > weight
+                if likelier and not _runs_out(fit, image, config.low):
+                    best, weight = fit, other
             if fit.settled(config.settled, config.structure):
                 break
     return best
+
+
+def _runs_out(fit: RegionFit, image: TactileImage, low: float) -> bool:
+    """Whether one of several lines lies where the face itself comes up to nothing."""
+    p, sides = fit.parameters, fit.region.sides
+    least = low * float(image.depth.max(where=np.isfinite(image.sigma), initial=0.0))
+    for i in range(len(sides) if len(sides) > 1 else 0):
+        angle, offset, _ = normalized(float(p[3 + 2 * i]), float(p[4 + 2 * i]), int(sides[i]))
+        middle = 0.5 * sum(seen_of_line(fit.region, p, angle, offset, image.array.size))
+        x, y = middle * cos(angle) - offset * sin(angle), middle * sin(angle) + offset * cos(angle)
+        if p[0] + p[1] * x + p[2] * y < least:
+            return True
+    return False
 
 
 def _lone(evidence: Evidence, best: RegionFit, config: SearchConfig) -> Iterable[Start]:
