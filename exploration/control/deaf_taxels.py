@@ -6,9 +6,12 @@ Over a whole track each taxel has its share g of what it should read, by least s
     g = sum(D E) / sum(E^2),    E what the edge that was fitted to the frame makes it read, D what it read,
 
 known to sigma / sqrt(sum E^2).  A living taxel has g near 1, whatever its gain; a dead one 0 (our derivation).
+
+What little a taxel should read just outside the edge depends on where exactly the edge runs.  So those deep in
+the face are judged first; where some are deaf, the edge is followed again without them, and the others are judged.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numba
@@ -17,29 +20,48 @@ import numpy as np
 from exploration.control.edge_ticks import EdgeTick
 from exploration.sensing.lines.bent_edge import inside
 from exploration.sensing.response import Response, look_up
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Bools, Floats, frozen
 
 
 @dataclass(frozen=True)
 class DeafConfig:
     """When a taxel counts as deaf."""
 
-    every: int = 4  # ticks, of which one is looked at
+    every: int = 2  # ticks, of which one is looked at
     least: int = 15  # of them
     along: float = 10.0  # [mm] along the edge from the pad's center, either way
     clear: float = 2.0  # [mm] kept from where the face ends
     share: float = 0.2  # of what it should read
-    loud: float = 0.3  # of the face's depth, that it should read at least
-    sure: float = 0.05  # to which its share is known
+    loud: tuple[float, ...] = (0.3, 0.06, 0.06)  # of the face's depth, that it should read at least, in turn
+    sure: float = 0.1  # to which its share is known
 
 
 def hearing(
-    ticks: Sequence[EdgeTick], response: Response, config: DeafConfig = DeafConfig()
+    ticks: Sequence[EdgeTick],
+    response: Response,
+    again: Callable[[Sequence[EdgeTick]], list[EdgeTick]],
+    config: DeafConfig = DeafConfig(),
 ) -> list[EdgeTick]:
-    """The ticks, deaf taxels left out of their images; as they are, where there are none or they are too few."""
+    """The ticks, deaf taxels left out of their images and their edge followed `again`; as they are without any."""
+    out = list(ticks)
+    for loud in config.loud:
+        deaf = _deaf(out, response, loud, config)
+        if deaf is None:
+            break
+        out = again(
+            [
+                replace(t, image=replace(t.image, sigma=frozen(np.where(deaf, np.inf, t.image.sigma))))
+                for t in out
+            ]
+        )
+    return out
+
+
+def _deaf(ticks: Sequence[EdgeTick], response: Response, least: float, config: DeafConfig) -> Bools | None:
+    """(rows, columns) whether a taxel that should read `least` of the face's depth is deaf; None if nobody is."""
     looked = ticks[:: config.every]
     if len(looked) < config.least:
-        return list(ticks)
+        return None
     sums = np.zeros((*looked[0].image.array.shape, 4))
     for tick in looked:
         edge = tick.edge
@@ -63,14 +85,10 @@ def hearing(
     count, square, product, variance = np.moveaxis(sums, 2, 0)
     seen = count >= config.least
     square = np.maximum(square, 1e-12)
-    loud = square > config.loud**2 * count
+    loud = square > least**2 * count
     sure = variance / np.maximum(count, 1.0) < config.sure**2 * square
     deaf = seen & loud & sure & (product < config.share * square)
-    if not deaf.any():
-        return list(ticks)
-    return [
-        replace(t, image=replace(t.image, sigma=frozen(np.where(deaf, np.inf, t.image.sigma)))) for t in ticks
-    ]
+    return deaf if deaf.any() else None
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -85,12 +85,17 @@ class EdgeServo:
 
     def expected(self, edge: Followed, before: Floats, after: Floats) -> Expected:
         """The edge as the pad should see it after its move from one (4, 4) pose to another."""
-        config = self.config
-        angle, offset = _carried(edge.angle, edge.offset, before, after)
-        drift = config.bend_drift**2 * config.speed * self.guard.period
-        sigma = sqrt(max(edge.covariance[5, 5], 0.0) + drift)
-        reach = min(config.reach, config.sharpest / max(abs(edge.bend), 1e-6))
-        return Expected(angle, offset, edge.side, edge.bend, sigma, reach)
+        return expected_next(edge, before, after, self.config, self.guard.period)
+
+
+def expected_next(
+    edge: Followed, before: Floats, after: Floats, config: EdgeServoConfig, period: float
+) -> Expected:
+    """The edge as the pad should see it after its move from one (4, 4) pose to another, in a `period` [s]."""
+    angle, offset = _carried(edge.angle, edge.offset, before, after)
+    sigma = sqrt(max(edge.covariance[5, 5], 0.0) + config.bend_drift**2 * config.speed * period)
+    reach = min(config.reach, config.sharpest / max(abs(edge.bend), 1e-6))
+    return Expected(angle, offset, edge.side, edge.bend, sigma, reach)
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -28,6 +28,7 @@ from exploration.control.edge_seen import first_expected
 from exploration.control.edge_servo import EdgeServo, EdgeServoConfig
 from exploration.control.edge_ticks import EdgeTick
 from exploration.control.edge_trace import smoothed
+from exploration.control.followed_again import followed_again
 from exploration.control.hybrid import PRESS
 from exploration.control.run_on import leading_from, leading_to
 from exploration.devices.guard import Collision, Fault, Guard, Observation, OverPress
@@ -166,7 +167,8 @@ def follow_edge(
             break
         run.travel += max(0.0, run.ticks[-1].advanced(seen.world_from_sensor))
         expected = servo.expected(edge, before, seen.world_from_sensor)
-    clear = hearing(_clear(run.ticks[run.start :], corner, config), response)
+    again = partial(followed_again, response=response, config=config, period=guard.period)
+    clear = hearing(_clear(run.ticks[run.start :], corner, config), response, again)
     told = (touch, stroke, response, config.reach, config.bend_drift)
     draw = partial(smoothed, clear, ended == "closed", *told)
     if ended == "closed" and home is None and clear:

@@ -40,13 +40,13 @@ def deaf(ticks):
 
 
 def test_dead_taxels_in_the_face_are_found_and_one_outside_does_no_harm():
-    assert deaf(hearing(track(0, DEAD), RESPONSE)) == set(DEAD[:3])
+    assert deaf(hearing(track(0, DEAD), RESPONSE, list)) == set(DEAD[:3])
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_living_taxels_are_left_alone(seed):
-    assert deaf(hearing(track(seed), RESPONSE)) == set()
+    assert deaf(hearing(track(seed), RESPONSE, list)) == set()
 
 
 def test_a_few_frames_accuse_nobody():
-    assert deaf(hearing(track(0, DEAD, count=20), RESPONSE)) == set()
+    assert deaf(hearing(track(0, DEAD, count=20), RESPONSE, list)) == set()
