@@ -47,7 +47,7 @@ class SearchConfig:
     settled: float = -0.5  # [standard deviations of chi2] within which, and with
     structure: float = 3.2  # [sigma] no patch of residuals greater than this, the search ends
     low: float = 0.1  # of the deepest taxel: a face that comes up to less at an edge runs out there
-    open_arc: float = 3.0  # [rad] seen, up to which an arc may be lines
+    open_arc: float = 2.0  # [rad] seen of an arc for each line that may stand for it
     holes: int = 2
     smallest: float = 0.35  # of the pad's short side: the radius up to which a contact may be a small disc
 
@@ -102,7 +102,7 @@ def _likeliest(
                 likelier = not best.converged or log_over(fit, best) + other > weight
                 if likelier and not _runs_out(fit, image, config.low):
                     best, weight = fit, other
-            if fit.settled(config.settled, config.structure):
+            if best is fit and fit.settled(config.settled, config.structure):
                 break
     return best
 
@@ -184,7 +184,7 @@ def _joined(
     if _lone_arc(best):
         disc = best.parameters[3:6]
         turn, step = seen_of_disc(best.region, best.parameters, disc, evidence.image.array.size)
-        if len(turn) and step * len(turn) < config.open_arc:
+        if len(turn) and step * len(turn) < config.open_arc * count:
             x, y, radius = disc.tolist()
             bow = (x, y, radius, best.region.signs[0])
             sets.append(tangents(bow, float(turn[0]), float(turn[-1]), count))

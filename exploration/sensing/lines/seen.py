@@ -35,13 +35,11 @@ def seen_of_disc(
 ) -> tuple[Floats, float]:
     """(n,) angles [rad], evenly spaced, at which a circle on the pad is the face's end; and their spacing."""
     cx, cy, radius = disc.tolist()
-    low, high = -np.pi, np.pi
+    toward, half = atan2(-cy, -cx), np.pi  # what leaves the pad does so away from its middle
     if hypot(cx, cy) + hypot(*size) / 2 < 3 * radius:
-        toward = atan2(-cy, -cx)
         half = min(np.pi, 1.2 * hypot(*size) / radius)
-        low, high = toward - half, toward + half
-    step = (high - low) / SAMPLES
-    turn = low + (np.arange(SAMPLES) + 0.5) * step
+    step = 2.0 * half / SAMPLES
+    turn = toward - half + (np.arange(SAMPLES) + 0.5) * step
     out = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     at = disc[:2] + radius * out
     on_pad = (np.abs(at[:, 0]) < size[0] / 2) & (np.abs(at[:, 1]) < size[1] / 2)
