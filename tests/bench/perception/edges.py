@@ -10,13 +10,14 @@ from perception.bound import ZERO, fisher
 from perception.noise import Noise, observe
 from perception.presses import Maker
 from perception.scene import Scene
-from perception.score import Tally, row
+from perception.score import Tally, is_far, line_error, row
 from perception.told_apart import findable
-from perception.told_kind import TOLD, TRIED, is_missed, said, told_lines
+from perception.told_kind import FOUND, TOLD, TRIED, is_missed, said, told_lines
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.region import Terms
+from primitives.arrays import Floats
 
 Finder = Callable[[TactileImage], tuple[Line, ...]]
 OURS = "palpate"
@@ -55,7 +56,7 @@ def tallies(
     """The errors and times of every method, and of who is told that lines are joined by `terms`."""
     pitch = pressed[0][0].spec.array.pitch[0]
     several = len(pressed[0][0].found) > 1
-    limits = [TOLD] * bool(terms) + [TRIED] * bool(terms and several)
+    limits = [TOLD] * bool(terms) + [TRIED if several else FOUND] * bool(terms)
     out = {name: Tally(name, pitch) for name in (*limits, *methods)}
     for find in methods.values():
         find(pressed[0][1])
@@ -73,7 +74,13 @@ def tallies(
             began = time.perf_counter()
             lines = find(image)
             out[name].add(lines, truth, least, told, time.perf_counter() - began)
+            if name == OURS and terms and not several and _found(lines, truth, pitch):
+                out[FOUND].add(said(fit), truth, least, told, np.nan)
     return out
+
+
+def _found(lines: tuple[Line, ...], truth: Floats, pitch: float) -> bool:
+    return bool(lines) and not is_far(line_error((lines[0].angle, lines[0].offset), truth[0]), pitch)
 
 
 def edge_rows(
@@ -113,7 +120,7 @@ def edge_rows(
             rows.append(row(method, f"{name}: bias into the material", bias[1] / pitch, "taxel", ours.bias))
         failed = 100 * tally.missed / tally.total
         rows.append(row(method, f"{name}: failures", failed, "%", ours.failures))
-        if method != TOLD:
+        if method not in (TOLD, FOUND):
             rows.append(row(method, f"{name}: median time", tally.median_time(), "us"))
     return rows
 

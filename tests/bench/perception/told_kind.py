@@ -1,7 +1,8 @@
 """Who is told what kind of outline lies under the pad, and starts from the true one: a limit of all searches.
 
 The likelihood is that of the closed form of the sensor, which the rows of a single edge hold against simulated
-frames.  Nobody who must find the kind or the start as well finds a greater one near the truth.  Who is not told
+frames.  Nobody who must find the kind or the start as well finds a greater one near the truth.  Frames that look like
+an edge are found and others are not, so that on those that are even who is told errs to one side.  Who is not told
 the kind, but tries the true one from the truth beside all that ours finds, keeps what has more evidence: what
 no search betters, where kinds are as likely before touch as ours takes them for.
 """
@@ -22,6 +23,7 @@ from exploration.sensing.response import response_of
 from primitives.arrays import Floats
 
 TOLD = "told the kind, from the truth"
+FOUND = "told the kind, where palpate finds a line"
 TRIED = "not told it, but tried it from the truth"
 CLEARLY = 0.1  # [log] beyond what steps that ended elsewhere differ by
 
