@@ -18,7 +18,7 @@ from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.edges import edge_points
 from exploration.sensing.lines.line import Line, normalized
 from exploration.sensing.lines.line_fit import softened
-from exploration.sensing.lines.outline_evidence import log_odds
+from exploration.sensing.lines.outline_evidence import is_wall, log_odds
 from exploration.sensing.lines.outline_search import Evidence, SearchConfig, search
 from exploration.sensing.lines.parallel import made_parallel
 from exploration.sensing.lines.peaks import peaks
@@ -37,6 +37,7 @@ class OutlineConfig:
     """What counts as found."""
 
     odds: float = 2.94  # [log] of an outline against all smooth surfaces: 19 to 1
+    corner_odds: float = 1.0  # [log] of several lines that are no wall, the same: few surfaces resemble those
     arc_odds: float = 0.0  # [log] of one arc, the same: what is likelier
     line_odds: float = inf  # [log] of one line that fits no better, the same
     narrow: bool = True  # also of a wall or pin that may as well be a cylinder or ball narrower than the pad
@@ -68,7 +69,7 @@ NOTHING = Outline()
 _BOSS = Region((), NO_TERMS, (1.0,))
 DEFAULT = OutlineConfig()
 LIKELIEST = OutlineConfig(line_odds=0.0)  # a line, too, that is likelier though it fits no better
-UNMISTAKABLE = OutlineConfig(narrow=False)  # nothing that might as well be a smooth surface
+UNMISTAKABLE = OutlineConfig(narrow=False, corner_odds=2.94)  # nothing that might as well be a smooth surface
 
 
 def find_outline(
@@ -126,7 +127,13 @@ def _likely(
     kind = len(best.region.sides), len(best.region.signs)
     if kind == (1, 0) and (not smooth.converged or smooth.chi2 >= best.chi2):
         return True
-    asked = {(1, 0): config.line_odds, (0, 1): config.arc_odds}.get(kind, config.odds)
+    corner = config.odds if is_wall(best) else config.corner_odds
+    asked = {
+        (1, 0): config.line_odds,
+        (2, 0): corner,
+        (3, 0): corner,
+        (0, 1): config.arc_odds,
+    }.get(kind, config.odds)
     return asked < inf and log_odds(image, best, contact, smooth, config.narrow) > asked
 
 

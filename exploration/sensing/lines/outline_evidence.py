@@ -67,7 +67,7 @@ def log_odds(
     poles = -log(2.0) - sum(log(max(turned, abs(k) * size)) for k in (mean + half, mean - half))
     orders = np.maximum(ordered.probability, 1e-300) * np.exp(np.array([_LEVEL, poles, poles, poles]))
     smooth = log(PRIOR["smooth"]) + ordered.evidence + ordered.volume + log(float(orders.sum()))
-    wall, pin = _is_wall(fit), _kind(fit) == "arc" and fit.region.signs[0] > 0.0
+    wall, pin = is_wall(fit), _kind(fit) == "arc" and fit.region.signs[0] > 0.0
     if narrow and ordered.shape != PLANE and (wall or pin):
         smooth -= _wider(ordered.fit, max(image.array.size), 1.0 if wall else 0.5) / (2.0 * scale)
     return gain + log_weight(fit, size) - smooth
@@ -78,7 +78,7 @@ def log_weight(fit: RegionFit, size: float) -> float:
 
     More unknowns make a fit better and weigh less: by what they might have been, over what the frame leaves open.
     """
-    return log(PRIOR[_kind(fit)]) + _volume(fit, size) + (_parallel(fit) if _is_wall(fit) else 0.0)
+    return log(PRIOR[_kind(fit)]) + _volume(fit, size) + (_parallel(fit) if is_wall(fit) else 0.0)
 
 
 def log_over(fit: RegionFit, other: RegionFit) -> float:
@@ -104,7 +104,8 @@ def _parallel(fit: RegionFit) -> float:
     return log(pi) - 0.5 * apart**2 / variance - 0.5 * log(2.0 * pi * variance)
 
 
-def _is_wall(fit: RegionFit) -> bool:
+def is_wall(fit: RegionFit) -> bool:
+    """Whether an outline is two nearly parallel lines: smooth surfaces resemble it more than any other."""
     if len(fit.region.sides) != 2 or fit.region.signs:
         return False
     return abs(sin(float(fit.parameters[3] - fit.parameters[5]))) < PARALLEL
