@@ -1,10 +1,11 @@
 """Who is told what kind of outline lies under the pad, and starts from the true one: a limit of all searches.
 
 The likelihood is that of the closed form of the sensor, which the rows of a single edge hold against simulated
-frames.  Nobody who must find the kind or the start as well finds a greater one near the truth.  Frames that look like
-an edge are found and others are not, so that on those that are even who is told errs to one side.  Who is not told
-the kind, but tries the true one from the truth beside all that ours finds, keeps what has more evidence: what
-no search betters, where kinds are as likely before touch as ours takes them for.
+frames.  Nobody who must find the kind or the start as well finds a greater one near the truth.  Frames are found
+that look like an edge, by their noise too, so that on those even who is told errs to one side.
+
+Who is not told the kind, but tries the true one from the truth beside all that ours finds, keeps what has more
+evidence: what no search betters, where kinds are as likely before touch as ours takes them for.
 """
 
 from dataclasses import dataclass
