@@ -64,7 +64,7 @@ class Evidence:
 
 
 def search(evidence: Evidence, config: SearchConfig) -> RegionFit | None:
-    """The hypothesis of the least price; None where nothing can be fitted."""
+    """The hypothesis of most evidence; None where nothing can be fitted."""
     best = fit_region(evidence.image, evidence.response, Region(), [])
     for stage in (_lone, _arcs, _pairs, _triples, _dips):
         if stage is _arcs or not _done(best, config):
