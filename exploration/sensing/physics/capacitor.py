@@ -22,7 +22,7 @@ class Transducer(Protocol):
     """From the skin's indentation to what the electronics read."""
 
     def press(self, modes: Floats, partial: Bools) -> Floats:
-        """(rows, columns) [N/mm^2], or what gives the same signal, from (6, R, C) modes."""
+        """(rows, columns) [N/mm^2], or what gives the same signal, from (10, R, C) modes."""
         ...
 
 

@@ -49,7 +49,7 @@ def integrate(
     modes[:] = 0.0
     partial[:] = False
     rows, columns = states.shape
-    found = np.zeros(6)
+    found = np.zeros(len(modes))
     crossed = poked = overlaps = 0
     for r in range(rows):
         hy = y_edges[r + 1] - y_edges[r]
@@ -71,7 +71,7 @@ def integrate(
             if states[r, c] == SIMPLE:
                 simple_cell(r, c, corners, hx, hy, a, b, found)
                 partial[r, c] = found[0] > 0.0
-                for m in range(6):
+                for m in range(len(found)):
                     modes[m, r, c] = found[m]
             elif states[r, c] == COVER:
                 crossed += 1

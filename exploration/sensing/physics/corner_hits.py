@@ -213,6 +213,7 @@ def simple_cell(
     modes[3] = bend_x
     modes[4] = 0.25 * (d00 + d11 - d01 - d10)
     modes[5] = bend_y
+    modes[6:] = 0.0
     if least - slack >= 0.0:
         return
     if slack < 1e-6 and abs(modes[4]) < 1e-6:
@@ -230,7 +231,7 @@ def simple_cell(
 @njit(cache=True, error_model="numpy")
 def _sample(modes: Floats) -> None:
     """Replace the modes of a quadratic by those of its part above zero."""
-    m0, m1, m2, m3, m4, m5 = modes
+    m0, m1, m2, m3, m4, m5 = modes[:6]
     modes[:] = 0.0
     for i in range(_SPLIT):
         v = (2 * i + 1) / _SPLIT - 1.0
@@ -246,3 +247,7 @@ def _sample(modes: Floats) -> None:
                 modes[3] += 5.0 * d * pu
                 modes[4] += 9.0 * d * u * v
                 modes[5] += 5.0 * d * pv
+                modes[6] += 3.5 * d * u * (5.0 * u * u - 3.0)
+                modes[7] += 15.0 * d * pu * v
+                modes[8] += 15.0 * d * u * pv
+                modes[9] += 3.5 * d * v * (5.0 * v * v - 3.0)

@@ -1,8 +1,8 @@
 """Exact integrals of a triangulated surface's depth over one cell of the skin.
 
 Each front-facing triangle is clipped to the cell and to z < 0 (Sutherland and Hodgman 1974), and -z times each
-Legendre mode is integrated over what is left, fanned into triangles with the four-point rule that is exact for
-cubics (Strang and Fix 1973).  Inside a cell x and y run from -1 to 1; z stays in mm.
+Legendre mode is integrated over what is left, fanned into triangles with the six-point rule that is exact for
+quartics (Strang and Fix 1973).  Inside a cell x and y run from -1 to 1; z stays in mm.
 """
 
 import numpy as np
@@ -12,6 +12,12 @@ from primitives.arrays import Floats, Ints
 
 FULL = 1.0 + 1e-6  # share of a cell beyond which triangles must overlap each other
 _FLAT = 1e-12  # squares of the cell; less projected area is a wall
+_INNER = (
+    0.108103018168070,
+    0.445948490915965,
+    0.223381589678011,
+)  # one weight, the others, share of the area
+_OUTER = (0.816847572980459, 0.091576213509771, 0.109951743655322)
 _CORNERS = 12  # a triangle clipped by five planes has at most eight
 
 
@@ -43,31 +49,33 @@ def clip(p: Floats, count: int, spare: Floats, axis: int, sign: float, bound: fl
 
 @njit(cache=True, error_model="numpy")
 def add_polygon(p: Floats, count: int, modes: Floats) -> float:
-    """Add the depth integrals of a polygon to six modes; the share of the cell that it covers."""
+    """Add the depth integrals of a polygon to ten modes; the share of the cell that it covers."""
     covered = 0.0
     for k in range(1, count - 1):
         area = 0.5 * abs(
             (p[k, 0] - p[0, 0]) * (p[k + 1, 1] - p[0, 1]) - (p[k + 1, 0] - p[0, 0]) * (p[k, 1] - p[0, 1])
         )
         covered += area
-        for q in range(4):
-            if q == 3:
-                wa = wb = wc = 1.0 / 3.0
-                w = -27.0 / 48.0 * area
-            else:
-                wa = 0.6 if q == 0 else 0.2
-                wb = 0.6 if q == 1 else 0.2
-                wc = 0.6 if q == 2 else 0.2
-                w = 25.0 / 48.0 * area
+        for q in range(6):
+            far, near, share = _INNER if q < 3 else _OUTER
+            wa = far if q % 3 == 0 else near
+            wb = far if q % 3 == 1 else near
+            wc = far if q % 3 == 2 else near
+            w = share * area
             u = wa * p[0, 0] + wb * p[k, 0] + wc * p[k + 1, 0]
             v = wa * p[0, 1] + wb * p[k, 1] + wc * p[k + 1, 1]
             d = -0.25 * w * (wa * p[0, 2] + wb * p[k, 2] + wc * p[k + 1, 2])
             modes[0] += d
             modes[1] += 3.0 * d * u
             modes[2] += 3.0 * d * v
-            modes[3] += 2.5 * d * (3.0 * u * u - 1.0)
+            pu, pv = 2.5 * d * (3.0 * u * u - 1.0), 2.5 * d * (3.0 * v * v - 1.0)
+            modes[3] += pu
             modes[4] += 9.0 * d * u * v
-            modes[5] += 2.5 * d * (3.0 * v * v - 1.0)
+            modes[5] += pv
+            modes[6] += 3.5 * d * u * (5.0 * u * u - 3.0)
+            modes[7] += 3.0 * pu * v
+            modes[8] += 3.0 * pv * u
+            modes[9] += 3.5 * d * v * (5.0 * v * v - 3.0)
     return covered / 4.0
 
 
@@ -193,5 +201,5 @@ def cover_cell(
 
 
 def scratch() -> Floats:
-    """Two polygons to clip in, and room for six modes."""
+    """Two polygons to clip in, and room for modes."""
     return np.zeros((3, _CORNERS, 3))

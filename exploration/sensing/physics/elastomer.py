@@ -42,7 +42,7 @@ class Rubber:
         self._shape = self._y.shape[1], self._x.shape[1]
 
     def press(self, modes: Floats, partial: Bools) -> Floats:
-        """(rows, columns) [N/mm^2] from (6, R, C) modes; above the mean, only those of `partial` cells count."""
+        """(rows, columns) [N/mm^2] from (10, R, C) modes; above the mean, only those of `partial` cells count."""
         out = np.zeros(self._shape)
         _spread(modes, partial, self._x, self._y, self._x_band, self._y_band, self._stiffness, out)
         return out
@@ -68,7 +68,7 @@ def _spread(
     rows, columns = out.shape
     cell_rows, cell_columns = partial.shape
     across = np.zeros((cell_rows, columns))
-    line = np.zeros((3, columns))
+    line = np.zeros((4, columns))
     for r in range(cell_rows):
         for c in range(cell_columns):
             mean = k * modes[0, r, c]
@@ -79,16 +79,18 @@ def _spread(
                 across[r, t] += x[0, t, c] * mean
             if not partial[r, c]:
                 continue
-            m1, m2, m3, m4, m5 = modes[1:, r, c]
+            m1, m2, m3, m4, m5, m6, m7, m8, m9 = modes[1:, r, c]
             for t in range(first, last):
-                across[r, t] += k * (m1 * x[1, t, c] + m3 * x[2, t, c])
-                line[1, t] = k * (m2 * x[0, t, c] + m4 * x[1, t, c])
-                line[2, t] = k * m5 * x[0, t, c]
+                x0, x1, x2 = x[0, t, c], x[1, t, c], x[2, t, c]
+                across[r, t] += k * (m1 * x1 + m3 * x2 + m6 * x[3, t, c])
+                line[1, t] = k * (m2 * x0 + m4 * x1 + m7 * x2)
+                line[2, t] = k * (m5 * x0 + m8 * x1)
+                line[3, t] = k * m9 * x0
             above, below = y_band[rows + r]
             for s in range(above, below):
-                y1, y2 = y[1, s, r], y[2, s, r]
+                y1, y2, y3 = y[1, s, r], y[2, s, r], y[3, s, r]
                 for t in range(first, last):
-                    out[s, t] += y1 * line[1, t] + y2 * line[2, t]
+                    out[s, t] += y1 * line[1, t] + y2 * line[2, t] + y3 * line[3, t]
     for s in range(rows):
         above, below = y_band[s]
         for r in range(above, below):

@@ -22,7 +22,7 @@ _LATTICE = staggered_lattice(12)  # rays in a cell of a surface without triangle
 class Indentation:
     """How deep an object indents each cell of the skin."""
 
-    modes: Floats  # (..., 6, R, C) [mm] Legendre coefficients, in the order of `skin.MODES`
+    modes: Floats  # (..., 10, R, C) [mm] Legendre coefficients, in the order of `skin.MODES`
     partial: Bools  # (..., R, C) where the modes above the mean matter: partly out of contact, or not flat
     deepest: Floats  # (...) [mm] greatest depth that a ray met; 0 out of contact
 
@@ -36,7 +36,7 @@ class Indentation:
 class Gap(Protocol):
     """What feels a surface through one skin, pose after pose, in its own buffers."""
 
-    modes: Floats  # (6, R, C) [mm] of the latest pose
+    modes: Floats  # (10, R, C) [mm] of the latest pose
     partial: Bools  # (R, C)
 
     def feel(self, poses: Floats) -> float:

@@ -42,7 +42,7 @@ def draw(
     modes: Floats,
     partial: Bools,
 ) -> tuple[float, float]:
-    """Fill (6, R, C) modes, the share of each cell that is indented, and `partial`; greatest depth and share."""
+    """Fill (10, R, C) modes, the share of each cell that is indented, and `partial`; greatest depth and share."""
     modes[:] = 0.0
     covered[:] = 0.0
     partial[:] = False
@@ -137,7 +137,7 @@ def _draw_facet(
             head[r, c] = -1
     note_sides(s0, s1, sides, seen, x_edges, y_edges, first, last, left, right, head, notes)
     a, b = room[0], room[1]
-    found = np.zeros(6)
+    found = np.zeros(len(modes))
     deepest = 0.0
     for r in range(first, last):
         half_y = 0.5 * (y_edges[r + 1] - y_edges[r])
@@ -175,7 +175,7 @@ def _draw_facet(
                 continue
             found[:] = 0.0
             covered[r, c] += add_polygon(a, count, found)
-            for m in range(6):
+            for m in range(len(found)):
                 modes[m, r, c] += found[m]
             for i in range(count):
                 deepest = max(deepest, -a[i, 2])

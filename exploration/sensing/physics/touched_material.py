@@ -7,7 +7,7 @@ derivation).  Heights h of the grain add to d before that, where the two touch: 
 
 import numpy as np
 
-from exploration.sensing.physics.skin import Skin, legendre, staggered_lattice
+from exploration.sensing.physics.skin import Skin, legendre, shapes, staggered_lattice
 from primitives.arrays import Bools, Floats
 from primitives.surface import MaterialSurface
 
@@ -28,11 +28,11 @@ class TouchedMaterial:
         self._offset = np.stack(
             np.broadcast_arrays((half_x[:, None] * u)[None], (half_y[:, None] * v)[:, None]), axis=-1
         )  # (R, C, s, 2)
-        self._analysis = legendre(u, v) / len(u)  # (6, s)
-        self._synthesis = np.stack([np.ones_like(u), u, v, (3 * u**2 - 1) / 2, u * v, (3 * v**2 - 1) / 2])
+        self._analysis = legendre(u, v) / len(u)  # (10, s)
+        self._synthesis = shapes(u, v)
 
     def give_way(self, poses: Floats, modes: Floats, partial: Bools, deepest: float) -> float:
-        """Change (6, R, C) modes at poses as `Gap.feel` takes them; the greatest depth [mm] afterwards."""
+        """Change (10, R, C) modes at poses as `Gap.feel` takes them; the greatest depth [mm] afterwards."""
         if self._surface.uniform is not None and self._surface.uniform[1] == 0.0:
             share = 1.0 / (1.0 + self._stiffness / self._surface.uniform[0])
             modes *= share
@@ -60,7 +60,7 @@ class TouchedMaterial:
         cut: Bools,
         roughness: Floats,
     ) -> Floats:
-        """(6, n) modes of the overlap with the grain on it."""
+        """(10, n) modes of the overlap with the grain on it."""
         told = np.where(cut, overlap, np.concatenate([overlap[:3], np.zeros_like(overlap[3:])]))
         depth = told.T @ self._synthesis  # (n, s)
         places = np.empty((*depth.shape, 3))
