@@ -18,6 +18,7 @@ from exploration.control.corners import (
     Meeting,
     agreed,
     ends_at_corner,
+    is_sharp,
     meeting,
     too_short,
 )
@@ -53,6 +54,7 @@ class EdgeConfig(EdgeServoConfig):
     bent: float = 9.0  # [mm] the same, of a blunt one
     blunt: float = 0.03  # [1/mm] bend from which it may be a corner
     look: float = 1.0  # [mm] between looks for one
+    quiet: int = 8  # frames averaged, in which it must be sharp
     corners: CornerConfig = field(default_factory=CornerConfig)
     patience: int = 6  # ticks without the line
     back: float = 4.0  # [mm] that a lost edge is gone back for
@@ -156,10 +158,14 @@ def follow_edge(
         if (why := _over(run, edge, config, home)) is not None:
             ended = why
             break
-        if (corner := _breaks(run, seen, edge, config)) is not None:
-            ended = "corner"
-            break
         before = seen.world_from_sensor
+        if (corner := _breaks(run, seen, edge, config)) is not None:
+            if is_sharp(dwell(guard, config.quiet), edge, corner, config.corners):
+                ended = "corner"
+                break
+            corner, seen = None, guard.hold()
+            expected = servo.expected(edge, before, seen.world_from_sensor)
+            continue
         try:
             seen = guard.move(servo.twist(seen, edge))
         except (OverPress, Collision) as met:
