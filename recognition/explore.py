@@ -15,10 +15,11 @@ from contextlib import closing, contextmanager
 from dataclasses import replace
 from importlib.metadata import version
 
+import numpy as np
+
 from exploration.control.latency import measure_latency
 from exploration.devices.guard import Guard
 from exploration.planning.explorer import Explorer, ExplorerConfig, Findings
-from exploration.planning.routes import Tool
 from exploration.recordings.mcap import Recorder
 from models.solid import Solid
 from primitives.errors import NotWritten, PalpateError
@@ -35,7 +36,7 @@ from recognition.running.folder import RunFolder
 from recognition.running.logbook import Logbook
 from recognition.running.patience import Patience
 from recognition.running.progress import Progress
-from recognition.running.simulation import World, beside, guarded, load_world
+from recognition.running.simulation import World, beside, guarded, load_world, tools
 from recognition.running.summary import FAULT, GAVE_UP, summarize
 from recognition.running.writing import write_model
 from recognition.truth import LabeledFaces, Truth, evaluate
@@ -49,7 +50,7 @@ def run(options: ExploreOptions, progress: Watcher) -> dict[str, object]:
     Bad input is refused before anything is written.  An interrupt leaves the recording whole and no summary.
     """
     began = time.perf_counter()
-    world = load_world(options)
+    world = load_world(options, several=options.policy == "closure")
     folder = RunFolder.create(options.out, world.part.name, options.overwrite)
 
     def show(stand: Progress) -> None:
@@ -65,14 +66,15 @@ def _run(
 ) -> dict[str, object]:
     folder.write_text("config.toml", to_toml(options, version("palpate"), world.resolved()))
     with Recorder(folder.recording) as recorder:
-        logbook = Logbook(recorder)
+        logbook = Logbook(recorder, specs=world.specs)
         guard = guarded(world, options, logbook.observe)
         if not world.known:
             guard.pending.latency = measure_latency(guard).seconds
         findings = _explored(guard, options, world, logbook, folder, progress)
     world.close()
     progress(_stand("reconstructing", guard, findings))
-    made = reconstruct(findings.graph, [trace for trace, _ in findings.traces], world.box)
+    free = np.concatenate(findings.inside) if findings.inside else None
+    made = reconstruct(findings.graph, [trace for trace, _ in findings.traces], world.box, free=free)
     truth = _compared(made, world.solid) if world.known else None
     seconds = time.perf_counter() - began
     summary = summarize(options, world, findings.ended, guard.cost, made, truth, findings.warnings, seconds)
@@ -115,7 +117,7 @@ def _explored(
         seed=options.seed,
     )
     told = beside(world, options)
-    explorer = Explorer(guard, world.box.ravel(), config, logbook.announce, Tool.of(world.spec), told)
+    explorer = Explorer(guard, world.box.ravel(), config, logbook.announce, tools(world), told)
     found, patience = explorer.found, Patience()
     try:
         for findings in explorer.run():

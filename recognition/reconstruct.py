@@ -79,8 +79,9 @@ def reconstruct(
     traces: Sequence[EdgeTrace],
     box: Floats,
     options: ReconstructOptions | None = None,
+    free: Floats | None = None,
 ) -> Reconstruction:
-    """The body behind the faces of a graph, in the (2, 3) workspace `box` [mm]."""
+    """The body behind the faces of a graph, in the (2, 3) workspace `box` [mm]; (n, 3) `free` places are empty."""
     options = options or ReconstructOptions()
     felt = [_FeltFace(face.fit, face.contacts) for face in graph.faces if isinstance(face.fit, Fit)]
     loose = [face.contacts for face in graph.faces if not isinstance(face.fit, Fit)]
@@ -89,7 +90,7 @@ def reconstruct(
         [*range(len(felt)), *(NO_FACE for _ in loose)],
         [len(table) for table in (*(face.contacts for face in felt), *loose)],
     ).astype(np.int64)
-    assembly = _assembled(felt, box)
+    assembly = _assembled(felt, box, free)
     if isinstance(assembly, NotClosed):
         rows = [_open_face(number, face.fit) for number, face in enumerate(felt)]
         reason = (f"no closed body: {assembly.reason}",)
@@ -111,12 +112,12 @@ def reconstruct(
     )  # fmt: skip
 
 
-def _assembled(felt: Sequence[_FeltFace], box: Floats) -> Assembly | NotClosed:
+def _assembled(felt: Sequence[_FeltFace], box: Floats, free: Floats | None) -> Assembly | NotClosed:
     """The assembly; surfaces that contradict each other leave no body, and that is an answer too."""
     if not felt:
         return NotClosed("no face was measured")
     try:
-        return assemble(felt, box)
+        return assemble(felt, box, free=free)
     except (PalpateError, ArithmeticError, ValueError, RuntimeError) as error:  # LinAlgError, QhullError
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         return NotClosed(f"the measured faces contradict each other ({reason})")

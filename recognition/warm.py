@@ -21,6 +21,7 @@ from scipy.ndimage import gaussian_filter
 from exploration.control.edge_refined import Frames, moved_outward, nodes_along
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.stage_trail import StageTrail
+from exploration.planning.routes import Tool
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
 from exploration.sensing.response import rubber
@@ -96,6 +97,7 @@ def the_rest(folder: Path) -> None:
     match_once()
     KinematicChain.gantry().reach(np.eye(4), np.ones(6))
     StageTrail(0.0, np.eye(4)).at(np.zeros(1), np.eye(4))
+    Tool.of_size((8.0, 8.0)).clear(np.eye(4)[None], np.zeros((1, 3)), 0.0, 0.0)
     bent_edge_once()
 
 

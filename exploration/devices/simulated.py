@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from exploration.devices.idle_array import IdleArray
 from exploration.devices.protocols import StageLimits
 from exploration.devices.simulated_array import SimulatedArray
 from exploration.devices.simulated_stage import PoseNoise, SimulatedStage
@@ -32,7 +33,7 @@ def simulate(
 
     `noise` replaces the specs' own (1 sigma, of the full-contact signal).  A `pose_noise` given as a number
     [mm] is drawn once per contact, and half of it afresh on every reading.  Without mounts several arrays stand
-    on a `turret`.
+    on a `turret`.  One array is read at a time; the bodies of the others may touch nothing.
     """
     if not specs:
         raise PalpateError("a simulation needs at least one sensor")
@@ -50,6 +51,12 @@ def simulate(
         SimulatedArray(surface, s, stage, mount, rng.spawn(1)[0])
         for s, mount in zip(told, mounts, strict=True)
     )
+    for array in arrays if len(arrays) > 1 else ():
+        array.idle = tuple(
+            IdleArray(surface, s, mount, stage.limits)
+            for s, mount, other in zip(told, mounts, arrays, strict=True)
+            if other is not array
+        )
     return stage, arrays
 
 

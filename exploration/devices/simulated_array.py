@@ -9,6 +9,7 @@ from math import ceil
 import numpy as np
 
 from exploration.devices.free_space_bound import FreeSpaceBound
+from exploration.devices.idle_array import IdleArray
 from exploration.devices.protocols import StageEvent
 from exploration.devices.simulated_stage import SimulatedStage
 from exploration.sensing.frame import TaxelArray, TaxelFrame
@@ -37,6 +38,9 @@ class SimulatedArray:
     ) -> None:
         self._surface, self._spec, self._stage, self._rng = surface, spec, stage, rng
         self._mount = frozen(flange_from_sensor)
+        self.idle: tuple[
+            IdleArray, ...
+        ] = ()  # the others on the stage, which touch nothing unless they collide
         self._gap, self._taxels, self._housing = (
             gap(surface, spec),
             transducer(spec),
@@ -86,6 +90,9 @@ class SimulatedArray:
         stage._advance(end)
         begin = end - spec.electronics.scan
         here = stage._true @ self._mount
+        for other in self.idle:
+            if (met := other.met(stage._true, end)) is not None:
+                stage._events.append(met)
         if self._far.holds(here):
             pressed, self._touching = self._nothing, False
         else:

@@ -18,12 +18,12 @@ import numpy as np
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.consistency import drop_poor, flattened
+from exploration.planning.entering import Entering
 from exploration.planning.findings import Attempts, Done, ExplorerConfig
 from exploration.planning.frontier import Predicted
 from exploration.planning.inferred_walls import inferred_walls
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.reach import Reach
-from exploration.planning.routes import Tool
 from exploration.planning.study import Study, Wall
 from primitives import pose as se3
 from primitives.arrays import Floats
@@ -48,18 +48,22 @@ class AnyFormConfig:
     beside: float = 9.0  # [mm] between tries that count as one thing
 
 
+LATER = AnyFormConfig(wall_tries=1, rim_tries=1)  # of what other arrays have tried before
+
+
 class AnyForm:
     """Carries on where the object has turned out not to be convex."""
 
     def __init__(
-        self, study: Study, tool: Tool, config: ExplorerConfig, own: AnyFormConfig | None = None
+        self, study: Study, config: ExplorerConfig, own: AnyFormConfig | None = None, later: bool = False
     ) -> None:
-        self.study, self.tool, self.config, self.own = study, tool, config, own or AnyFormConfig()
+        self.study, self.config, self.own = study, config, own or AnyFormConfig()
         self.pad, self.found = study.pad, study.found
-        self.reach = Reach(self.pad, tool)
+        self.reach = Reach(self.pad)
         self._walls = Attempts(self.own.wall_tries, self.own.beside)
         self._rims = Attempts(self.own.rim_tries, self.own.beside)
         self._open = Attempts(config.tries - 1, 2.5)
+        self._entering = Entering(study, self.reach) if later else None
         study.config = replace(study.config, convex=False)
 
     def run(self) -> Iterator[str]:
@@ -76,6 +80,9 @@ class AnyForm:
                 done, note = None, f"backed off: {error}"
             face = done
             yield note
+
+    def conclude(self) -> None:
+        """Infer what no array could lie on, once every one of them has nothing left to try."""
         self.found.graph = drop_poor(flattened(self.found.graph))
         self._infer_walls()
         self.found.openings = self._frontier().openings()
@@ -84,7 +91,7 @@ class AnyForm:
     def _infer_walls(self) -> None:
         """Add the faces that stopped strokes, and that no pad could lie on."""
         left = [wall for wall in self.study.walls if not self._stands(wall)]
-        for lot in inferred_walls(left, self.found.graph.faces, self.tool):
+        for lot in inferred_walls(left, self.found.graph.faces):
             self.found.graph, _ = self.found.graph.add_stroke(lot)
             self.found.warnings.append("a face that no pad could lie on is inferred from strokes it stopped")
 
@@ -98,16 +105,21 @@ class AnyForm:
         walls = [wall for wall in self.study.walls if not self._stands(wall)]
         self.found.open = len(opened.points) + len(rims) + len(walls)
         here = self.pad.guard.world_from_sensor[:3, 3]
-        left = self._open.unfinished(opened)
+        left = opened.none() if self._entering else self._open.unfinished(opened)
         on_face = left.face == face
         if face is not None and on_face.any() and self._lies():
             near = left.points[on_face]
             goal = near[np.argmin(np.linalg.norm(near - here, axis=1))]
             return lambda: self._stroke_to(goal, face)
+        ways_in = self._entering.ways_in(frontier.mouths(), self._alongs) if self._entering else ()
+        if into := list(ways_in):
+            return min(into, key=lambda item: _away(item[0], here))[1]
         todo: list[tuple[float, Callable[[], Done]]] = []
         standing = [wall for wall in walls if not self._walls.given_up(wall.point)]
         todo += [(_away(wall.point, here), partial(self._face_wall, wall)) for wall in standing]
-        leading = [rim for rim, _ in rims if not self._rims.given_up(rim.point)]
+        leading = [
+            rim for rim, _ in rims if not self._rims.given_up(rim.point) and not self.reach.at_lid(rim.point)
+        ]
         todo += [(_away(rim.point, here), partial(self._cross, rim)) for rim in leading]
         if not todo and len(left.points):
             nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
@@ -151,7 +163,7 @@ class AnyForm:
     def _face_wall(self, wall: Wall) -> Done:
         """Turn to face what a stroke met, just above the face that the pad lay on."""
         self._walls.note(wall.point)
-        half = self.tool.high[:2].min()
+        half = self.pad.tool.high[:2].min()
         along = np.cross(wall.normal, wall.heading)
         for above, shift in product(self.own.above, (0.0, 8.0, -8.0, 16.0, -16.0)):
             at = wall.point + (half + above) * wall.normal + shift * along

@@ -9,13 +9,13 @@ closed; then each face is explored for itself (`any_form`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from exploration.control.procedures.approach import ApproachConfig, retreat
 from exploration.devices.guard import Collision, Guard, OverPress
-from exploration.planning.any_form import AnyForm
+from exploration.planning.any_form import LATER, AnyForm
 from exploration.planning.consistency import flattened
 from exploration.planning.covering import Covering
 from exploration.planning.crossing import Crossing
@@ -47,7 +47,7 @@ class Explorer:
         box: Floats,
         config: ExplorerConfig | None = None,
         announce: Announce = lambda kind, detail: None,
-        tool: Tool | None = None,
+        tools: Sequence[Tool] = (),
         told: Told | None = None,
     ) -> None:
         config = config or ExplorerConfig()
@@ -56,9 +56,8 @@ class Explorer:
             box[2] = told.table - _UNDER
         self.guard, self.box, self.config, self.announce, self.told = guard, box, config, announce, told
         self.found = Findings()
-        self.pad = Pad(guard, box, announce, told=told)
+        self.pad = Pad(guard, box, announce, told=told, tools=tools)
         self._hidden = 0  # predicted places that what was told hides
-        self._tool = tool or Tool.of_size(guard.sensor.array.size)
         self._tried = Attempts(config.tries)
         self._study = Study(self.pad, self.found, config.attribution)
         self._crossing = Crossing(self._study, config)
@@ -83,7 +82,7 @@ class Explorer:
         while self.guard.cost.touches < self.config.max_touches:
             if self.found.hollow:
                 self._lay()
-                yield from map(self._say, AnyForm(self._study, self._tool, self.config).run())
+                yield from map(self._say, self._any_form())
                 spent = self.guard.cost.touches >= self.config.max_touches
                 whole = "closed" if not self.found.open else "nothing reachable is open"
                 self.found.ended = "budget" if spent else whole
@@ -104,6 +103,20 @@ class Explorer:
             face = done if done is not None else face
             yield self._say(note)
         self.found.ended = "budget"
+
+    def _any_form(self) -> Iterator[str]:
+        """Face by face, with one array after the other: each goes for what those before it found no room for."""
+        for sensor, array in enumerate(self.guard.sensors):
+            if self.guard.cost.touches >= self.config.max_touches and sensor:
+                break
+            if sensor != self.guard.active:
+                retreat(self.guard, self.config.change)
+                self.guard.use(sensor)
+                self.announce("array", {"name": array.array.name})
+            form = AnyForm(self._study, self.config, LATER if sensor else None, bool(sensor))
+            yield from form.run()
+            form.reach.come_out()
+        form.conclude()
 
     def _surveyed(self) -> Iterator[Findings]:
         rng = np.random.default_rng(self.config.seed)

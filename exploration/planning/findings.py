@@ -32,6 +32,7 @@ class ExplorerConfig:
     doubts: int = 10  # touches more on a face that is not known well
     beside: float = 8.0  # [mm] from a place that was tried before, where another way in is taken
     region: float = 40.0  # [mm] of open surface that is come at as one
+    change: float = 20.0  # [mm] off the object, before another array is turned to it
     first_tries: int = 60  # touches after which an object that shows no face is given up
     attribution: AttributionConfig = field(default_factory=AttributionConfig)
     policy: str = "closure"  # or one of `survey.POLICIES`, to measure against
@@ -44,6 +45,7 @@ class Findings:
 
     graph: PatchGraph = field(default_factory=lambda: PatchGraph(options=CONVEX))
     traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
+    inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] in what an array went into
     openings: list[RoundRim] = field(default_factory=list)  # that no array has room in
     hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""

@@ -47,6 +47,10 @@ class Predicted:
     normals: Floats  # (n, 3) outward
     face: Ints  # (n,) face ids
 
+    def none(self) -> Predicted:
+        """None of them."""
+        return Predicted(self.points[:0], self.normals[:0], self.face[:0])
+
 
 @dataclass(frozen=True)
 class OpenEdge:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.routes import Tool
 from exploration.planning.study import Wall
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
@@ -40,7 +39,6 @@ class InferredWallConfig:
 def inferred_walls(
     walls: Sequence[Wall],
     faces: Sequence[Face],
-    tool: Tool,
     config: InferredWallConfig = InferredWallConfig(),
 ) -> list[Contacts]:
     """Contacts of each plane that stops agree on."""
@@ -52,7 +50,7 @@ def inferred_walls(
             continue
         normal = ways[int(np.argmin(ways @ wall.heading))]
         if normal @ wall.heading < -config.across and abs(float(normal @ wall.normal)) < config.upright:
-            stops.append((wall, normal, _offset(wall, normal, tool)))
+            stops.append((wall, normal, _offset(wall, normal)))
     return _agreeing(stops, config)
 
 
@@ -96,10 +94,9 @@ def _lies_on(fit: Fit, wall: Wall, config: InferredWallConfig) -> bool:
     return near and float(normal @ wall.normal) > config.flush
 
 
-def _offset(wall: Wall, normal: Floats, tool: Tool) -> float:
+def _offset(wall: Wall, normal: Floats) -> float:
     """[mm] along a wall's normal, of the housing's corner that was nearest to it."""
-    half = np.abs(tool.high[:2])
-    reach = float(np.abs(normal @ wall.pose[:3, :2]) @ half)
+    reach = float(np.abs(normal @ wall.pose[:3, :2]) @ wall.half)
     return float(normal @ wall.pose[:3, 3]) - reach
 
 

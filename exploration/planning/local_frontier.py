@@ -15,8 +15,9 @@ from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
 from exploration.planning.frontier import Predicted
+from exploration.planning.mouths import Mouth, mouths
 from exploration.planning.round_rims import RoundRim, round_rim
-from exploration.planning.surface_map import SurfaceMap
+from exploration.planning.surface_map import SurfaceMap, clusters
 from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -89,7 +90,7 @@ class LocalFrontier:
             at, out = self._rim(own)
             left = ~self._explained(own, at, out)
             at, out = at[left], out[left]
-            for members in _clusters(at, self.config.cluster):
+            for members in clusters(at, self.config.cluster):
                 if members.sum() < self.config.least_rim:
                     continue
                 for part in _by_heading(out[members]):
@@ -97,6 +98,17 @@ class LocalFrontier:
                     if len(rows) >= self.config.least_rim:
                         found.append((len(rows), _sighting(own, at[rows], out[rows]), own.face.id))
         return [(edge, face) for _, edge, face in sorted(found, key=lambda item: -item[0])]
+
+    def mouths(self) -> list[Mouth]:
+        """Ways across what is missing of each flat face, where no face is known behind the rim."""
+        found: list[Mouth] = []
+        for own in self.known:
+            if own.fit.kind == "plane":
+                at, out = self._rim(own)
+                left = ~self._explained(own, at, out)
+                normal = own.side * own.fit.shape.direction
+                found += mouths(own.cells, at[left], out[left], normal)
+        return found
 
     def openings(self) -> list[RoundRim]:
         """Round rims behind which no face is known, whose inside is not there."""
@@ -107,7 +119,7 @@ class LocalFrontier:
             at, out, reach = self._rim_places(own)
             left = ~self._explained(own, at, out)
             middle = at + 0.5 * reach[:, None] * out
-            for members in _clusters(middle[left], self.config.cluster):
+            for members in clusters(middle[left], self.config.cluster):
                 axis = own.side * own.fit.shape.direction
                 rim = round_rim(middle[left][members], out[left][members], axis, own.face.id)
                 found += [rim] if rim is not None else []
@@ -203,21 +215,6 @@ def _by_heading(out: Floats) -> list[Bools]:
         parts.append(part)
         left &= ~part
     return parts
-
-
-def _clusters(points: Floats, within: float) -> list[Bools]:
-    left, out = np.ones(len(points), dtype=bool), []
-    while left.any():
-        member = np.zeros(len(points), dtype=bool)
-        member[np.flatnonzero(left)[0]] = True
-        while True:
-            grown = left & (KDTree(points[member]).query(points)[0] < within)
-            if grown.sum() == member.sum():
-                break
-            member = grown
-        out.append(member)
-        left &= ~member
-    return out
 
 
 def _thinned(points: Floats, spacing: float) -> Floats:

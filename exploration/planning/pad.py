@@ -5,7 +5,7 @@ It remembers where it lies and what it has covered, and counts touches and strok
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from exploration.control.free_cells import free_cells
 from exploration.control.kept_contacts import keep, touched_cells
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
 from exploration.control.procedures.curvature import four_direction_curvature
-from exploration.control.procedures.land import land
+from exploration.control.procedures.land import LandConfig, land
 from exploration.control.procedures.look import look_closely
 from exploration.control.procedures.settle import SettleConfig
 from exploration.control.procedures.tare import tare
@@ -24,9 +24,10 @@ from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface
 from exploration.devices.guard import Guard, Observation
 from exploration.planning.felt_free import FeltFree
+from exploration.planning.routes import Tool
 from exploration.planning.told import Told
 from exploration.planning.touched import Touched
-from exploration.planning.transit import Support, box_supports, way
+from exploration.planning.transit import Support, TransitConfig, box_supports, keeps_clear, way
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats
@@ -63,6 +64,7 @@ class Pad:
         announce: Announce,
         config: PadConfig = PadConfig(),
         told: Told | None = None,
+        tools: Sequence[Tool] = (),
     ) -> None:
         self.guard, self.box, self.announce, self.config, self.told = guard, box, announce, config, told
         self.covered = Touched()
@@ -70,6 +72,7 @@ class Pad:
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self._watched: Floats | None = None  # (3,) where the skin was last looked at for free space
         self.most: int | None = None  # touches that are allowed
+        self._tools = tuple(tools) or tuple(Tool.of_size(sensor.array.size) for sensor in guard.sensors)
         guard.learners = (*guard.learners, self._watch)
         self.here = Support(np.array([0.0, 0.0, box[5]]), np.array([0.0, 0.0, 1.0]))
 
@@ -77,6 +80,11 @@ class Pad:
     def size(self) -> tuple[float, float]:
         """Of the array along its x and y [mm]."""
         return self.guard.sensor.array.size
+
+    @property
+    def tool(self) -> Tool:
+        """The array in use, its housing, and what is carried with it."""
+        return self._tools[self.guard.active]
 
     def attitude(self, normal: Floats, along: Floats) -> Floats:
         """(3, 3) of the pad on a surface of (3,) outward `normal`, its longer side along a (3,) direction."""
@@ -90,7 +98,12 @@ class Pad:
         return bool(land(self.guard, direction, distance, speed or ApproachConfig().speed))
 
     def touch(
-        self, target: Floats, standoff: float, overtravel: float, settling: SettleConfig | None = None
+        self,
+        target: Floats,
+        standoff: float,
+        overtravel: float,
+        settling: SettleConfig | None = None,
+        landing: LandConfig | None = None,
     ) -> bool:
         """One guarded approach to a (4, 4) target from `standoff` mm before it, and its settling."""
         self.count_touch()
@@ -98,7 +111,7 @@ class Pad:
         if self.guard.go_to(back, until=lambda seen: touched(seen.image)) is None:
             tare(self.guard)
         speed = ApproachConfig().speed
-        if land(self.guard, target[:3, 2], standoff + overtravel, speed, settling=settling):
+        if land(self.guard, target[:3, 2], standoff + overtravel, speed, landing or LandConfig(), settling):
             return True
         retreat(self.guard, self.config.back)  # free, because the pad came that way
         return False
@@ -121,9 +134,19 @@ class Pad:
             poses.append(se3.pose(goal[:3, :3], goal[:3, 3] + 22.0 * far.normal))
             poses.append(goal)
         else:
-            poses = way(here, self.here, goal, far, [*self._supports(), *self._outside()])
+            poses = self._way(here, goal, far)
         for pose in poses:
             self.guard.go_to(pose)
+
+    def _way(self, here: Floats, goal: Floats, far: Support) -> list[Floats]:
+        """Round the object; farther out where what is carried with the array would come too near."""
+        stops = [*self._supports(), *self._outside()]
+        poses = way(here, self.here, goal, far, stops)
+        if not self.tool.carried or keeps_clear(self.tool, here, poses[:-1], [self.here, far, *stops]):
+            return poses
+        reach = float(np.linalg.norm(self.tool.corners, axis=1).max())
+        config = TransitConfig(clearance=reach + TransitConfig().beside)
+        return way(here, self.here, goal, far, stops, config)
 
     def feel(self) -> Contacts:
         """Contacts of the place under the pad, from averaged frames."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.control.procedures.approach import retreat, touched
+from exploration.control.procedures.land import LandConfig
 from exploration.planning.pad import Pad
-from exploration.planning.routes import Tool, route
+from exploration.planning.routes import RoutesConfig, route
 from exploration.planning.surface_map import SurfaceMap
 from primitives import pose as se3
 from primitives.arrays import Floats
@@ -21,6 +22,9 @@ class ReachConfig:
     standoff: float = 10.0  # [mm] before the last, guarded advance
     overtravel: float = 8.0  # [mm]
     back: float = 4.0  # [mm] from what was met on the way
+    out: float = 4.0  # [mm] of the housing that stay out of what it goes into
+    under: float = 5.0  # [mm] aside, up to which a place is under a lid
+    wide: float = 3.5  # [mm] round what is carried on long arms, where ways are as free as that
     room: float = 0.6  # [mm] round the housing, where the pad is to lie
     alike: float = 0.85  # cosine from which two ways out are one
 
@@ -28,9 +32,15 @@ class ReachConfig:
 class Reach:
     """Where the pad has room; `led` says whether there was a way to the last target."""
 
-    def __init__(self, pad: Pad, tool: Tool, config: ReachConfig = ReachConfig()) -> None:
-        self.pad, self.tool, self.config = pad, tool, config
+    def __init__(self, pad: Pad, config: ReachConfig = ReachConfig()) -> None:
+        self.pad, self.config = pad, config
         self.led = False
+        self.lids: tuple[Floats, Floats] = (np.empty((0, 3)), np.empty((0, 3)))  # of what was not gone into
+        self._inside: tuple[Floats, Floats] | None = (
+            None  # (3,) a place over the mouth it is in, and the way out
+        )
+        wide = RoutesConfig(margin=config.wide)  # of edges the places felt last lie a taxel inside
+        self._routes = (wide, RoutesConfig()) if pad.tool.carried else (RoutesConfig(),)
         self._felt, self._taken = SurfaceMap(), 0
 
     @property
@@ -43,16 +53,57 @@ class Reach:
 
     def clear(self, pose: Floats) -> bool:
         """Whether nothing touched is in the way of the pad and its housing at a (4, 4) pose."""
-        return bool(self.tool.clear(pose[None], self._obstacles(), self.config.room, -1.0)[0])
+        return bool(self.pad.tool.clear(pose[None], self._obstacles(), self.config.room, -1.0)[0])
 
     def touch(self, target: Floats) -> bool:
         """Go round what is known to before a (4, 4) target, and touch it."""
-        self.led = False
-        standoff = target @ se3.pose(translation=[0.0, 0.0, -self.config.standoff])
-        obstacles, guard = self._obstacles(), self.pad.guard
-        if not self.clear(target) or not self.tool.clear(standoff[None], obstacles, 1.0, 1.0)[0]:
+        under = self._under_lid(target)
+        standoff = self.config.standoff + under
+        if not self._before(target, standoff):
             return False
-        poses = route(self.tool, guard.world_from_sensor, standoff, obstacles, self._ways())
+        if under > 0.0:
+            self._inside = (target[:3, 3] - standoff * target[:3, 2], -target[:3, 2])
+        return self.pad.touch(target, standoff, self.config.overtravel)
+
+    def sound(self, target: Floats) -> bool:
+        """Go in from a (4, 4) target, as deep as the array is long, until something is touched."""
+        if not self._before(target, self.config.standoff):
+            return False
+        self._inside = (target[:3, 3] - self.config.standoff * target[:3, 2], -target[:3, 2])
+        deep = -float(self.pad.tool.low[2]) - self.config.out
+        return self.pad.touch(target, self.config.standoff, deep, landing=LandConfig(tries=1))
+
+    def at_lid(self, point: Floats) -> bool:
+        """Whether a (3,) point is at the rim of a mouth, or in it."""
+        return bool((np.linalg.norm(self.lids[0] - point, axis=1) < self.config.under).any())
+
+    def come_out(self) -> None:
+        """Straight out of what the array went into, whose sides nobody has felt."""
+        if self._inside is not None:
+            (over, way), here = self._inside, self.pad.guard.world_from_sensor
+            self._inside = None
+            rise = float((over - here[:3, 3]) @ way)
+            if rise > 0.0:
+                self.pad.guard.go_to(se3.pose(here[:3, :3], here[:3, 3] + rise * way))
+
+    def _under_lid(self, target: Floats) -> float:
+        """[mm] that a (4, 4) target lies behind a mouth that the array looks into; 0 where it does not."""
+        local = (self.lids[0] - target[:3, 3]) @ target[:3, :3]
+        over = (local[:, 2] < -1.0) & (np.abs(local[:, :2]) < self.config.under).all(axis=1)
+        over &= self.lids[1] @ target[:3, 2] < -0.95
+        return float(-local[over, 2].min()) if over.any() else 0.0
+
+    def _before(self, target: Floats, back: float) -> bool:
+        self.led = False
+        self.come_out()
+        standoff = target @ se3.pose(translation=[0.0, 0.0, -back])
+        obstacles, guard = self._obstacles(), self.pad.guard
+        if not self.clear(target) or not self.pad.tool.clear(standoff[None], obstacles, 1.0, 1.0)[0]:
+            return False
+        known = np.concatenate([obstacles, self.lids[0]])
+        start, ways = guard.world_from_sensor, self._ways()
+        tried = (route(self.pad.tool, start, standoff, known, ways, config) for config in self._routes)
+        poses = next((found for found in tried if found is not None), None)
         if poses is None:
             return False
         self.led = True
@@ -60,7 +111,7 @@ class Reach:
             if guard.go_to(pose, until=None if k == 0 else lambda seen: touched(seen.image)) is not None:
                 retreat(guard, self.config.back)
                 return False
-        return self.pad.touch(target, self.config.standoff, self.config.overtravel)
+        return True
 
     def _obstacles(self) -> Floats:
         """(n, 3) places of all that is known to stand."""

@@ -26,6 +26,7 @@ class Wall:
     heading: Floats  # (3,) the way of the stroke
     normal: Floats  # (3,) outward, of the face
     pose: Floats  # (4, 4) world_from_sensor where the pad was stopped
+    half: Floats  # (2,) [mm] half the width of the housing that was stopped, along the pad's x and y
 
 
 class Study:
@@ -80,7 +81,8 @@ class Study:
         if self.pad.told is not None and self.pad.told.stopped(pose[:3, 3] + half * way):
             return False
         self.found.hollow |= stroke.ended == "wall"
-        self.walls.append(Wall(pose[:3, 3] + half * way, way, -pose[:3, 2], pose))
+        wide = np.abs(self.pad.tool.high[:2])
+        self.walls.append(Wall(pose[:3, 3] + half * way, way, -pose[:3, 2], pose, wide))
         return True
 
     def _back_on(self, pose: Floats) -> bool:

@@ -57,3 +57,19 @@ class SurfaceMap:
         away = np.abs(shape.signed_distance(self.points)) < near
         alike = side * (shape.normals(self.points) * self.facing).sum(axis=1) > facing
         return np.asarray(away & alike)
+
+
+def clusters(points: Floats, within: float) -> list[Bools]:
+    """Masks of (n, d) points that hang together, neighbors being `within` of each other."""
+    left, out = np.ones(len(points), dtype=bool), []
+    while left.any():
+        member = np.zeros(len(points), dtype=bool)
+        member[np.flatnonzero(left)[0]] = True
+        while True:
+            grown = left & (KDTree(points[member]).query(points)[0] < within)
+            if grown.sum() == member.sum():
+                break
+            member = grown
+        out.append(member)
+        left &= ~member
+    return out

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.planning.routes import Tool, on_the_way
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -21,6 +22,9 @@ class TransitConfig:
     clearance: float = 62.0  # [mm] of the sensor's origin; covers pad and housing at any attitude
     farthest: float = 450.0  # [mm] from the middle of a way, beyond which another is preferred
     wedge: float = -0.5  # least cosine between two normals whose shared wedge is used directly
+    beside: float = 2.0  # [mm] kept between what is carried and a supporting plane
+    step: float = 20.0  # [mm] between the poses that are looked at
+    turn: float = 0.15  # [rad] the same
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,17 @@ def way(
     middle = 0.5 * (start[:3, 3] + goal[:3, 3])
     compact = [w for w in ways if all(np.abs(p[:3, 3] - middle).max() < config.farthest for p in w)]
     return min(compact or ways, key=lambda w: _length(start, w))
+
+
+def keeps_clear(tool: Tool, start: Floats, poses: list[Floats], supports: list[Support]) -> bool:
+    """Whether the tool's corners stay in front of one supporting plane or another all the way."""
+    config, corners = TransitConfig(), tool.corners
+    for a, b in itertools.pairwise([start, *poses]):
+        for place in on_the_way(a, b, tool.mount, config.step, config.turn):
+            at = se3.transform_points(place, corners)
+            if not any((((at - s.point) @ s.normal) > config.beside).all() for s in supports):
+                return False
+    return True
 
 
 def _via(

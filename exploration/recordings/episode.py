@@ -7,26 +7,26 @@ from pathlib import Path
 import numpy as np
 
 from exploration.recordings.intake import opened
-from exploration.recordings.mcap import RecordedFrame, read
+from exploration.recordings.mcap import RecordedFrame, arrays, read
 from exploration.recordings.recording import Pad, PadFrame, Recording
 from exploration.sensing.frame import TaxelArray
 from exploration.sensing.spec import SensorSpec, load_sensor, sensor_names
 from primitives.arrays import frozen
 from primitives.errors import PalpateError
 
-_LOOKED_AT = 256  # items in which every array of the stage has been heard
-
 
 def read_episode(path: Path, spec: SensorSpec | None = None) -> Recording:
-    """An episode; `spec` describes its array where that is not a built-in one."""
+    """An episode; `spec` describes its array, or of several the one it fits, where that is not a built-in one."""
     with opened(path):
         pass
     pads: dict[str, Pad] = {}
-    for count, item in enumerate(_frames(path)):
-        if count == _LOOKED_AT:
-            break
+    held = _arrays(path)
+    for item in _frames(path):
         if item.sensor not in pads:
-            pads[item.sensor] = _pad(path, item, spec)
+            fits = spec is not None and (len(held) == 1 or spec.array.shape == item.frame.counts.shape)
+            pads[item.sensor] = _pad(path, item, spec if fits else None)
+        if len(pads) == len(held):
+            break
     if not pads:
         raise PalpateError(f"{path} holds no frame of a taxel array; give the episode.mcap of a run")
     names = tuple(pads)
@@ -49,6 +49,13 @@ def read_episode(path: Path, spec: SensorSpec | None = None) -> Recording:
     if not _ends_whole(path):
         told.append("the recording was cut short; this is what is whole of it")
     return Recording(path, ",".join(names), tuple(pads.values()), replay, True, True, tuple(told))
+
+
+def _arrays(path: Path) -> tuple[str, ...]:
+    try:
+        return arrays(path)
+    except (KeyError, ValueError, IndexError):
+        raise PalpateError(f"{path} holds messages of another kind; give the episode.mcap of a run") from None
 
 
 def _ends_whole(path: Path) -> bool:

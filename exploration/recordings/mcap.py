@@ -176,6 +176,16 @@ def read(path: Path) -> Iterator[RecordedFrame | RecordedEvent]:
         raise PalpateError(f"cannot read {path}: {error.strerror or error}") from error
 
 
+def arrays(path: Path) -> tuple[str, ...]:
+    """The names of all arrays that a recording holds frames of, in order of their first."""
+    found: dict[str, None] = {}
+    with path.open("rb") as file:
+        for topic, _ in messages(file):
+            if topic.endswith("/taxels"):
+                found.setdefault(topic.split("/")[1])
+    return tuple(found)
+
+
 def _items(file: BinaryIO) -> Iterator[RecordedFrame | RecordedEvent]:
     parts: dict[tuple[str, int, int], dict[str, Any]] = {}
     for topic, message in messages(file):

@@ -104,6 +104,12 @@ class SensorSpec:
         return self.electronics.plateau / (self.elastomer.stiffness * signal)
 
 
+def whole_body(spec: SensorSpec) -> Housing:
+    """Skin and housing as one box from the skin's plane, as an array counts that is not in use."""
+    x, y, z = spec.housing.size
+    return Housing((x, y, z + spec.housing.proud), 0.0)
+
+
 def sensor_names() -> tuple[str, ...]:
     """The presets that come with Palpate."""
     folder = resources.files(__package__) / "presets"

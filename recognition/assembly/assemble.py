@@ -85,9 +85,15 @@ class Assembly:
 
 
 def assemble(
-    faces: Sequence[FittedFace], box: Floats, options: AssemblyOptions | None = None
+    faces: Sequence[FittedFace],
+    box: Floats,
+    options: AssemblyOptions | None = None,
+    free: Floats | None = None,
 ) -> Assembly | NotClosed:
-    """The body inside all faces, or where they leave the (2, 3) workspace `box` [mm] open."""
+    """The body inside all faces, or where they leave the (2, 3) workspace `box` [mm] open.
+
+    Nothing is at (n, 3) places `free` [mm], as where an array went in.
+    """
     options = options or AssemblyOptions()
     fits = tuple(outward(with_shared_error(f.fit, f.contacts)) for f in faces)
     regularized = regularize(fits, options.regularity)
@@ -97,7 +103,7 @@ def assemble(
     sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
     allowed = max(options.reach_sigmas * sigma, options.least_step)
     if _is_concave([regularized.shapes[i] for i in distinct], distinct, fits, touched, faces, allowed):
-        whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options)
+        whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options, free)
         if not isinstance(whole, NotClosed) or any(f.kind == "torus" for f in fits):
             return whole
     shells = [i for i in distinct if fits[i].convex]
@@ -121,7 +127,7 @@ def assemble(
     made = Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
     if not holes or (off := _off_surface(solid, touched, allowed)) <= options.off_surface:
         return made
-    whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options)
+    whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options, free)
     better = not isinstance(whole, NotClosed) and _off_surface(whole.solid, touched, allowed) < 0.5 * off
     return whole if better else made
 
@@ -173,9 +179,10 @@ def _from_cells(
     distinct: Sequence[int],
     touched: Sequence[tuple[Floats, Floats]],
     options: AssemblyOptions,
+    free: Floats | None,
 ) -> Assembly | NotClosed:
     """Any body: the list of primitives that the cells between the surfaces ask for."""
-    found = concave_pieces([regularized.shapes[i] for i in distinct], touched)
+    found = concave_pieces([regularized.shapes[i] for i in distinct], touched, free)
     if isinstance(found, NotClosed):
         return found
     named = tuple(_renumbered(p, distinct) for p in found)

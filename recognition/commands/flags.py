@@ -23,7 +23,13 @@ Pose = Annotated[
         "as-is (the file's coordinates), or X,Y,Z,QW,QX,QY,QZ."
     ),
 ]
-Sensor = Annotated[str, typer.Option(metavar="NAME|FILE.toml", help="The tactile array (palpate sensors).")]
+Sensor = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME|FILE.toml[,...]",
+        help="The tactile array (palpate sensors); explore changes between several, named with commas.",
+    ),
+]
 MaxTouches = Annotated[int, typer.Option(help="Touches after which it stops.")]
 Support = Annotated[
     str, typer.Option(metavar="none|table", help="What the part lies on; none: no touch can meet its holder.")

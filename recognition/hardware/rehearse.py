@@ -102,7 +102,7 @@ def rehearsed(path: Path) -> list[Motion]:
     measure_latency(guard)
     shaken = len(stage.begun)
     box = np.array(config.limits.workspace_mm)
-    for _ in Explorer(guard, box, ExplorerConfig(), tool=Tool.of(spec)).run():
+    for _ in Explorer(guard, box, ExplorerConfig(), tools=(Tool.of(spec),)).run():
         pass
     ends = [*stage.begun[1:], (stage._time, "", stage.pose())]
     made = [

@@ -16,6 +16,7 @@ from exploration.sensing.spec import SensorSpec, load_sensor, sensor_from_toml, 
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.toml_text import toml_lines
+from recognition.report.one_grid import laid
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 from recognition.running.logbook import APPROACH
 
@@ -25,7 +26,7 @@ _SHARE = 0.02  # of the largest force, above which a frame is in contact
 
 @dataclass(frozen=True)
 class Recorded:
-    """Frames of the first array, and where edges ran; sizes are zero where the array is not known."""
+    """Frames on the grid of the first array, and where edges ran; sizes are zero where it is not known."""
 
     frames: ReportFrames = EMPTY_FRAMES
     traces: Sequence[Floats] = ()  # each (n, 3) [mm]
@@ -33,21 +34,25 @@ class Recorded:
     housing: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-def recorded(path: Path, spec: SensorSpec | None = None) -> Recorded:
-    """What to show of an episode; `spec` describes its array where that is not a built-in one."""
+def recorded(path: Path, specs: Sequence[SensorSpec] = ()) -> Recorded:
+    """What to show of an episode; `specs` describe its arrays where they are not built-in ones.
+
+    Of several arrays those are shown of which more is known than the name; of one that is not known, the frames.
+    """
     first, forces, begun, traces = "", list[float](), list[int](), list[Floats]()
-    touches = 0
+    touches, known = 0, {spec.name: spec for spec in specs}
     for item in read(path):
         if isinstance(item, RecordedEvent):
             traces += _trace(item)
             touches = _begun(item, touches)
             continue
         first = first or item.sensor
-        if item.sensor == first:
+        if item.sensor not in known and item.sensor in sensor_names():
+            known[item.sensor] = load_sensor(item.sensor)
+        if item.sensor == first or (first in known and item.sensor in known):
             forces.append(-float(item.wrench[2]))
             begun.append(touches)
-    if spec is None and first in sensor_names():
-        spec = load_sensor(first)
+    spec = known.get(first)
     pad, housing = ((0.0, 0.0), (0.0, 0.0, 0.0)) if spec is None else (spec.array.size, spec.housing.size)
     if not forces:
         return Recorded(EMPTY_FRAMES, traces, pad, housing)
@@ -56,14 +61,14 @@ def recorded(path: Path, spec: SensorSpec | None = None) -> Recorded:
     touch = np.where(pressed, np.maximum(begun, 1) - 1, -1)
     wanted = {*_spread(np.flatnonzero(pressed), _CONTACT), *_spread(np.flatnonzero(~pressed), _FREE)}
     chosen = sorted(wanted)
-    kept = _kept(path, first, wanted)
+    kept = _kept(path, first, known, wanted)
     frames = ReportFrames(
         times=np.array([item.frame.time for item in kept]),
         poses=np.stack([item.world_from_sensor for item in kept]),
-        counts=np.stack([item.frame.counts for item in kept]),
+        counts=np.stack([_on_first(item, first, known) for item in kept]),
         forces=force[chosen],
         touch=touch[chosen],
-        lines=_lines(kept, pressed[chosen].tolist(), spec),
+        lines=_lines(kept, pressed[chosen].tolist(), known),
     )
     return Recorded(frames, traces, pad, housing)
 
@@ -74,35 +79,56 @@ def _begun(event: RecordedEvent, before: int) -> int:
     return number if isinstance(number, int) else before
 
 
-def resolved_spec(resolved: Mapping[str, Any]) -> SensorSpec | None:
-    """The array as `config.toml` describes it; None where it does not."""
+def resolved_specs(resolved: Mapping[str, Any]) -> tuple[SensorSpec, ...]:
+    """The arrays as `config.toml` describes them; none where it does not."""
     try:
-        told = dict(resolved["sensor"])
-        array = dict(told.pop("array"))
-        name = str(array.pop("name"))
-        return sensor_from_toml("\n".join(toml_lines({"name": name, **told, "array": array})), name)
-    except (KeyError, TypeError, ValueError, PalpateError):
-        return None
+        return tuple(
+            map(_spec, resolved["sensors"].values() if "sensors" in resolved else [resolved["sensor"]])
+        )
+    except (KeyError, TypeError, ValueError, AttributeError, PalpateError):
+        return ()
 
 
-def _kept(path: Path, sensor: str, wanted: set[int]) -> list[RecordedFrame]:
+def _spec(described: Mapping[str, Any]) -> SensorSpec:
+    told = dict(described)
+    array = dict(told.pop("array"))
+    name = str(array.pop("name"))
+    return sensor_from_toml("\n".join(toml_lines({"name": name, **told, "array": array})), name)
+
+
+def _on_first(item: RecordedFrame, first: str, known: Mapping[str, SensorSpec]) -> Floats:
+    if item.sensor == first:
+        return item.frame.counts
+    return laid(item.frame.counts, known[item.sensor], known[first])
+
+
+def _kept(path: Path, first: str, known: Mapping[str, SensorSpec], wanted: set[int]) -> list[RecordedFrame]:
     kept, number = list[RecordedFrame](), 0
     for item in read(path):
-        if isinstance(item, RecordedFrame) and item.sensor == sensor:
+        if not isinstance(item, RecordedFrame):
+            continue
+        if item.sensor == first or (first in known and item.sensor in known):
             if number in wanted:
                 kept.append(item)
             number += 1
     return kept
 
 
-def _lines(kept: Sequence[RecordedFrame], pressed: Sequence[bool], spec: SensorSpec | None) -> list[Floats]:
-    """Angle and offset of each line in each frame that touches; none where the array is not known."""
-    if spec is None or any(item.frame.counts.shape != spec.array.shape for item in kept):
+def _lines(
+    kept: Sequence[RecordedFrame], pressed: Sequence[bool], known: Mapping[str, SensorSpec]
+) -> list[Floats]:
+    """Angle and offset of each line in each frame that touches; none where an array is not known."""
+    if any(k.sensor not in known or k.frame.counts.shape != known[k.sensor].array.shape for k in kept):
         return []
-    calibration = Calibration.nominal(spec)
+    calibrations = {name: Calibration.nominal(spec) for name, spec in known.items()}
     return [
         np.array(
-            [(x.angle, x.offset) for x in sure_lines(correct(item.frame, calibration, spec.array))]
+            [
+                (line.angle, line.offset)
+                for line in sure_lines(
+                    correct(item.frame, calibrations[item.sensor], known[item.sensor].array)
+                )
+            ]
             if touches
             else []
         ).reshape(-1, 2)

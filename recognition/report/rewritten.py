@@ -21,7 +21,7 @@ from primitives.errors import PalpateError
 from primitives.pose import from_quaternion
 from recognition.report.against import drawn_truth, off_truth
 from recognition.report.page import write_report
-from recognition.report.recorded import Recorded, recorded, resolved_spec
+from recognition.report.recorded import Recorded, recorded, resolved_specs
 from recognition.report.relabeled import labeled_mesh
 from recognition.report.run_report import ReportMesh, RunReport
 from recognition.report.suite_page import suite_html
@@ -66,7 +66,7 @@ def _summary(run: Path) -> dict[str, Any]:
 def so_far(run: Path) -> RunReport:
     """What is recorded of a run that goes on, or that was ended before it had a page."""
     settings, resolved = _config(run / "config.toml")
-    told = recorded(run / RECORDING, resolved_spec(resolved))
+    told = recorded(run / RECORDING, resolved_specs(resolved))
     name = Path(str(settings.get("part") or run.name)).stem
     return RunReport(
         summary={"part": name, "sensor": None, "ended": "not yet"},
@@ -84,8 +84,8 @@ def so_far(run: Path) -> RunReport:
 def _report(run: Path, summary: dict[str, Any]) -> RunReport:
     points, faces = _contacts(run / "contacts.csv")
     settings, resolved = _config(run / "config.toml")
-    spec = resolved_spec(resolved)
-    told = recorded(run / RECORDING, spec) if (run / RECORDING).is_file() else Recorded()
+    specs = resolved_specs(resolved)
+    told = recorded(run / RECORDING, specs) if (run / RECORDING).is_file() else Recorded()
     trace = np.array(summary.get("trace") or np.empty((0, 3)), dtype=float).reshape(-1, 3)
     model = labeled_mesh(run / "model.stl", points, faces)
     if summary["command"] == "identify":

@@ -8,7 +8,7 @@ force (0, 0, -sum f) and torque (-sum y f, sum x f, 0), in the sensor's frame.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,9 +19,11 @@ from exploration.recordings.mcap import Recorder
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import sure_lines
 from exploration.sensing.load import load_of
+from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
 from recognition.console.interrupts import checkpoint
+from recognition.report.one_grid import laid
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 
 APPROACH = "approach"  # the event with which a touch begins
@@ -51,8 +53,10 @@ class _Kept:
 class Logbook:
     """Watches a guard."""
 
-    def __init__(self, recorder: Recorder, config: LogConfig | None = None) -> None:
-        self._recorder = recorder
+    def __init__(
+        self, recorder: Recorder, config: LogConfig | None = None, specs: Sequence[SensorSpec] = ()
+    ) -> None:
+        self._recorder, self._specs = recorder, tuple(specs)
         self._config = config or LogConfig()
         self._contact = Thinned(self._config.contact_frames)
         self._free = Thinned(self._config.free_frames)
@@ -92,11 +96,17 @@ class Logbook:
         return ReportFrames(
             times=np.array([item.seen.time for item in kept]),
             poses=np.stack([item.seen.world_from_sensor for item in kept]),
-            counts=np.stack([item.seen.frame.counts for item in kept]),
+            counts=np.stack([self._shown(item.seen) for item in kept]),
             forces=np.array([item.seen.force for item in kept]),
             touch=np.array([item.touch for item in kept]),
             lines=[item.lines for item in kept],
         )
+
+    def _shown(self, seen: Observation) -> Floats:
+        """The counts of a frame on the grid of the first array."""
+        if seen.sensor == 0:
+            return seen.frame.counts
+        return laid(seen.frame.counts, self._specs[seen.sensor], self._specs[0])
 
 
 class Thinned:

@@ -1,4 +1,4 @@
-"""The simulated world of a run: the object at its pose, one array over it, and the guard in front of that array.
+"""The simulated world of a run: the object at its pose, arrays on one stage over it, and a guard before them.
 
 The object stays here.  What leaves is the guard, and the truth once exploration has ended.
 """
@@ -13,7 +13,7 @@ import numpy as np
 import trimesh
 
 from exploration.devices.guard import Guard, GuardLimits, Observation
-from exploration.devices.simulated import simulate
+from exploration.devices.simulated import simulate, turret
 from exploration.planning.routes import Tool
 from exploration.planning.told import Told
 from exploration.sensing.calibration import Calibration
@@ -58,11 +58,26 @@ class World:
 
     part: Part
     solid: Solid  # the part at its pose
-    spec: SensorSpec
+    specs: tuple[SensorSpec, ...]  # of the arrays on the stage; the first is the one to begin with
     box: Floats  # (2, 3) the workspace [mm]
     config: WorldConfig
     beside: tuple[Solid, ...] = ()  # table and cover, which are told to whoever explores
     device: Device | None = None  # in place of a simulated object, of which then nothing is known
+
+    @property
+    def spec(self) -> SensorSpec:
+        """The array to begin with."""
+        return self.specs[0]
+
+    @property
+    def sensor(self) -> str:
+        """The arrays' names, with commas between them."""
+        return ",".join(spec.name for spec in self.specs)
+
+    @property
+    def mounts(self) -> list[Floats]:
+        """(4, 4) flange_from_sensor of each array."""
+        return turret(self.specs)
 
     @property
     def surface(self) -> Surface:
@@ -81,39 +96,41 @@ class World:
 
     def resolved(self) -> dict[str, Any]:
         """What the settings came to, for `config.toml`."""
-        if not self.known:
-            return {"sensor": asdict(self.spec)}
-        return {
-            "world_from_part": {
-                "translation_mm": self.solid.pose[:3, 3],
-                "quaternion_wxyz": se3.quaternion_wxyz(self.solid.pose),
-            },
-            "sensor": asdict(self.spec),
-        }
+        told: dict[str, Any] = {"sensor": asdict(self.spec)}
+        if len(self.specs) > 1:
+            told["sensors"] = {spec.name: asdict(spec) for spec in self.specs}
+            told["flange_from_sensor"] = {
+                spec.name: _pose_told(mount) for spec, mount in zip(self.specs, self.mounts, strict=True)
+            }
+        return {"world_from_part": _pose_told(self.solid.pose), **told} if self.known else told
 
 
-def load_world(options: ExploreOptions, config: WorldConfig | None = None, part: Part | None = None) -> World:
+def load_world(
+    options: ExploreOptions,
+    config: WorldConfig | None = None,
+    part: Part | None = None,
+    several: bool = False,
+) -> World:
     """Part and sensor, checked before anything is written; the same for the same seed.
 
-    `part` is in place of the one that the options name.
+    `part` is in place of the one that the options name.  Who works with `several` arrays says so; for others the
+    first of them is on the stage, and a warning tells of it.
     """
     config = config or WorldConfig()
     if options.device is not None:
         from recognition.hardware.world import wired
 
         device = wired(options.device)
-        return World(device.part, cast(Solid, None), device.spec, device.box, config, device=device)
-    spec, *more = (load_sensor(name.strip()) for name in options.sensors)
-    if more:
-        raise PalpateError(
-            f"one --sensor explores at a time for now; choose one of {', '.join(options.sensors)}"
-        )
-    if options.noise is not None:
-        spec = replace(spec, electronics=replace(spec.electronics, noise=options.noise))
+        return World(device.part, cast(Solid, None), (device.spec,), device.box, config, device=device)
+    specs = _arrays(options)
     if part is None:
         part = load_part(
             options.part, cast(Units, options.units), options.scale, options.body, options.facets
         )
+    if len(specs) > 1 and not several:
+        left = ", ".join(spec.name for spec in specs[1:])
+        told = f"only the first array, {specs[0].name}, is used; {left}: explore alone changes arrays"
+        part, specs = replace(part, warnings=(*part.warnings, told)), specs[:1]
     box = np.reshape(options.workspace, (2, 3))
     world_from_part = options.fixed_pose
     if world_from_part is None:
@@ -127,7 +144,22 @@ def load_world(options: ExploreOptions, config: WorldConfig | None = None, part:
     if options.cover is not None:
         cover = load_part(options.cover, cast(Units, options.units), options.scale)
         beside.append(cover.solid.placed(world_from_part))
-    return World(part, solid, spec, box, config, tuple(beside))
+    return World(part, solid, specs, box, config, tuple(beside))
+
+
+def _arrays(options: ExploreOptions) -> tuple[SensorSpec, ...]:
+    """Those that the options name, each once: a recording tells them apart by name."""
+    specs = [load_sensor(name.strip()) for name in options.sensors]
+    names = [spec.name for spec in specs]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise PalpateError(f"--sensor names {twice[0]} twice; give each array of a stage a name of its own")
+    if options.noise is not None:
+        specs = [replace(s, electronics=replace(s.electronics, noise=options.noise)) for s in specs]
+    return tuple(specs)
+
+
+def _pose_told(pose: Floats) -> dict[str, Any]:
+    return {"translation_mm": pose[:3, 3], "quaternion_wxyz": se3.quaternion_wxyz(pose)}
 
 
 def random_pose(
@@ -154,7 +186,7 @@ def guarded(
     surface: Surface | None = None,
     latency: float = 0.0,
 ) -> Guard:
-    """The array over the object, behind a guard that shows every observation to `observer`.
+    """The arrays over the object, behind a guard that shows every observation to `observer`.
 
     `surface` stands for the object where that is made of something; the stage obeys `latency` [s] late.
     """
@@ -166,16 +198,16 @@ def guarded(
     rng = np.random.default_rng(options.seed)
     stage, arrays = simulate(
         surface or world.surface,
-        [world.spec],
+        world.specs,
         rng,
         pose_noise=options.pose_noise,
-        start_pose=above,
+        start_pose=above @ se3.inverse(world.mounts[0]),
+        flange_from_sensor=world.mounts,
         latency=latency,
     )
     reach = (*(low - world.config.reach), *(high + world.config.reach))
-    guard = Guard(
-        stage, arrays, [Calibration.nominal(world.spec)], GuardLimits(reach=tuple(map(float, reach)))
-    )
+    calibrations = [Calibration.nominal(spec) for spec in world.specs]
+    guard = Guard(stage, arrays, calibrations, GuardLimits(reach=tuple(map(float, reach))))
     guard.observers = (lambda seen: observer(guard, seen),)
     return guard
 
@@ -189,7 +221,12 @@ def beside(world: World, options: ExploreOptions) -> Told | None:
         for body in world.beside
     ]
     top = float(world.beside[0].bounds[1, 2]) if options.support == "table" else None
-    return Told(Scene(world.beside), np.concatenate(spots), Tool.of(world.spec), top)
+    return Told(Scene(world.beside), np.concatenate(spots), tools(world)[0], top)
+
+
+def tools(world: World) -> tuple[Tool, ...]:
+    """What each array is to whoever plans its way."""
+    return Tool.each(world.specs, world.mounts)
 
 
 def _require_inside(solid: Solid, box: Floats) -> None:

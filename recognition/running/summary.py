@@ -47,7 +47,7 @@ def summarize(
         "command": "explore",
         "version": version("palpate"),
         "part": world.part.name,
-        "sensor": world.spec.name,
+        "sensor": world.sensor,
         "seed": options.seed,
         "closed": closed,
         "ended": _OPEN if ended == CLOSED and not closed else ended,

@@ -76,7 +76,7 @@ def felt_contacts(path: Path, options: ReplayOptions | None = None) -> Replayed:
 def _chosen(feeler: Feeler, options: ReplayOptions) -> tuple[list[tuple[PadFrame, int]], Felt]:
     """Frames in contact, a step apart, each with its touch; and what the whole cost."""
     chosen: list[tuple[PadFrame, int]] = []
-    touch, touching, since = -1, False, 0
+    touch, touching, since, pad = -1, False, 0, 0
     count, travel, first, last = 0, 0.0, 0.0, 0.0
     here: Floats | None = None
     kept: Floats | None = None
@@ -84,10 +84,11 @@ def _chosen(feeler: Feeler, options: ReplayOptions) -> tuple[list[tuple[PadFrame
         pose = item.world_from_sensor
         if pose is None:
             continue
-        travel += 0.0 if here is None else float(np.linalg.norm(pose[:3, 3] - here[:3, 3]))
+        travel += 0.0 if here is None or item.pad != pad else float(np.linalg.norm(pose[:3, 3] - here[:3, 3]))
         here, last = pose, item.frame.time
         first = item.frame.time if count == 0 else first
         count += 1
+        touching, pad = touching and item.pad == pad, item.pad
         if not _presses(feeler, item, options):
             touching = False
             continue

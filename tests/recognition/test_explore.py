@@ -161,7 +161,7 @@ def test_a_bug_after_exploration_leaves_the_recording_whole_and_its_details(monk
         explorer.guard.hold(5)
         yield explorer.found
 
-    def broken(*_):
+    def broken(*_, **__):
         raise ValueError("no such thing")
 
     monkeypatch.setattr("recognition.explore.reconstruct", broken)

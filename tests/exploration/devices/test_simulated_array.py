@@ -101,6 +101,15 @@ def test_arrays_on_one_stage_share_its_clock(block):
     assert facing[0] @ facing[1] == pytest.approx(-1.0)
 
 
+def test_an_array_that_is_not_in_use_must_meet_nothing(block):
+    finger = load_sensor("fingertip")
+    for gap, met in ((1.0, set()), (-1.0, {("collision", "fingertip")})):
+        at = pose(None, [0.0, 0.0, 20.0 + gap + 63.0])
+        stage, (pad, _) = simulate(block, [LTS, finger], np.random.default_rng(0), start_pose=at)
+        pad.read()
+        assert {(event.kind, event.source) for event in stage.events()} == met
+
+
 def test_the_noise_asked_for_is_the_noise_given(block):
     _, (array,) = simulate(
         block, [LTS], np.random.default_rng(0), noise=0.05, start_pose=pose(DOWN, [0, 0, 19.6])

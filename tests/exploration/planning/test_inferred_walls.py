@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from exploration.planning.inferred_walls import inferred_walls
-from exploration.planning.routes import Tool
 from exploration.planning.study import Wall
 from primitives import pose as se3
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 
-TOOL = Tool(np.array([-10.0, -10.0, -60.0]), np.array([10.0, 10.0, 0.0]))
+HALF = np.array([10.0, 10.0])
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -32,13 +31,13 @@ def stopped(at, heading, turn=0.0):
     """A stop of a pad that lies on the plate, turned about its normal by `turn` [rad]."""
     facing = se3.rotation_exp([0.0, 0.0, turn]) @ np.diag([1.0, -1.0, -1.0])
     way = np.asarray(heading, dtype=float)
-    return Wall(np.array(at) + 9.0 * way, way, UP, se3.pose(facing, at))
+    return Wall(np.array(at) + 9.0 * way, way, UP, se3.pose(facing, at), HALF)
 
 
 def test_two_stops_in_a_row_make_a_plane_where_the_housing_was():
     rng = np.random.default_rng(0)
     stops = [stopped([10.0 + rng.normal(0.0, 0.1), y, 0.0], [1.0, 0.0, 0.0]) for y in (-12.0, 0.0, 12.0)]
-    (lot,) = inferred_walls(stops, PLATE, TOOL)
+    (lot,) = inferred_walls(stops, PLATE)
     assert lot.points[:, 0] == pytest.approx(20.0, abs=0.2)
     assert lot.normals == pytest.approx(np.broadcast_to([-1.0, 0.0, 0.0], lot.normals.shape))
     assert (lot.touch == NOT_FELT).all()
@@ -50,14 +49,14 @@ def test_a_turned_pad_is_stopped_at_its_corner():
     turn = 0.3
     reach = 10.0 * (np.cos(turn) + np.sin(turn))
     stops = [stopped([20.0 - reach, y, 0.0], [1.0, 0.0, 0.0], turn) for y in (-10.0, 10.0)]
-    (lot,) = inferred_walls(stops, PLATE, TOOL)
+    (lot,) = inferred_walls(stops, PLATE)
     assert lot.points[:, 0] == pytest.approx(20.0)
 
 
 def test_one_stop_and_stops_at_one_place_tell_nothing():
     one = stopped([10.0, 0.0, 0.0], [1.0, 0.0, 0.0])
-    assert inferred_walls([one], PLATE, TOOL) == []
-    assert inferred_walls([one, stopped([10.1, 0.5, 0.0], [1.0, 0.0, 0.0])], PLATE, TOOL) == []
+    assert inferred_walls([one], PLATE) == []
+    assert inferred_walls([one, stopped([10.1, 0.5, 0.0], [1.0, 0.0, 0.0])], PLATE) == []
 
 
 def test_stops_round_a_boss_make_no_plane():
@@ -65,7 +64,7 @@ def test_stops_round_a_boss_make_no_plane():
     for angle in np.linspace(0.0, 2 * np.pi, 8, endpoint=False):
         way = np.array([np.cos(angle), np.sin(angle), 0.0])
         stops.append(stopped(-way * 32.0, way, angle))
-    assert inferred_walls(stops, PLATE, TOOL) == []
+    assert inferred_walls(stops, PLATE) == []
 
 
 def test_a_pad_that_leans_infers_nothing():
@@ -73,5 +72,5 @@ def test_a_pad_that_leans_infers_nothing():
     stops = []
     for y in (-12.0, 12.0):
         at, way = [10.0, y, 0.0], leaning[:, 0]
-        stops.append(Wall(np.array(at) + 9.0 * way, way, -leaning[:, 2], se3.pose(leaning, at)))
-    assert inferred_walls(stops, PLATE, TOOL) == []
+        stops.append(Wall(np.array(at) + 9.0 * way, way, -leaning[:, 2], se3.pose(leaning, at), HALF))
+    assert inferred_walls(stops, PLATE) == []

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, read
+from exploration.recordings.episode import read_episode
+from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, arrays, read
 from exploration.sensing.frame import TaxelFrame
 from primitives.errors import PalpateError
 from primitives.pose import pose, random_rotation
@@ -57,6 +58,19 @@ def test_what_is_recorded_reads_back_in_order(recorded):
         np.testing.assert_allclose(found.wrench, wrench, rtol=1e-8)
     assert items[0] == RecordedEvent(0.0, "touch", items[0].detail)
     assert items[0].detail["index"] == 0
+
+
+def test_an_array_that_is_turned_to_the_object_late_is_read_as_the_others_are(tmp_path):
+    path = tmp_path / "two.mcap"
+    with Recorder(path) as recorder:
+        for i in range(320):
+            name, shape = ("fingertip", (4, 4)) if i >= 300 else ("lts210", (10, 16))
+            recorder.frame(name, TaxelFrame(np.full(shape, float(i)), i / 200, i), np.eye(4), np.zeros(6))
+    assert arrays(path) == ("lts210", "fingertip")
+    recording = read_episode(path)
+    assert recording.sensor == "lts210,fingertip"
+    assert [item.pad for item in recording.frames()] == [0] * 300 + [1] * 20
+    assert [pad.spec.name for pad in recording.pads] == ["lts210", "fingertip"]
 
 
 def test_counts_that_are_not_whole_survive_in_single_precision(tmp_path):

@@ -7,6 +7,7 @@ import numpy as np
 from exploration.devices.guard import Observation
 from exploration.recordings.mcap import Recorder
 from exploration.sensing.frame import TactileImage, TaxelArray, TaxelFrame
+from exploration.sensing.spec import load_sensor
 from primitives.arrays import frozen
 from recognition.report.recorded import recorded
 from recognition.running.logbook import Logbook
@@ -43,3 +44,15 @@ def test_contact_in_a_recording_that_counts_no_touches_is_contact(tmp_path):
             recorder.frame("pad", seen.frame, np.eye(4), wrench)
     told = recorded(tmp_path / "episode.mcap").frames
     np.testing.assert_array_equal(told.touch, [-1] * 5 + [0] * 5)
+
+
+def test_frames_of_a_second_array_are_shown_on_the_grid_of_the_first(tmp_path):
+    specs = [load_sensor("lts210"), load_sensor("fingertip")]
+    with Recorder(tmp_path / "episode.mcap") as recorder:
+        for k, spec in enumerate(specs):
+            counts = np.full(spec.array.shape, spec.electronics.offset + spec.electronics.plateau)
+            recorder.frame(spec.name, TaxelFrame(counts, 0.01 * k, k), np.eye(4), np.zeros(6))
+    wide, small = recorded(tmp_path / "episode.mcap").frames.counts
+    assert (wide == 130.0).all()
+    assert np.count_nonzero(small == 130.0) == 16  # 8 x 8 mm of a grid of 1.8 mm
+    assert set(small.ravel().tolist()) == {10.0, 130.0}

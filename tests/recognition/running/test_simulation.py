@@ -45,11 +45,20 @@ def test_noise_that_is_told_replaces_the_sensors_own():
     assert load_world(ExploreOptions("cube", noise=0.05)).spec.electronics.noise == 0.05
 
 
+def test_who_works_with_one_array_takes_the_first_of_several_and_says_so():
+    options = ExploreOptions("cube", sensors=("lts210", "fingertip"))
+    one, both = load_world(options), load_world(options, several=True)
+    assert one.sensor == "lts210"
+    assert "only the first array" in one.part.warnings[-1]
+    assert both.sensor == "lts210,fingertip"
+    assert both.part.warnings == one.part.warnings[:-1]
+
+
 @pytest.mark.parametrize(
     ("options", "says"),
     [
         (ExploreOptions("cube", pose=(290.0, 0, 0, 1, 0, 0, 0)), "--workspace"),
-        (ExploreOptions("cube", sensors=("lts210", "dsa")), "one --sensor"),
+        (ExploreOptions("cube", sensors=("lts210", "lts210")), "names lts210 twice"),
     ],
 )
 def test_what_cannot_be_explored_is_refused(options, says):

@@ -1,0 +1,156 @@
+"""Going into slots and pockets with an array that has room there: to the floor, then against what stands round it.
+
+No taxel looks sideways, and an array in a slot cannot turn to its walls.  But on the floor every wall stops
+strokes, and two stops from places apart tell how it lies (`inferred_walls`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from exploration.control.procedures.approach import retreat
+from exploration.devices.guard import Collision, OverPress
+from exploration.planning.findings import Attempts, Done
+from exploration.planning.mouths import Mouth, innermost, lids
+from exploration.planning.reach import Reach
+from exploration.planning.study import Study
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
+
+Move = Callable[[], Done]
+
+
+_ALIKE = 0.95  # cosine from which two faces look the same way
+_PLANE = 1.5  # [mm] off a face's plane, that is still in it
+_ACROSS = np.array([-1.0, 0.0, 1.0])
+_BESIDE = 4.0  # [mm] beside a way, that is still on it
+
+
+@dataclass(frozen=True)
+class EnteringConfig:
+    """Where an array goes in, and how it feels round."""
+
+    inside: float = 2.0  # [mm] behind a mouth, where the array must have room
+    between: float = 9.0  # [mm] between two soundings
+    known: float = 25.0  # [mm] beside a felt floor, where it goes on and is not sounded again
+    aside: float = 4.5  # [mm] from the middle, of the two strokes to one side
+    spare: float = 1.5  # [mm] of room beside them
+    lift: float = 5.0  # [mm] off the floor between them
+    within: float = 1.0  # [mm] of skin and housing, where there is surely nothing else
+    rim: float = 6.0  # [mm] from a mouth's end, within which its face goes on
+
+
+class Entering:
+    """What is tried in the mouths of an object."""
+
+    def __init__(self, study: Study, reach: Reach, config: EnteringConfig | None = None) -> None:
+        self.study, self.reach, self.config = study, reach, config or EnteringConfig()
+        self._deep = -float(study.pad.tool.low[2])
+        self._sounded = Attempts(1, self.config.between)
+
+    def ways_in(
+        self, across: Sequence[Mouth], alongs: Callable[[Floats], list[Floats]]
+    ) -> Iterator[tuple[Floats, Move]]:
+        """Where the array may go in, with the move; `alongs` gives directions to turn to on a (3,) normal.
+
+        What is behind a mouth is closed to all other ways from now on.
+        """
+        self.reach.lids = lids(across)
+        wide = 2.0 * float(self.study.pad.tool.high[:2].min())
+        for mouth in innermost(across):
+            if mouth.width > wide and self._sounded.count(mouth.center) == 0 and not self._floored(mouth):
+                turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
+                poses = [
+                    se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns
+                ]
+                if room := [pose for pose in poses if self.reach.clear(pose)]:
+                    yield mouth.center, partial(self._sound, mouth, room)
+
+    def _floored(self, mouth: Mouth) -> bool:
+        """Whether a floor behind a mouth is known already."""
+        cells = self.reach.felt.points[self.reach.felt.facing @ mouth.normal > _ALIKE] - mouth.center
+        deep = cells @ mouth.normal
+        beside = np.linalg.norm(cells - deep[:, None] * mouth.normal, axis=1)
+        return bool(((deep < -_PLANE) & (beside < self.config.known) & (deep > -self._deep)).any())
+
+    def _inside(self, mouth: Mouth) -> Floats:
+        return mouth.center - self.config.inside * mouth.normal
+
+    def _sound(self, mouth: Mouth, poses: Sequence[Floats]) -> Done:
+        """Go into a mouth, down to its floor."""
+        self._sounded.note(mouth.center)
+        for pose in poses:
+            if self.reach.sound(pose):
+                self._went(mouth, self.study.pad.guard.world_from_sensor)
+                return self._felt_round(mouth)
+            if self.reach.led:
+                self._sounded.note(
+                    self.study.pad.guard.world_from_sensor[:3, 3]
+                )  # perhaps out on the other side
+                self.reach.come_out()
+                return None, "went in and met nothing"
+        return None, "no way led in"
+
+    def _felt_round(self, mouth: Mouth) -> Done:
+        """Stroke over the floor toward each side that has a rim, from two places apart."""
+        pad, felt = self.study.pad, [self.study.pad.feel()]
+        home = pad.guard.world_from_sensor
+        x, y = home[:3, 0], home[:3, 1]
+        room = {sign: [self._to_rim(mouth, sign * way) for way in (x, y)] for sign in (1.0, -1.0)}
+        half = pad.tool.high[:2] + self.config.spare
+        for k, (way, aside) in enumerate(((x, y), (y, x))):
+            shift = min(self.config.aside, *(room[sign][1 - k][0] - half[1 - k] for sign in (1.0, -1.0)))
+            for sign in (1.0, -1.0):
+                length, stands = room[sign][k]
+                for beside in (shift, -shift) if stands and shift > 0.0 else ():
+                    place = se3.pose(home[:3, :3], home[:3, 3] + beside * aside)
+                    if not self._stroke(mouth, place, sign * way, length + self.config.spare, felt):
+                        return self.study.take_in(
+                            Contacts.concatenate(felt)
+                        ), "went in and felt part of a floor"
+        return self.study.take_in(Contacts.concatenate(felt)), "went in and felt a floor and its walls"
+
+    def _went(self, mouth: Mouth, pose: Floats) -> None:
+        """Note what the array fills of a mouth at a (4, 4) pose: no material is there."""
+        deep = float((pose[:3, 3] - mouth.center) @ pose[:3, 2])
+        half = self.study.pad.tool.high[:2] - self.config.within
+        axes = [half[0] * _ACROSS, half[1] * _ACROSS, -np.arange(self.config.within, deep, 2.0)]
+        local = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        self.study.found.inside.append(se3.transform_points(pose, local))
+
+    def _to_rim(self, mouth: Mouth, way: Floats) -> tuple[float, bool]:
+        """[mm] from a mouth's middle to where it ends along a (3,) direction, and whether its face goes on."""
+        places, facing = self.reach.lids
+        end = _farthest(places[facing @ mouth.normal > _ALIKE] - mouth.center, mouth.normal, way, np.inf)
+        cells = self.reach.felt.points[self.reach.felt.facing @ mouth.normal > _ALIKE] - mouth.center
+        rim = _farthest(cells, mouth.normal, way, end + self.config.rim)
+        return max(end, 0.0), rim > end
+
+    def _stroke(self, mouth: Mouth, place: Floats, way: Floats, length: float, felt: list[Contacts]) -> bool:
+        """From a (4, 4) place on the floor along a (3,) way, to what stops it; false where it got lost."""
+        pad = self.study.pad
+        try:
+            retreat(pad.guard, self.config.lift)
+            if not pad.touch(place, self.config.lift, self.config.lift):
+                return False
+            heading = pad.guard.world_from_sensor[:3, :2].T @ way
+            stroke = pad.stroke(heading / np.linalg.norm(heading), length)
+        except (Collision, OverPress) as error:
+            self.study.found.warnings.append(str(error))
+            return False
+        felt.append(stroke.contacts)
+        self.study.note_wall(stroke)
+        self._went(mouth, pad.guard.world_from_sensor if stroke.met is None else stroke.met)
+        return stroke.ended in ("wall", "length", "concavity")
+
+
+def _farthest(places: Floats, normal: Floats, way: Floats, most: float) -> float:
+    """[mm] along a way in a face's plane, of the farthest of (n, 3) places beside it, up to `most`."""
+    ahead, aside = places @ way, places @ np.cross(normal, way)
+    near = (np.abs(places @ normal) < _PLANE) & (np.abs(aside) < _BESIDE) & (ahead <= most)
+    return float(ahead[near].max(initial=0.0))
