@@ -211,5 +211,6 @@ class Explorer:
         target = turn @ self.guard.world_from_sensor
         self.guard.go_to(target)
         if not self.pad.come_down(target[:3, 2], 40.0):
+            self.guard.go_to(target)
             return None, "looked for the object again in vain"
         return self._study.face_here(), "came down beside the first contact"

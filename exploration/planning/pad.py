@@ -125,6 +125,7 @@ class Pad:
     def travel(self, target: Floats, far: Support, standoff: float) -> None:
         """Through free space to `standoff` mm before a (4, 4) target on the supporting plane `far`."""
         retreat(self.guard, self.config.lift)
+        tare(self.guard)  # what the rubber remembers would pass for a contact on the way
         goal = target @ se3.pose(translation=[0.0, 0.0, -standoff])
         here = self.guard.world_from_sensor
         same = self.here.normal @ far.normal > 0.995

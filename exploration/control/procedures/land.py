@@ -11,6 +11,7 @@ from scipy.ndimage import uniform_filter
 from exploration.control.feel import Felt
 from exploration.control.procedures.approach import ApproachConfig, advance, retreat
 from exploration.control.procedures.settle import SettleConfig, Unsettled, settle
+from exploration.control.procedures.tare import tare
 from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.sensing.frame import TactileImage
 from primitives import pose as se3
@@ -39,12 +40,13 @@ def land(
 
     When the housing meets the object first, the pad backs off, leans to the side on which it felt contact, as
     settling would have rolled it, and advances along its own new normal.  With `felt_at` (2,) [mm] it leans at
-    once.
+    once.  What the rubber remembers of a hard contact is taken out before: it would pass for a new one.
     """
     for _ in range(config.tries):
         try:
             if felt_at is not None:
                 retreat(guard, config.back)
+                tare(guard)
                 direction = _lean(guard, felt_at, config)
                 distance, speed = 3.0 * config.back, ApproachConfig().speed
             if advance(guard, direction, distance, speed) is None:
