@@ -28,7 +28,7 @@ class ApproachConfig:
     overshoot: float = 0.3  # share of the nominal force, by which a first contact may exceed it
     sharpest: float = 15.0  # [mm] radius of a ball on which that still holds
     search_share: float = 0.75  # of the greatest depth allowed, that a contact met in a search may reach
-    tick: float = 0.6  # [mm] of travel in one, at most, however slow the array is read
+    tick: float = 0.3  # [mm] of travel in one, at most, however slow the array is read
     search_speed: float = 50.0  # [mm/s] through space that has not been seen yet
     sigmas: float = 6.0  # a taxel is touched above this many standard deviations of its noise
     taxels: int = 2  # as many neighbors must be touched, so that noise alone starts nothing
