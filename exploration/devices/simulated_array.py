@@ -14,7 +14,7 @@ from exploration.devices.protocols import StageEvent
 from exploration.devices.simulated_stage import SimulatedStage
 from exploration.sensing.frame import TaxelArray, TaxelFrame
 from exploration.sensing.physics.capacitor import transducer
-from exploration.sensing.physics.electronics import Memory, draw_unit, read_out
+from exploration.sensing.physics.electronics import Memory, Unit, draw_unit, read_out
 from exploration.sensing.physics.gap import gap
 from exploration.sensing.physics.housing import HousingWatch
 from exploration.sensing.physics.skin import skin_of
@@ -35,6 +35,7 @@ class SimulatedArray:
         stage: SimulatedStage,
         flange_from_sensor: Floats,
         rng: np.random.Generator,
+        unit: Unit | None = None,
     ) -> None:
         self._surface, self._spec, self._stage, self._rng = surface, spec, stage, rng
         self._mount = frozen(flange_from_sensor)
@@ -52,7 +53,7 @@ class SimulatedArray:
         self._far = FreeSpaceBound(surface, spec, stage.limits)
         self._nothing = np.zeros(spec.array.shape)
         self._share = _scan_share(spec)
-        self._unit = draw_unit(spec, rng)
+        self._unit = draw_unit(spec, rng) if unit is None else unit
         self._memory = Memory.fresh(spec)
         self._index = 0
         self._due = 0
@@ -61,6 +62,11 @@ class SimulatedArray:
         self._warmth: Warmth | None = None
         if spec.thermal is not None:
             self._warmth = Warmth(spec.thermal, surface, rng)
+
+    def over(self, surface: Surface, pose: Floats, rng: np.random.Generator) -> "SimulatedArray":
+        """The same unit at rest over another surface, at a (4, 4) pose, and just switched on."""
+        stage = SimulatedStage(pose, rng.spawn(1)[0])
+        return SimulatedArray(surface, self._spec, stage, np.eye(4), rng, self._unit)
 
     @property
     def array(self) -> TaxelArray:

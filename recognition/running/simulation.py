@@ -16,7 +16,6 @@ from exploration.devices.guard import Guard, GuardLimits, Observation
 from exploration.devices.simulated import simulate, turret
 from exploration.planning.routes import Tool
 from exploration.planning.told import Told
-from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import SensorSpec, load_sensor
 from models.formats.units import Units
 from models.part import Part, load_part
@@ -27,6 +26,7 @@ from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.surface import Surface
 from recognition.config import ExploreOptions
+from recognition.running.bench_calibration import calibrated
 from recognition.running.resting import resting_attitude
 
 
@@ -206,8 +206,8 @@ def guarded(
         latency=latency,
     )
     reach = (*(low - world.config.reach), *(high + world.config.reach))
-    calibrations = [Calibration.nominal(spec) for spec in world.specs]
-    guard = Guard(stage, arrays, calibrations, GuardLimits(reach=tuple(map(float, reach))))
+    known = [calibrated(array, rng.spawn(1)[0]) for array in arrays]
+    guard = Guard(stage, arrays, known, GuardLimits(reach=tuple(map(float, reach))))
     guard.observers = (lambda seen: observer(guard, seen),)
     return guard
 
