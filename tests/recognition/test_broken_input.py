@@ -152,5 +152,5 @@ def test_a_file_that_may_not_be_read_is_one_line(tmp_path, explore):
     assert is_one_line_and_nothing_else(explore("part.stl"), tmp_path, ["part.stl"])
 
 
-def test_two_sensors_at_once_are_one_line(tmp_path, explore):
-    assert is_one_line_and_nothing_else(explore("block", "--sensor", "lts210,dsa"), tmp_path, [])
+def test_one_sensor_twice_is_one_line(tmp_path, explore):
+    assert is_one_line_and_nothing_else(explore("block", "--sensor", "lts210,lts210"), tmp_path, [])
