@@ -113,8 +113,8 @@ class GrblStage:
 
     @property
     def held(self) -> bool:
-        """Whether frames stay away, or motion that was canceled has not come to its end."""
-        return self._held or self._cancel.pending
+        """Whether frames or reports stay away, a cancel has not ended, or someone holds it at the machine."""
+        return self._held or self._cancel.pending or not self._obeys(self._clock.now())
 
     def stop(self) -> None:
         """Come to rest at once."""
@@ -228,16 +228,20 @@ class GrblStage:
         self._plan.until = 0.0
         self._cancel.begin(self._clock.now())
 
+    def _obeys(self, now: float) -> bool:
+        """Whether jogs may be sent, as far as the controller has told."""
+        return self.state in ("Idle", "Jog") and now - self._where.moment <= self._config.deaf
+
     def _feed(self) -> None:
         """Send what the horizon still lacks."""
-        now, config, here = self._clock.now(), self._config, self._where.joints
+        now, here = self._clock.now(), self._where.joints
         if self._cancel.pending:
             self.fault = self.fault or self._cancel.look(self.state, self._where.moment, now)
             if not self._cancel.pending:
                 self._plan.resync(here)
             return
         stopped = self._held or self.fault or (self._safety is not None and self._safety.tripped)
-        if stopped or self.state not in ("Idle", "Jog") or now - self._where.moment > config.deaf:
+        if stopped or not self._obeys(now):
             return
         if self.state == "Idle" and now > self._plan.until + 0.05 and not self._link.unanswered:
             self._plan.resync(here)

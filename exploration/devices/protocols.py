@@ -107,7 +107,7 @@ class MotionStage(Protocol):
 
     @property
     def held(self) -> bool:
-        """Whether a watchdog holds it, so that it follows no twist for now."""
+        """Whether a watchdog or a person holds it, so that it follows no twist for now."""
         return False
 
     def events(self) -> tuple[StageEvent, ...]:

@@ -16,6 +16,7 @@ from exploration.devices.clock import Clock, ReadClock
 from exploration.devices.emulators.rig import EmulatedRig
 from exploration.devices.grbl_link import GrblLink
 from exploration.devices.grbl_stage import GrblStage, StreamConfig
+from exploration.devices.guard import Guard
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.ports import Port
 from exploration.devices.protocols import StageLimits
@@ -151,6 +152,20 @@ def test_a_feed_hold_at_the_machine_holds_a_goal_until_it_is_resumed_there():
         assert comes(lambda: not stage.moving)
         assert np.allclose(stage.pose()[:3, 3], goal[:3, 3], atol=0.05)
         assert set(rig.machine.violations) <= {"error:8"}  # to a line that was on its way just then
+
+
+def test_a_feed_hold_is_no_stage_that_stands_though_told_to_move():
+    with devices(80.0) as (rig, array, stage, _):
+        guard = Guard(stage, [array], [Calibration.nominal(LTS)])
+        assert comes(lambda: rig.machine.state == "Jog", do=lambda: guard.move(3.0 * UP))
+        rig.press(b"!")
+        assert comes(lambda: stage.state == "Hold", do=lambda: guard.move(3.0 * UP))
+        held = rig.machine.position.copy()
+        for _ in range(200):  # 15 mm are asked for in vain
+            guard.move(3.0 * UP)
+        rig.press(b"~")
+        risen = lambda: bool(np.linalg.norm(rig.machine.position - held) > 2.0)  # noqa: E731
+        assert comes(risen, do=lambda: guard.move(3.0 * UP))
 
 
 def test_cables_that_come_loose_and_back_cost_a_pause_and_not_the_goal():
