@@ -8,6 +8,8 @@ held up lie (our derivation).  What every frame takes alike stays in it: that is
 where it matters.
 """
 
+from collections import deque
+
 import numpy as np
 
 _KEPT = 512  # frames that tell the slope
@@ -31,7 +33,7 @@ class FrameTimes:
     def _forget(self) -> None:
         self._count, self._number = 0, 0
         self._start, self._step = -np.inf, self._period
-        self._above = np.zeros(_MISSED)  # [periods] that the last frames lie above the line
+        self._above = deque([0.0] * _MISSED, _MISSED)  # [periods] that the last frames lie above the line
         self._last = -np.inf
 
     def stamp(self, heard: float, missing: int = 0, broken: bool = False) -> float:
@@ -71,17 +73,19 @@ class FrameTimes:
         """An array that does not count its frames loses one in silence, and all that follow seem late."""
         if self._count <= 2 * _BASE + _ANEW:  # the slope is not known yet
             return
-        self._above = np.append(self._above[1:], above)
+        self._above.append(above)
+        if above < 0.5:  # the least of the last is no whole frame
+            return
         last = 1 if broken else _SOON if self._many_lost() else _MISSED
-        missed = round(float(self._above[-last:].min()))
+        missed = round(min(list(self._above)[-last:]))
         if missed > 0:
             latest = [(self._count - 1 - k) % _KEPT for k in range(last)]
             self._numbers[latest] += missed
             self._number += missed
-            self._above[:] = 0.0
+            self._above.extend([0.0] * _MISSED)
 
     def _many_lost(self) -> bool:
         """Whether the last frames are far too late, and yet come one by one as the array sends them."""
         first, last = (self._heard[(self._count - k) % _KEPT] for k in (_SOON, 1))
         live = last - first > 0.8 * (_SOON - 1) * self._step
-        return bool(live and self._above[-_SOON:].min() > _FAR)
+        return bool(live and min(list(self._above)[-_SOON:]) > _FAR)
