@@ -165,10 +165,10 @@ class AnyForm:
         self._walls.note(wall.point)
         half = self.pad.tool.high[:2].min()
         along = np.cross(wall.normal, wall.heading)
-        for above, shift in product(self.own.above, (0.0, 8.0, -8.0, 16.0, -16.0)):
+        for give, above, shift in product((False, True), self.own.above, (0.0, 8.0, -8.0, 16.0, -16.0)):
             at = wall.point + (half + above) * wall.normal + shift * along
             target = se3.pose(self.pad.attitude(-wall.heading, along), at)
-            if self.reach.touch(target):
+            if self.reach.touch(target, give):
                 return self.study.face_here(), "touched a wall"
             if self.reach.led:
                 return None, "nothing was where a stroke met a wall"
@@ -180,16 +180,15 @@ class AnyForm:
         self._rims.note(rim.point)
         beyond = max(0.5 * min(self.pad.size) - self.own.overlap, 0.0)
         rolls = self.own.rolls[tried % len(self.own.rolls) :] + self.own.rolls[: tried % len(self.own.rolls)]
-        for roll in rolls:
+        for give, roll, shift in product((False, True), rolls, (0.0, 7.0, -7.0)):
             angle = np.radians(roll)
             normal = np.cos(angle) * rim.normal + np.sin(angle) * rim.outward
             down = np.cos(angle) * rim.outward - np.sin(angle) * rim.normal
-            for shift in (0.0, 7.0, -7.0):
-                at = rim.point + beyond * down + shift * rim.tangent
-                if self.reach.touch(se3.pose(self.pad.attitude(normal, rim.tangent), at)):
-                    return self.study.face_here(), "crossed a rim"
-                if self.reach.led:
-                    return None, "crossed a rim and met nothing"
+            at = rim.point + beyond * down + shift * rim.tangent
+            if self.reach.touch(se3.pose(self.pad.attitude(normal, rim.tangent), at), give):
+                return self.study.face_here(), "crossed a rim"
+            if self.reach.led:
+                return None, "crossed a rim and met nothing"
         return None, "no way led over a rim"
 
     def _come_down(self, left: Predicted, nearest: int) -> Done:

@@ -27,6 +27,8 @@ class ReachConfig:
     wide: float = 3.5  # [mm] round what is carried on long arms, where ways are as free as that
     room: float = 0.6  # [mm] round the housing, where the pad is to lie
     alike: float = 0.85  # cosine from which two ways out are one
+    give: float = 8.0  # [mm] off a place that what is known reaches into, from where it is come at yet
+    step: float = 1.6  # [mm] between such tries
 
 
 class Reach:
@@ -55,15 +57,24 @@ class Reach:
         """Whether nothing touched is in the way of the pad and its housing at a (4, 4) pose."""
         return bool(self.pad.tool.clear(pose[None], self._obstacles(), self.config.room, -1.0)[0])
 
-    def touch(self, target: Floats) -> bool:
-        """Go round what is known to before a (4, 4) target, and touch it."""
+    def touch(self, target: Floats, give: bool = False) -> bool:
+        """Go round what is known to before a (4, 4) target, and touch it; may it `give`, from farther off."""
+        off = self._off(target) if give else 0.0
+        target = target @ se3.pose(translation=[0.0, 0.0, -off])
         under = self._under_lid(target)
         standoff = self.config.standoff + under
         if not self._before(target, standoff):
             return False
         if under > 0.0:
             self._inside = (target[:3, 3] - standoff * target[:3, 2], -target[:3, 2])
-        return self.pad.touch(target, standoff, self.config.overtravel)
+        return self.pad.touch(target, standoff, self.config.overtravel + off)
+
+    def _off(self, target: Floats) -> float:
+        """[mm] before a (4, 4) target, at which nothing known is in its way; 0 where that is too far."""
+        tried = np.arange(0.0, self.config.give, self.config.step)
+        poses = target @ se3.pose(translation=np.outer(tried, [0.0, 0.0, -1.0]))
+        room = self.pad.tool.clear(poses, self._obstacles(), self.config.room, -1.0)
+        return float(tried[np.argmax(room)])
 
     def sound(self, target: Floats) -> bool:
         """Go in from a (4, 4) target, as deep as the array is long, until something is touched."""

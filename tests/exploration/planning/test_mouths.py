@@ -79,6 +79,16 @@ def test_the_finger_goes_into_a_slot_that_the_pad_has_no_room_in_and_comes_strai
     assert guard.world_from_sensor[2, 3] > 22.0
 
 
+def test_a_face_that_was_foreseen_at_a_wrong_angle_is_come_at_from_farther_off(over_slot):
+    reach, guard, _ = over_slot
+    foreseen = np.array([np.cos(0.45), np.sin(0.45), 0.0])
+    target = se3.pose(reach.pad.attitude(foreseen, np.cross(UP, foreseen)), [30.0, 0.0, 8.0])
+    assert not reach.touch(target)
+    assert not reach.led
+    assert reach.touch(target, give=True)
+    assert guard.world_from_sensor[:3, 2] == pytest.approx([-1.0, 0.0, 0.0], abs=0.02)
+
+
 def test_on_the_floor_of_a_slot_both_its_walls_are_found(over_slot):
     reach, guard, across = over_slot
     study = Study(reach.pad, Findings(), ExplorerConfig().attribution)
