@@ -32,6 +32,7 @@ from recognition.report.against import drawn_truth, off_truth
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
+from recognition.running.evidence_log import EvidenceLog
 from recognition.running.folder import RunFolder
 from recognition.running.logbook import Logbook
 from recognition.running.patience import Patience
@@ -119,8 +120,10 @@ def _explored(
     told = beside(world, options)
     explorer = Explorer(guard, world.box.ravel(), config, logbook.announce, tools(world), told)
     found, patience = explorer.found, Patience()
+    evidence = EvidenceLog(logbook.announce, world.box)
     try:
         for findings in explorer.run():
+            evidence.note(findings)
             stand = _stand("exploring", guard, findings)
             progress(replace(stand, page=lambda: so_far.explored(found, world, logbook.frames())))
             known = len(findings.graph.faces) + len(findings.traces)
@@ -139,8 +142,7 @@ def _explored(
         found.ended = f"{FAULT}{bugs.named(error)}"
         found.warnings.append(f"the fault is a bug in palpate; {bugs.BUG} has its details")
         folder.write_text(bugs.BUG, bugs.report_text(error))
-    for trace, _ in found.traces:
-        logbook.announce_trace(trace)
+    evidence.note(found)
     logbook.announce("ended", {"why": found.ended})
     return found
 

@@ -62,7 +62,7 @@ def _run(
     resolved = ["", "[resolved]", *toml_lines({"contact_sigma_mm": sigma, "contacts": len(felt.contacts)})]
     folder.write_text("config.toml", "\n".join([*settings, *resolved]) + "\n")
     watch(Progress("reconstructing", note=f"{len(felt.contacts)} contacts", folder=folder.path))
-    made = reconstruct(surfaces(felt.contacts), [], box_around(felt.contacts))
+    made = _made(felt)
     summary = _summary(options, felt, made, time.perf_counter() - began)
     watch(Progress("writing", folder=folder.path))
     summary["files"], unwritten = write_model(folder, made)
@@ -71,6 +71,13 @@ def _run(
         write_report(path, _report(options, summary, made))
     folder.finish(summary)
     return summary
+
+
+def _made(source: Source) -> Reconstruction:
+    """From what an exploration made of its contacts, where there was one; else from the contacts alone."""
+    if (told := source.explored) is not None:
+        return reconstruct(told.graph, told.traces, told.box, free=told.free)
+    return reconstruct(surfaces(source.contacts), [], box_around(source.contacts))
 
 
 def box_around(contacts: Contacts) -> Floats:

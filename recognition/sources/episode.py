@@ -49,8 +49,10 @@ class Replayed:
     warnings: tuple[str, ...]
 
 
-def felt_contacts(path: Path, options: ReplayOptions | None = None) -> Replayed:
-    """The contacts of every step in touch, in the world frame."""
+def felt_contacts(
+    path: Path, known: Contacts | None = None, options: ReplayOptions | None = None
+) -> Replayed:
+    """The contacts of every step in touch, in the world frame; where they are `known`, only what they cost."""
     options = options or ReplayOptions()
     with opened(path):
         pass
@@ -61,6 +63,8 @@ def felt_contacts(path: Path, options: ReplayOptions | None = None) -> Replayed:
         raise PalpateError(f"{path} carries no poses; give the episode.mcap of a run")
     feeler = Feeler.of(recording)
     chosen, felt = _chosen(feeler, options)
+    if known is not None:
+        return Replayed(known, felt, recording.warnings)
     stride = -(-len(chosen) // options.most) if chosen else 1
     tables: list[Contacts] = []
     for item, touch in chosen[::stride]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
+from recognition.running.evidence_log import explored
 from recognition.running.folder import RECORDING, SUMMARY
 from recognition.sources.columns import Columns
 from recognition.sources.contact_ply import read_ply
@@ -30,6 +31,7 @@ _CONTACTS = "contacts.csv"
 _PLACEHOLDER = 0.1  # [mm] sigma of contacts that say none
 _NORMAL_SIGMA = 0.05  # [rad] of normals of which nobody says more: about three degrees
 _KNOWN = "give a run folder, an episode.mcap, or contacts (.csv or .ply: x,y,z[,nx,ny,nz[,sigma]] in mm)"
+_WRITTEN = 1e-3  # [mm] to which a run's table is written
 _WIDEST = 20_000.0  # [mm] no object is wider
 
 
@@ -103,27 +105,38 @@ def _of_folder(folder: Path) -> Source:
         told = "the run was cut short; its recording is read as far as it is whole"
         return Source(
             folder, "episode", name, source.contacts, True, source.felt,
-            (told, *(w for w in source.warnings if "cut short" not in w)), source.sweep,
+            (told, *(w for w in source.warnings if "cut short" not in w)), source.sweep, source.explored,
         )  # fmt: skip
     contacts, measured = contacts_of(read_table(table), str(table))
-    sweep = None
+    sweep, made = None, None
     if recording.is_file():
         from recognition.sources.episode import swept
+
+        found = explored(recording)
+        made = found if found is not None and _same(contacts, found.contacts) else None
 
         def sweep_recording() -> Any:
             return swept(recording)
 
         sweep = sweep_recording
-    return Source(folder, "run", name, contacts, measured, _cost(summary), (), sweep)
+    return Source(folder, "run", name, contacts, measured, _cost(summary), (), sweep, made)
+
+
+def _same(written: Contacts, felt: Contacts) -> bool:
+    """Whether a run's table holds what its recording does: else somebody has edited it, and it holds."""
+    if len(written) != len(felt):
+        return False
+    return bool(np.allclose(written.points, felt.points, atol=_WRITTEN, rtol=0.0))
 
 
 def _of_episode(file: Path) -> Source:
     from recognition.sources.episode import felt_contacts, swept
 
-    found = felt_contacts(file)
+    made = explored(file)
+    found = felt_contacts(file, None if made is None else made.contacts)
     return Source(
         file, "episode", file.resolve().parent.name, found.contacts, True, found.felt, found.warnings,
-        lambda: swept(file),
+        lambda: swept(file), made,
     )  # fmt: skip
 
 

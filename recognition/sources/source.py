@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from primitives.evidence import Contacts, FreeSpace
+from recognition.running.evidence_log import Explored
 from recognition.sources.noise import estimated_sigma
 
 
@@ -34,6 +35,7 @@ class Source:
     felt: Felt = Felt()
     warnings: tuple[str, ...] = ()
     sweep: Callable[[], FreeSpace] | None = None  # what pad and housing swept, where poses were recorded
+    explored: Explored | None = None  # what an exploration made of these contacts
 
     def with_sigma(self, sigma: float | None) -> Source:
         """With the contacts' sigma [mm] as given; None: as measured, else as the contacts' own scatter says."""
@@ -44,4 +46,4 @@ class Source:
         table = Contacts.of(
             c.points, c.normals, said, c.normal_sigma, c.touch, c.stroke, c.sensor, c.body
         )  # fmt: skip
-        return replace(self, contacts=table, measured_sigma=True)
+        return replace(self, contacts=table, measured_sigma=True, explored=None)

@@ -3,6 +3,7 @@
 import csv
 import itertools
 import json
+import shutil
 import tomllib
 from collections import Counter
 
@@ -16,8 +17,11 @@ from primitives.errors import NotWritten, PalpateError
 from recognition.config import ExploreOptions, from_toml
 from recognition.console.bugs import Bug
 from recognition.explore import run
+from recognition.reconstructing.options import ReconstructSourceOptions
+from recognition.reconstructing.run import run as run_again
 from recognition.running.folder import json_text
 from recognition.running.summary import fault_of
+from recognition.sources import read_source
 
 SMALL = (-60.0, -60.0, -60.0, 60.0, 60.0, 60.0)
 FILES = {
@@ -99,6 +103,21 @@ def test_the_recording_holds_every_frame_and_every_move(sphere):
     kinds = Counter(item.kind for item in items if isinstance(item, RecordedEvent))
     assert kinds["move"] >= 1
     assert kinds["ended"] == 1
+
+
+@pytest.mark.slow
+def test_run_and_recording_give_the_explorations_own_model_again(sphere, tmp_path):
+    folder, _, _ = sphere
+    for number, source in enumerate((folder, folder / "episode.mcap")):
+        again = tmp_path / str(number)
+        run_again(ReconstructSourceOptions(source, out=again), lambda _: None)
+        assert (again / "model.csg").read_text() == (folder / "model.csg").read_text()
+    edited = tmp_path / "edited"
+    shutil.copytree(folder, edited)
+    lines = (folder / "contacts.csv").read_text().splitlines(keepends=True)
+    (edited / "contacts.csv").write_text("".join(lines[:-1]))
+    assert read_source(folder).explored is not None
+    assert read_source(edited).explored is None
 
 
 @pytest.mark.slow
