@@ -123,7 +123,6 @@ def loops(pieces: list[Chain], triangles: Ints, neighbors: Ints, face: Ints) -> 
             run, beside = piece.vertices[::order], piece.triangles[::order]
             leaving[beside[0][side], run[0]] = len(arriving)
             arriving.append((beside[-1][side], run[-1]))
-    table, around, of = triangles.tolist(), neighbors.tolist(), face.tolist()
     out: list[list[tuple[int, ...]]] = [[] for _ in range(int(face.max()) + 1)]
     unused = set(range(len(arriving)))
     while unused:
@@ -134,17 +133,15 @@ def loops(pieces: list[Chain], triangles: Ints, neighbors: Ints, face: Ints) -> 
             run_of_chains.append(at // 2)
             if pieces[at // 2].closed:
                 break
-            at = leaving[_next_rim(*arriving[at], table, around, of)]
+            at = leaving[_next_rim(*arriving[at], triangles, neighbors, face)]
         out[pieces[first // 2].faces[first % 2]].append(tuple(run_of_chains))
     return out
 
 
-def _next_rim(
-    triangle: int, vertex: int, triangles: list[list[int]], neighbors: list[list[int]], face: list[int]
-) -> tuple[int, int]:
+def _next_rim(triangle: int, vertex: int, triangles: Ints, neighbors: Ints, face: Ints) -> tuple[int, int]:
     """The triangle of the same face whose side that leaves the vertex is on the face's rim."""
     while True:
-        beyond = neighbors[triangle][triangles[triangle].index(vertex)]
+        beyond = int(neighbors[triangle, triangles[triangle].tolist().index(vertex)])
         if face[beyond] != face[triangle]:
             return triangle, vertex
         triangle = beyond

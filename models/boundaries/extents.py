@@ -59,13 +59,27 @@ def rectangle(points: Floats, normal: Floats) -> Extent:
         return 0.0, 0.0
     sides = np.roll(outline, -1, axis=0) - outline
     sides = sides / np.linalg.norm(sides, axis=1, keepdims=True)
-    along = outline @ sides.T
-    across = outline @ np.stack([-sides[:, 1], sides[:, 0]])
-    lengths, widths = np.ptp(along, axis=0), np.ptp(across, axis=0)
+    lengths = _spans(outline, sides, sides)
+    widths = _spans(outline, sides, np.stack([-sides[:, 1], sides[:, 0]], axis=1))
     areas = lengths * widths
     best = int(np.argmax(np.where(areas <= areas.min() * (1 + _EQUAL), np.maximum(lengths, widths), -np.inf)))
     pair = float(lengths[best]), float(widths[best])
     return max(pair), min(pair)
+
+
+def _spans(outline: Floats, sides: Floats, ways: Floats) -> Floats:
+    """(k,) how long a convex outline, counterclockwise with the unit `sides`, is along each of (k, 2) unit ways.
+
+    Farthest along a way lies the corner at which the sides turn past the way's own left (Shamos 1978).
+    """
+    turn = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
+    total = np.zeros(len(ways))
+    for way in (ways, -ways):
+        left = np.arctan2(way[:, 1], way[:, 0]) + np.pi / 2
+        corner = np.searchsorted(turn, turn[0] + np.mod(left - turn[0], 2 * np.pi))
+        near = (corner[:, None] + np.array([-1, 0, 1])) % len(outline)
+        total += np.einsum("ijk,ik->ij", outline[near], way).max(axis=1)
+    return total
 
 
 def pole(shape: Sphere, corners: Floats) -> Floats:

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 _STACK = 64  # deepest path; halving 2^40 triangles needs fewer
+_BEYOND, _LEAST = 1.0 + 1e-9, 1e-300  # of a squared distance, and [mm^2]: what is surely farther
 _WIDER = 1e-9  # share of a triangle's side by which rays may miss it and still hit
 
 
@@ -20,6 +21,9 @@ def nearest_in_tree(points, corners, boxes, nodes, order):  # type: ignore[no-un
     stack, reach = np.empty(_STACK, dtype=np.int64), np.empty(_STACK)
     for i in range(n):
         p, best = points[i], np.inf
+        if i > 0 and triangle[i - 1] >= 0:
+            x, y, z, _ = _closest(p, corners[triangle[i - 1]])
+            best = ((p[0] - x) ** 2 + (p[1] - y) ** 2 + (p[2] - z) ** 2) * _BEYOND + _LEAST
         stack[0], reach[0], depth = 0, 0.0, 1
         while depth > 0:
             depth -= 1

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from models.boundaries.topology import edge_keys
 from models.rays.triangle_kernels import first_hits_in_tree, nearest_in_tree
 from primitives.arrays import Floats, Ints
 
@@ -85,8 +86,7 @@ class TriangleTree:
         at_vertex = np.zeros((len(self._vertices), 3))
         for corner in range(3):
             np.add.at(at_vertex, triangles[:, corner], angles[:, corner, None] * normals)
-        ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
-        edge_of = np.unique(ends, axis=0, return_inverse=True)[1].reshape(-1)
+        edge_of = np.unique(edge_keys(triangles), return_inverse=True)[1].reshape(-1)
         at_edge = np.zeros((edge_of.max(initial=-1) + 1, 3))
         np.add.at(at_edge, edge_of, np.repeat(normals, 3, axis=0))
         by_edge = at_edge[edge_of].reshape(-1, 3, 3)
