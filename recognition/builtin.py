@@ -1,14 +1,20 @@
 """What comes with Palpate: a library of its parts, and rows for a table or for JSON."""
 
+from collections.abc import Callable, Iterable
+
 from exploration.sensing.spec import load_sensor, sensor_names
-from models.library import Library
+from models.library import Entry, Library
+from models.library.kept import Kept
 from models.parts import build, describe, names
-from models.solid import Solid
 
 
-def part_library() -> Library:
-    """Every built-in part as an object to recognize."""
-    return Library.of({name: Solid.from_csg(build(name)) for name in names()})
+def part_library(chosen: Iterable[str] | None = None) -> Library:
+    """Built-in parts as objects to recognize, all of them where none are named; made once for a user."""
+    return Library({name: _maker(name) for name in (names() if chosen is None else chosen)})
+
+
+def _maker(name: str) -> Callable[[], Entry]:
+    return lambda: Entry(name, Kept(build(name)))
 
 
 def part_rows() -> list[dict[str, object]]:

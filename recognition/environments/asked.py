@@ -12,9 +12,9 @@ from exploration.sensing.spec import load_sensor
 from models import parts
 from models.formats.intake import looks_like_a_file, require_file
 from models.library import Library
-from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
+from recognition.builtin import part_library
 
 
 def part_names(part: str | Sequence[str]) -> list[str]:
@@ -35,7 +35,7 @@ def library_of(library: str | Path | Sequence[str]) -> Library:
         for name in library:
             if name not in parts.names():
                 raise PalpateError(f"library: {parts.unknown(str(name))}")
-        opened = Library.of({name: Solid.from_csg(parts.build(name)) for name in library})
+        opened = part_library(library)
     if len(opened) < 2:
         raise PalpateError("a library of fewer than two parts leaves nothing to identify")
     return opened

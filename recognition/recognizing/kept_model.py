@@ -6,7 +6,6 @@ settings in `$XDG_CACHE_HOME/palpate`, or `~/.cache/palpate`, which may be remov
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from models.formats.units import Units
 from models.library import Entry, Library
 from models.library.build import make
 from models.library.folder import ModelFile, content_key
+from models.library.kept import user_cache
 from models.library.packed import map_arrays
 from models.library.record import text_of
 from models.library.settings import FileSettings
@@ -28,7 +28,7 @@ def kept_model(
 ) -> tuple[Entry, tuple[str, ...]]:
     """One entry, and what a person should know of its file."""
     path = Path(model)
-    home = _home()
+    home = user_cache()
     if not path.is_file() or home is None:
         return _read(model, units, scale, body, facets)
     file = ModelFile(path.stem, path, FileSettings(units, scale, body, facets))
@@ -51,13 +51,3 @@ def _read(
 ) -> tuple[Entry, tuple[str, ...]]:
     part = load_part(model, units, scale, body, facets)
     return Library.of({part.name: part.solid.placed(np.eye(4))})[part.name], part.warnings
-
-
-def _home() -> Path | None:
-    told = os.environ.get("XDG_CACHE_HOME")
-    home = (Path(told) if told else Path.home() / ".cache") / "palpate"
-    try:
-        home.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return None
-    return home if os.access(home, os.W_OK) else None

@@ -15,6 +15,7 @@ from models import parts
 from models.library import Library
 from models.solid import Solid
 from primitives.errors import PalpateError
+from recognition.builtin import part_library
 from recognition.experiments.settings import Value
 from recognition.experiments.trial import Work
 from recognition.identifying.answer import truth_json
@@ -61,4 +62,4 @@ def _opened(folder: str) -> Library:
 
 @lru_cache(maxsize=8)
 def _built(names: tuple[str, ...]) -> Library:
-    return Library.of({name: Solid.from_csg(parts.build(name)) for name in names})
+    return part_library(names)
