@@ -16,9 +16,11 @@ Property class: structural (exact shape).
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import dist
 
 import numpy as np
 
+from exploration.control.procedures.approach import retreat
 from exploration.control.surface_reading import SurfaceReading
 from exploration.control.surface_trace import travel_of
 from exploration.control.track_surface import StrokeConfig, follow_surface
@@ -28,6 +30,7 @@ from primitives.arrays import Floats
 from primitives.curvature import ORDERS, FourCurvatures, from_four, name_order
 
 SERVES = "structural: exact shape"
+LIFT = 15.0  # [mm] over the contact, on a way back
 DIRECTIONS = np.radians([0.0, 45.0, 90.0, 135.0])
 
 
@@ -39,6 +42,8 @@ class StrokeCurvatureConfig:
     speed: float = 30.0  # [mm/s]
     least: float = 8.0  # [mm] of a stroke that is worth a reading
     ticks: int = 20  # of it
+    tries: int = 2  # of each: noise may pass for the face's end
+    away: float = 2.0  # [mm] from the contact, from which a stroke has not come back
     rest: int = 8  # ticks at the contact, before the first
     near: float = 5.0  # [mm] of the contact, within which frames speak for its curvature
     floor: float = 2e-6  # [1/mm]
@@ -86,17 +91,14 @@ def stroke_curvature(
     guard: Guard, touch: int = 0, stroke: int = 0, config: StrokeCurvatureConfig = StrokeCurvatureConfig()
 ) -> StrokeCurvature:
     """From a flush contact, stroke it in four directions and come back to it each time."""
-    told = replace(StrokeConfig(), speed=config.speed, spacing=np.inf)
-    coast = config.speed * guard.pending.latency
+    here = guard.world_from_sensor
     home = np.mean([guard.hold().world_from_sensor[:3, 3] for _ in range(config.rest)], axis=0)
+    place = se3.pose(here[:3, :3], home)
     readings, sigmas, runs = [], [], []
     for angle in DIRECTIONS:
-        heading = np.array([np.cos(angle), np.sin(angle)])
-        back = follow_surface(guard, -heading, config.length / 2.0 - coast, touch, stroke, config=told).travel
-        length = back + config.length / 2.0 - coast
-        there = follow_surface(guard, heading, length, touch, stroke, config=told)
-        follow_surface(guard, -heading, max(there.travel - back - coast, 0.0), touch, stroke, config=told)
-        run = run_of(list(there.readings), heading, home, config)
+        heading, run = np.array([np.cos(angle), np.sin(angle)]), None
+        for _ in range(config.tries):
+            run = run or _there_and_back(guard, heading, place, touch, stroke, config)
         kappa, sigma = (0.0, config.unknown) if run is None else curvature_along(run, config)
         readings.append(kappa)
         sigmas.append(sigma)
@@ -118,6 +120,23 @@ def stroke_curvature(
         cone = _cone_probability(tangent, sigma, config)
         kind, found = ("cone", found * cone) if cone > 0.5 else ("cylinder", found * (1.0 - cone))
     return StrokeCurvature(four, order, float(chances.max()), kind, found, tangent, float(sigma), len(runs))
+
+
+def _there_and_back(
+    guard: Guard, heading: Floats, place: Floats, touch: int, stroke: int, config: StrokeCurvatureConfig
+) -> "Run | None":
+    """One stroke through a (4, 4) place where the pad lies, and back to it."""
+    told = replace(StrokeConfig(), speed=config.speed, spacing=np.inf)
+    coast = config.speed * guard.pending.latency
+    back = follow_surface(guard, -heading, config.length / 2.0 - coast, touch, stroke, config=told).travel
+    length = back + config.length / 2.0 - coast
+    there = follow_surface(guard, heading, length, touch, stroke, config=told)
+    follow_surface(guard, -heading, max(there.travel - back - coast, 0.0), touch, stroke, config=told)
+    if dist(guard.world_from_sensor[:3, 3], place[:3, 3]) > config.away:  # one of them ended early
+        retreat(guard, LIFT)
+        guard.go_to(place @ se3.pose(translation=[0.0, 0.0, -LIFT]))
+        guard.go_to(place)
+    return run_of(list(there.readings), heading, place[:3, 3], config)
 
 
 def _by_redundancy(readings: list[float], sigmas: list[float], missing: int) -> tuple[float, float]:

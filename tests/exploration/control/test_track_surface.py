@@ -70,7 +70,15 @@ def test_a_stroke_ends_where_the_stage_does():
 
 
 @pytest.mark.slow
-def test_strokes_in_four_directions_tell_a_cone_and_its_radius():
+def test_strokes_in_four_directions_tell_a_cone_and_its_radius_though_one_ends_early(monkeypatch):
+    strokes = []
+
+    def ends_early(guard, heading, length, *told, config):
+        strokes.append(guard.world_from_sensor[:3, 3])
+        length = 1.5 if len(strokes) == 5 else length  # of the way over the contact at 45 degrees
+        return follow_surface(guard, heading, length, *told, config=config)
+
+    monkeypatch.setattr("exploration.control.procedures.stroke_curvature.follow_surface", ends_early)
     guard, _ = late(
         Cone(40.0, 20.0, 80.0),
         se3.pose(
@@ -84,6 +92,8 @@ def test_strokes_in_four_directions_tell_a_cone_and_its_radius():
     assert abs(abs(found.tangent) - 0.25) < 0.05
     radius = (30.0 - 0.25 * z) / np.cos(np.arctan(0.25))
     assert abs(found.radius[0] - radius) < 0.02 * radius
+    assert len(strokes) == 15
+    assert np.linalg.norm(strokes[6] - strokes[0]) < 0.5  # back, before it is tried again
 
 
 @pytest.mark.parametrize(("aside", "lies"), [(0.0, True), (21.0, False)])
