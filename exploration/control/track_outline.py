@@ -31,6 +31,8 @@ EDGES = 100  # of an outline at most; two corners might send the pad to and fro
 FRAMES = 16  # that a corner is seen in
 SAME = 1.0  # [mm] between two corners that are one
 SEEN = 0.2  # [mm] standard deviation of a corner seen in one place
+LOOKS = 3  # places that a corner is looked for from,
+STEP = 1.0  # [mm] one beyond the other: a hole's rim may hide it from one of them
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ def follow_outline(
     traces = tuple(trace for trace, _ in outline.drawn)
     return TrackedOutline(
         traces,
-        np.array([_meeting(a, b) for a, b in pairwise(traces)]).reshape(-1, 3),
+        joins_of(traces),
         ended,
         sum(edge.travel for edge in edges),
         tuple(force for edge in edges for force in edge.forces),
@@ -166,14 +168,21 @@ def _run_on(drawn: list[tuple[EdgeTrace, EdgeProfile | None]], first: Tracked, l
 
 def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
     """Move beside the edge that the last one meets; where it does, or None where none is seen."""
-    seen = dwell(guard, FRAMES)
-    last = edge.last
+    last, corner = edge.last, edge.corner
     assert last is not None
-    here = seen.world_from_sensor
-    corner = edge.corner or meeting(seen, last, config.corners)
-    corner = corner or meeting(seen, last, config.corners, sure_lines(seen.image, 3))
+    begun, onward = guard.world_from_sensor.copy(), _onward(guard, last)
+    for look in range(LOOKS):
+        if corner is not None:
+            break
+        if look:
+            guard.go_to(se3.pose(begun[:3, :3], begun[:3, 3] + look * STEP * onward))
+        seen = dwell(guard, FRAMES)
+        corner = meeting(seen, last, config.corners)
+        corner = corner or meeting(seen, last, config.corners, sure_lines(seen.image, 3))
     if corner is None:
+        guard.go_to(begun)
         return None
+    here = guard.world_from_sensor
     past = PAST if edge.corner is None else 2.0 * PAST
     place = corner.point + past * corner.along + config.inside * corner.inward
     lift = float((place - here[:3, 3]) @ here[:3, 2])
@@ -194,6 +203,11 @@ def _short(begins: Meeting, ends: Meeting, before: EdgeTrace, touch: int, stroke
     return EdgeTrace(
         frozen(points), frozen([along, along]), normals, frozen([SEEN, SEEN]), False, touch, stroke
     )
+
+
+def joins_of(traces: tuple[EdgeTrace, ...]) -> Floats:
+    """(n, 3) [mm] where each edge of an outline comes nearest to the next."""
+    return np.array([_meeting(a, b) for a, b in pairwise(traces)]).reshape(-1, 3)
 
 
 def _meeting(before: EdgeTrace, after: EdgeTrace) -> Floats:
