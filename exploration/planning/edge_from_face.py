@@ -55,6 +55,7 @@ class NoEdge:
     """No edge was come to; false in a condition."""
 
     reason: str
+    round: bool = False  # every stroke came back to its start: there may well be none
 
     def __bool__(self) -> Literal[False]:
         return False
@@ -172,7 +173,7 @@ def _stroked_to(pad: Pad, config: EdgeFromFaceConfig) -> Sighting | NoEdge:
             round_it.add(axis)
         if stroke.ended == "lost":
             return NoEdge("contact was lost before an edge came near")
-    return NoEdge("no stroke over the surface came to an edge")
+    return NoEdge("no stroke over the surface came to an edge", len(round_it) == axes.shape[1])
 
 
 def _beside_contact(pad: Pad, seen: list[Sighting]) -> Sighting:

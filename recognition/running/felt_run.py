@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib.metadata import version
 from typing import Any
 
@@ -25,6 +26,7 @@ from exploration.control.procedures.approach import ApproachConfig
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.planning.pad import Pad, TouchesSpent
 from exploration.planning.search import sweeps
+from exploration.planning.transit import box_supports
 from exploration.recordings.mcap import Recorder
 from primitives import pose as se3
 from primitives.arrays import Floats
@@ -70,9 +72,14 @@ class FeltRun:
     forces: list[float] = field(default_factory=list)  # [N] of every frame in contact, since it was cleared
     warnings: list[str] = field(default_factory=list)
 
+    @cached_property
+    def _sweeps(self) -> Iterator[tuple[Floats, Floats]]:
+        """Those of the workspace that were not made yet."""
+        return sweeps(self.pad.box, self.pad.size, self.options.feature)
+
     def find(self) -> None:
         """Sweep the workspace from its middle outward until the pad lies on the object."""
-        for start, end in sweeps(self.pad.box, self.pad.size, self.options.feature):
+        for start, end in self._sweeps:
             try:
                 self.guard.go_to(start)
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
@@ -89,6 +96,19 @@ class FeltRun:
             here = self.guard.world_from_sensor
             self.guard.go_to(se3.pose(start[:3, :3], [here[0, 3], here[1, 3], start[2, 3]]))
         raise PalpateError("nothing was found in the workspace; give one that holds the object")
+
+    def find_elsewhere(self) -> None:
+        """Round the object to over the workspace, and on with its sweeps."""
+        over = box_supports(self.pad.box)[-1]
+        middle = 0.5 * (self.pad.box[:3] + self.pad.box[3:])
+        target = se3.pose(np.diag([1.0, -1.0, -1.0]), [middle[0], middle[1], self.pad.box[5]])
+        try:
+            if self.pad.touches():
+                self.pad.lie(np.empty((0, 3)))
+            self.pad.travel(target, over, 0.0)
+        except (OverPress, Collision) as error:
+            raise PalpateError(f"no way back over the object: {error}") from error
+        self.find()
 
     def announce(self, kind: str, detail: Mapping[str, object]) -> None:
         """Write an event into the recording."""

@@ -22,8 +22,10 @@ from exploration.planning.pad import TouchesSpent
 from exploration.sensing.lines.edge_rounding import Rounding, rounding_of
 from exploration.sensing.response import Response, rubber
 from primitives.arrays import Floats
+from primitives.errors import PalpateError
 from primitives.evidence import EdgeTrace
 from recognition.running.felt_run import FeltRun
+from recognition.tracking.both_ways import followed_both_ways
 from recognition.tracking.falling_face import set_back
 from recognition.tracking.traced import (
     angles_between,
@@ -42,7 +44,8 @@ Say = Callable[[str], None]
 class TrackEdgeConfig:
     """How much is followed and felt."""
 
-    longest: float = 2000.0  # [mm] of an outline
+    longest: float = 2000.0  # [mm] of an outline, either way
+    places: int = 3  # of the object, that an edge is come to from
     dihedrals: int = 12  # edges behind which the face is felt
     press: float = PRESS  # [mm]
 
@@ -121,30 +124,50 @@ class EdgeTrack:
 
 
 def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | None = None) -> EdgeTrack:
-    """Find an edge of the object and follow the outline that it belongs to, at `speed` [mm/s]."""
-    config = config or TrackEdgeConfig()
+    """Find an edge of the object and follow the outline that it belongs to, at `speed` [mm/s].
+
+    Where nothing can be followed from one place of the object, it is found again in another.
+    """
+    config, track = config or TrackEdgeConfig(), EdgeTrack()
     say("looking for the object")
     run.find()
-    say("looking for an edge")
+    for left in reversed(range(config.places)):
+        say("looking for an edge")
+        edge = _come_to(run)
+        if isinstance(edge, NoEdge):
+            track, left = EdgeTrack(why=edge.reason), 0 if edge.round else left
+        else:
+            track = _followed(run, edge, speed, say, config)
+        if track or not left:
+            break
+        say("looking for another place")
+        try:
+            run.find_elsewhere()
+        except PalpateError:
+            break
+    return track
+
+
+def _come_to(run: FeltRun) -> Sighting | NoEdge:
+    """An edge that is come to from where the pad lies."""
     try:
-        edge = reach_edge(run.pad)
+        return reach_edge(run.pad)
     except TouchesSpent as spent:
-        return EdgeTrack(why=f"none was come to, and {spent}; raise --max-touches")
-    if isinstance(edge, NoEdge):
-        return EdgeTrack(why=edge.reason)
+        return NoEdge(f"none was come to, and {spent}; raise --max-touches")
+
+
+def _followed(run: FeltRun, edge: Sighting, speed: float, say: Say, config: TrackEdgeConfig) -> EdgeTrack:
+    """The outline that an edge under the pad belongs to."""
     say("following the edge")
     lie_over(run.pad, edge)
     cost = run.guard.cost
-    cost.strokes += 1
-    outline = follow_outline(
-        run.guard,
-        edge.tangent,
-        config.longest,
-        cost.touches,
-        cost.strokes,
-        config.press,
-        EdgeConfig(speed=speed),
-    )
+
+    def follow(along: Floats) -> TrackedOutline:
+        cost.strokes += 1
+        told = (config.longest, cost.touches, cost.strokes, config.press, EdgeConfig(speed=speed))
+        return follow_outline(run.guard, along, *told)
+
+    outline = followed_both_ways(run.guard, edge.tangent, follow)
     if outline.fault is not None:
         run.warnings.append("the pad ran into something beside the edge, and backed off")
     run.announce("outline", {"ended": outline.ended, "edges": len(outline.traces)})
