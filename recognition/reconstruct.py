@@ -42,6 +42,8 @@ class ReconstructOptions:
 
     beside: float = 10.0  # [mm] from a point of an edge to the nearest contact of a face that meets there
     most: float = 0.5  # share of an edge's points that must have such contacts
+    inferred: float = 0.1  # share of the surface on faces that nobody touched, from which that is told
+    past: float = 15.0  # [mm] past all contacts, from which it is told how far the body reaches
 
 
 @dataclass(frozen=True)
@@ -108,8 +110,28 @@ def reconstruct(
             row["status"] = "measured"
     return Reconstruction(
         assembly, boundary, faces, edges, describe_primitives(assembly), contacts, face_of_contact,
-        assembly.warnings,
+        (*assembly.warnings, *_untouched(assembly, faces, contacts, options)),
     )  # fmt: skip
+
+
+def _untouched(assembly: Assembly, faces: Rows, contacts: Contacts, options: ReconstructOptions) -> list[str]:
+    """How much of the body is nothing but inference."""
+    out: list[str] = []
+    total = sum(face["area_mm2"] for face in faces)
+    inferred = [face for face in faces if face["status"] != "measured"]
+    share = sum(face["area_mm2"] for face in inferred) / max(total, 1e-9)
+    if share > options.inferred:
+        which = ", ".join(str(face["id"]) for face in inferred)
+        out.append(f"{share:.0%} of the surface is inferred, not touched: face {which}")
+    felt = contacts.points[contacts.touch != NOT_FELT]
+    if len(felt):
+        bounds = assembly.solid.bounds
+        past = float(max((felt.min(axis=0) - bounds[0]).max(), (bounds[1] - felt.max(axis=0)).max()))
+        if past > options.past:
+            out.append(
+                f"the body reaches {past:.0f} mm past all that was touched, where nothing says it ends"
+            )
+    return out
 
 
 def _assembled(felt: Sequence[_FeltFace], box: Floats, free: Floats | None) -> Assembly | NotClosed:

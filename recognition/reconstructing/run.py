@@ -94,7 +94,9 @@ def _summary(
 ) -> dict[str, Any]:
     assembly = None if isinstance(made.assembly, NotClosed) else made.assembly
     felt = source.felt
-    open_ = "no closed body" if assembly is None else "closed"
+    ended = "no closed body" if assembly is None else "closed"
+    if source.explored is not None and ended == "closed":
+        ended = source.explored.ended
     return {
         "command": "reconstruct",
         "version": version("palpate"),
@@ -102,8 +104,8 @@ def _summary(
         "source": str(source.path),
         "sensor": felt.sensor,
         "seed": options.seed,
-        "closed": assembly is not None,
-        "ended": open_,
+        "closed": ended == "closed",
+        "ended": ended,
         "contacts": len(source.contacts),
         "contact_sigma_mm": _typical(source),
         "touches": felt.touches,

@@ -28,7 +28,8 @@ from primitives.fit import Fit, NoFit
 from primitives.patch_graph import Face, PatchGraph
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
-CONTACTS, FACES, TRACE = "contacts", "faces", "trace"
+CONTACTS, FACES, TRACE, ENDED = "contacts", "faces", "trace", "ended"
+CUT_SHORT = "cut short"  # where the recording does not say why it ended
 _SHAPES: dict[str, Callable[..., Shape]] = {s.kind: s for s in (Plane, Cylinder, Cone, Sphere, Torus)}
 
 
@@ -40,6 +41,7 @@ class Explored:
     traces: tuple[EdgeTrace, ...]
     box: Floats  # (2, 3) the workspace [mm]
     free: Floats | None  # (n, 3) places [mm] that an array was in
+    ended: str  # why
 
     @property
     def contacts(self) -> Contacts:
@@ -92,28 +94,24 @@ class EvidenceLog:
 
 def explored(path: Path) -> Explored | None:
     """What the exploration of an episode had concluded at its end, or when it was cut short; None of others."""
-    rows: list[list[float]] = []
-    traces: list[EdgeTrace] = []
-    last: Mapping[str, Any] | None = None
+    told: dict[str, list[Mapping[str, Any]]] = {kind: [] for kind in (CONTACTS, FACES, TRACE, ENDED)}
+    for item in read(path):
+        if isinstance(item, RecordedEvent) and item.kind in told:
+            told[item.kind].append(item.detail)
+    if not told[FACES]:
+        return None
     try:
-        for item in read(path):
-            if not isinstance(item, RecordedEvent):
-                continue
-            if item.kind == CONTACTS:
-                rows += item.detail["rows"]
-            elif item.kind == FACES:
-                last = item.detail
-            elif item.kind == TRACE:
-                traces.append(_trace(item.detail))
-        if last is None:
-            return None
+        rows = [row for detail in told[CONTACTS] for row in detail["rows"]]
         contacts = _contacts(np.array(rows, dtype=float).reshape(-1, 11))
-        faces = tuple(_face(told, contacts) for told in last["faces"])
+        last = told[FACES][-1]
+        faces = tuple(_face(face, contacts) for face in last["faces"])
+        traces = tuple(_trace(detail) for detail in told[TRACE])
         free = np.array(last["free_mm"], dtype=float).reshape(-1, 3)
         box = np.array(last["workspace_mm"], dtype=float).reshape(2, 3)
+        ended = str(told[ENDED][-1]["why"]) if told[ENDED] else CUT_SHORT
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise PalpateError(f"{path}: its faces are not as this version writes them ({error})") from None
-    return Explored(PatchGraph(faces), tuple(traces), box, free if len(free) else None)
+    return Explored(PatchGraph(faces), traces, box, free if len(free) else None, ended)
 
 
 def _table(c: Contacts) -> Floats:

@@ -1,11 +1,13 @@
 """What a patch graph is reconstructed to, and what of it counts as measured."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from models.boundary import labeled_boundary
 from models.csg import Cube, Cylinder
 from models.solid import Solid
-from primitives.evidence import Contacts, EdgeTrace
+from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
 from primitives.patch_graph import PatchGraph
 from recognition.reconstruct import reconstruct
 
@@ -71,3 +73,15 @@ def test_an_open_boundary_has_faces_without_extent_and_a_reason():
     assert {face["extent_mm"] for face in made.faces} == {None}
     assert made.warnings[0].startswith("no closed body: ")
     assert set(np.unique(made.face_of_contact)) == set(range(5))
+
+
+def test_what_nobody_touched_of_a_body_is_told():
+    graph, _ = graph_of(Cube((80, 60, 60)), per_face=200)
+    assert reconstruct(graph, [], BOX).warnings == ()
+    seen = [replace(f, contacts=f.contacts.select(f.contacts.points[:, 0] < 10.0)) for f in graph.faces]
+    end = int(np.argmin([len(f.contacts) for f in seen]))
+    stopped = replace(graph.faces[end].contacts, touch=np.full(200, NOT_FELT))
+    seen[end] = replace(graph.faces[end], contacts=stopped)
+    inferred, past = reconstruct(PatchGraph(tuple(seen)), [], BOX).warnings
+    assert inferred.startswith("14% of the surface is inferred, not touched: face ")
+    assert past.startswith("the body reaches 30 mm past all that was touched")

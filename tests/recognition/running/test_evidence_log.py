@@ -48,6 +48,7 @@ def test_faces_come_back_as_they_were_after_every_move(found, tmp_path):
         log.note(found)
     again = explored(path)
     assert again is not None
+    assert again.ended == "cut short"
     np.testing.assert_array_equal(again.free, [[1.0, 2.0, 3.0]])
     np.testing.assert_array_equal(again.box, BOX)
     for old, new in zip(whole.faces, again.graph.faces, strict=True):
