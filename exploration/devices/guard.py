@@ -227,8 +227,9 @@ class Guard:
             self.stage.go_to(world_from_sensor @ se3.inverse(self.sensor.flange_from_sensor))
             while self.stage.moving:
                 self._read()
+            if self.stage.events():  # the way back presses, too: let the next leg of it be gone
+                self.stage.stop()
         self._trail.clear()
-        self.stage.events()
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -3,6 +3,7 @@ import pytest
 
 from exploration.devices.following import Following
 from exploration.devices.guard import Collision, Fault, Guard, GuardLimits
+from exploration.devices.protocols import StageEvent
 from exploration.devices.simulated import simulate
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
@@ -35,6 +36,44 @@ def test_pressing_on_is_stopped_and_backed_off():
     with pytest.raises(Fault, match=r"lts210|pressed"):
         keep_moving(guard, 10.0)
     assert guard.world_from_sensor[2, 3] > 20.0  # off the surface again
+
+
+class LockedOnTheWayBack:
+    """A stage that trips on its first leg back, and refuses every motion until it has been stopped."""
+
+    def __init__(self, stage):
+        self._stage, self._legs, self._locked, self._untold = stage, 0, False, False
+
+    def __getattr__(self, name):
+        return getattr(self._stage, name)
+
+    @property
+    def moving(self):
+        return not self._locked and self._stage.moving
+
+    def go_to(self, pose):
+        self._legs += 1
+        if self._legs == 1:
+            self._locked = self._untold = True
+        if not self._locked:
+            self._stage.go_to(pose)
+
+    def stop(self):
+        self._locked = False
+        self._stage.stop()
+
+    def events(self):
+        told, self._untold = self._untold, False
+        return self._stage.events() + (StageEvent("overpress", 0.0, 0.0, "a limit"),) * told
+
+
+def test_a_limit_passed_on_the_way_back_does_not_lock_the_stage():
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 22.0]))
+    guard.stage = LockedOnTheWayBack(guard.stage)
+    with pytest.raises(Fault):
+        keep_moving(guard, 10.0)
+    guard.go_to(se3.pose(DOWN, [0.0, 0.0, 60.0]))
+    assert guard.world_from_sensor[2, 3] == pytest.approx(60.0, abs=0.1)
 
 
 def test_the_housing_meeting_the_object_is_a_collision():
