@@ -6,6 +6,7 @@ from exploration.sensing.spec import load_sensor, sensor_names
 from models.library import Entry, Library
 from models.library.kept import Kept
 from models.parts import build, describe, names
+from recognition.console.interrupts import checkpoint
 
 
 def part_library(chosen: Iterable[str] | None = None) -> Library:
@@ -14,7 +15,11 @@ def part_library(chosen: Iterable[str] | None = None) -> Library:
 
 
 def _maker(name: str) -> Callable[[], Entry]:
-    return lambda: Entry(name, Kept(build(name)))
+    def make() -> Entry:
+        checkpoint()  # all are made one after the other where nothing is kept yet
+        return Entry(name, Kept(build(name)))
+
+    return make
 
 
 def part_rows() -> list[dict[str, object]]:

@@ -22,6 +22,7 @@ from models.library import Entry
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.pose import frame_along, inverse
+from recognition.console.interrupts import checkpoint
 from recognition.matching.belief import UNKNOWN, Belief
 from recognition.matching.contact_pairs import spread
 from recognition.matching.evidence import Evidence, Prior
@@ -154,6 +155,7 @@ def _fits(belief: Belief, evidence: Evidence, config: MatchConfig) -> bool:
 
 
 def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchConfig) -> Found:
+    checkpoint()
     target = target_of(entry)
     found = search(begun, target, config.search)
     poses = np.stack(starts) if starts else np.empty((0, 3, 4))

@@ -19,6 +19,7 @@ from models.library import Entry
 from models.symmetry import nearest_pose
 from primitives.arrays import Bools, Floats, frozen
 from primitives.pose import hat, inverse, pose, rotation_log
+from recognition.console.interrupts import checkpoint
 from recognition.matching.align import Aligned, refine
 from recognition.matching.belief import Hypothesis
 from recognition.matching.evidence import Evidence, Prior
@@ -96,6 +97,7 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
     total, unlike = there + log_known(on, off, seen.shares, noise), there + log_unlike(on, off, seen.shares)
     modes: list[Mode] = []
     for k in np.argsort(-total, kind="stable"):
+        checkpoint()
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
         if float(np.linalg.norm(world[:3, :3] @ target.center + world[:3, 3] - prior.center)) > prior.radius:
             continue
@@ -206,13 +208,16 @@ def _let_in(made: Hypothesis, entry: Entry, target: Target, evidence: Evidence) 
     sigma = float(np.median(evidence.contacts.sigma))
 
     def left_at(at: Floats) -> float:
+        checkpoint()
         there = replace(made, pose=frozen(at))
         told = _free(evidence, target, at, sigma) + log_untouched(there, entry, evidence)
         return told + log_imprints(there, entry, evidence)
 
+    left = [left_at(made.pose)]
+    if left[0] == 0.0:
+        return made, 0.0
     poses = sigma_points(made.pose, made.covariance, entry, _TRIED)
-    left: list[float] = []
-    for at in poses:
+    for at in poses[1:]:
         left.append(left_at(at))
         if left[-1] == 0.0:
             return replace(made, pose=frozen(at)), 0.0

@@ -22,6 +22,7 @@ from models.library import Entry
 from primitives.arrays import Floats
 from primitives.evidence import Imprint
 from primitives.pose import hat, inverse, pose
+from recognition.console.interrupts import checkpoint
 from recognition.matching.align import Aligned, refine
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
@@ -129,6 +130,7 @@ def _fit(at: Floats, entry: Entry, seen: Felt, evidence: Evidence, config: Sharp
     told = set(evidence.contacts.touch[evidence.contacts.has_normal].tolist())
     off, worst, information, pull = 0.0, 0.0, np.zeros((6, 6)), np.zeros(6)
     for imprint in evidence.imprints:
+        checkpoint()
         depth, tilt = config.told if imprint.touch in told else config.bare
         own = np.array([config.aside, config.aside, depth, tilt, tilt, config.spin])
         lost, known, g = _of_one(imprint, foreseen(imprint, solid, config.skin), own, config)

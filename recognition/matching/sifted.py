@@ -14,6 +14,7 @@ import numpy as np
 
 from models.library import Entry
 from primitives.arrays import Floats, Ints
+from recognition.console.interrupts import checkpoint
 from recognition.matching.align import refine
 from recognition.matching.contact_pairs import spread
 from recognition.matching.evidence import Evidence
@@ -62,6 +63,7 @@ def sifted(found: Mapping[str, Found], library: Mapping[str, Entry], seen: Felt,
 def _looked_at(entry: Entry, poses: Floats, seen: Felt, few: Ints, noise: NoiseConfig,
                config: SiftConfig) -> tuple[Floats, Floats]:  # fmt: skip
     """The poses after a few rounds, and (k,) the logarithm of what some contacts say of each."""
+    checkpoint()
     target = target_of(entry)
     wider = max(1.0, 0.35 * gap(target) / float(np.median(seen.sigma)))
     felt, sigma, tau, shares = seen.felt[few], seen.sigma[few], seen.tau[few], seen.shares[few]

@@ -1,3 +1,5 @@
+import signal
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from models.symmetry import pose_error
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, FreeSpace
 from primitives.pose import pose, random_rotation, rotate, transform_points
+from recognition.console import interrupts
 from recognition.matching import Evidence, Prior, match
 
 NAMES = ("bracket", "wedge", "hex_nut", "stepped_shaft")
@@ -55,6 +58,14 @@ def test_probabilities_sum_to_one_and_hypotheses_to_no_more(library):
     assert sum(belief.probabilities.values()) == pytest.approx(1.0)
     assert sum(h.probability for h in belief.hypotheses) <= 1.0 + 1e-9
     assert belief.confidence == max(belief.probabilities.values())
+
+
+def test_a_match_ends_where_somebody_asks_for_an_end(library, monkeypatch):
+    contacts = felt(library["wedge"], np.eye(4), 6, np.random.default_rng(2))
+    monkeypatch.setattr(interrupts._state, "asked", signal.SIGTERM)
+    with pytest.raises(interrupts.Interrupted) as told:
+        match(Evidence(contacts), library)
+    assert told.value.exit_code == 143
 
 
 def test_an_object_that_is_left_out_is_unknown(library):
