@@ -3,12 +3,13 @@
 A beam search: a state is the cells that are solid so far; a step adds or subtracts the candidate whose cells lower
 the mismatch most, or keeps only what lies in a round one.  Mismatch is counted in nats, as evidence against, and a
 leaf costs what its parameters cost to say, so the list is as long as the evidence pays for (minimum description
-length; our derivation).
+length; our derivation).  The search subtracts early, because a hole explains much; what would have had to be added
+before is then put in before it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,7 +74,51 @@ def shortest(
             best = beam[0]
         elif len(beam[0].steps) > len(best.steps) + 2:
             break
-    return pruned(best, vocabulary, solid, weight, options)
+    return mended(pruned(best, vocabulary, solid, weight, options), vocabulary, solid, weight, options)
+
+
+def mended(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    """With the additions that were needed before a subtraction, and would undo it at the end."""
+    while state.wrong > 0.0:
+        tried = _with_one_more(state, vocabulary, solid, weight, options)
+        better = min(tried, key=lambda after: after.cost, default=state)
+        if better.cost >= state.cost - 1e-9:
+            break
+        state = pruned(better, vocabulary, solid, weight, options)
+    return state
+
+
+def _with_one_more(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> Iterator[State]:
+    """Lists with a primitive more, added before what subtracts or keeps."""
+    nothing, everything = np.zeros(len(solid), dtype=bool), np.ones(len(solid), dtype=bool)
+    for place, step in enumerate(state.steps):
+        if place == 0 or step.operation == "add":
+            continue
+        before, after = state.steps[:place], state.steps[place:]
+        held = _held(before, vocabulary, nothing)
+        open_ = _held(after, vocabulary, everything) & ~_held(after, vocabulary, nothing)
+        worth = weight * open_ * ((solid & ~held).astype(float) - (~solid & ~held))
+        for _, candidate in vocabulary.best(worth, options.tried):
+            steps = (*before, Step("add", candidate), *after)
+            yield _replayed(steps, vocabulary, solid, weight, options)
+
+
+def _held(steps: Sequence[Step], vocabulary: Vocabulary, held: Bools) -> Bools:
+    for step in steps:
+        held = _OPERATIONS[step.operation](held, vocabulary.mask(step.candidate))
+    return held
+
+
+def _replayed(
+    steps: Sequence[Step], vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    held = _held(steps, vocabulary, np.zeros(len(solid), dtype=bool))
+    price = options.leaf * sum(step.candidate.price for step in steps)
+    return State(tuple(steps), held, float(weight[held != solid].sum()), price)
 
 
 def _steps(
@@ -137,9 +182,7 @@ def pruned(
             steps = [step for k, step in enumerate(state.steps) if k != skip]
             if steps[0].operation != "add":
                 continue
-            shorter = State((), np.zeros(len(solid), dtype=bool), 0.0, 0.0)
-            for step in steps:
-                shorter = _after(shorter, step, vocabulary, solid, weight, options)
+            shorter = _replayed(steps, vocabulary, solid, weight, options)
             if shorter.cost < state.cost - 1e-9:
                 state, improved = shorter, True
                 break

@@ -12,7 +12,9 @@ from primitives.fit import Fit, refit
 from primitives.pose import pose, random_rotation
 from primitives.shapes import Cylinder, Plane, Torus
 from recognition.assembly import assemble
+from recognition.assembly.search import SearchOptions, State, Step, mended
 from recognition.assembly.separators import separators, stops
+from recognition.assembly.vocabulary import Vocabulary
 from recognition.truth import LabeledFaces, TruthOptions, sample_surface
 
 BOX = np.array([[-300.0] * 3, [300.0] * 3])
@@ -87,3 +89,17 @@ def test_a_pin_may_end_in_the_tube_of_the_ring_that_it_carries():
     ring = Torus(np.zeros(3), np.array([0, 1.0, 0]), 20.0, 5.0)
     pin = Cylinder(np.array([0, 0, -50.0]), np.array([0, 0, 1.0]), 4.0)
     assert sorted(round(float(s.origin[2]), 9) for s in stops([ring, pin])) == [-20.0, 20.0]
+
+
+def test_what_would_refill_a_hole_is_added_before_it():
+    planes = [Plane(k * n, n) for n in np.eye(3)[:2] for k in range(4)]
+    centers = np.array([[x, y, 0.0] for x in np.arange(-0.5, 4.0) for y in np.arange(-0.5, 4.0)])
+    vocabulary = Vocabulary(planes, np.stack([p.signed_distance(centers) > 0 for p in planes], axis=1))
+    (x, y), options, weight = centers.T[:2], SearchOptions(), np.full(len(centers), 100.0)
+    upright, across = (abs(x - 1.5) < 1) & (abs(y - 1.5) < 2), (abs(x - 1.5) < 2) & (abs(y - 1.5) < 1)
+    cross = (upright | across) & ~(upright & across)
+    bar, hole = (vocabulary.best(np.where(m, 1.0, -1.0), 1)[0][1] for m in (upright, upright & across))
+    early = State((Step("add", bar), Step("subtract", hole)), upright & ~across, 200.0, 40.0)
+    after = mended(early, vocabulary, cross, weight, options)
+    assert [step.operation for step in after.steps] == ["add", "add", "subtract"]
+    assert (after.held == cross).all()
