@@ -3,6 +3,7 @@
 import numpy as np
 
 from exploration.control.edge_servo import EdgeServoConfig
+from exploration.control.feel import feel
 from exploration.devices.guard import Observation
 from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.followed import Expected
@@ -13,14 +14,30 @@ from primitives.arrays import Floats
 
 
 def first_expected(seen: Observation, along: Floats, config: EdgeServoConfig) -> Expected | None:
-    """The line or arc that runs most nearly along a (3,) world direction and under the pad's middle."""
+    """The line or arc that runs most nearly along a (3,) world direction and under the pad's middle.
+
+    Where a curved face ends by itself and where by its edge is hard to tell in a frame: such an edge is expected
+    where the pad was laid beside it.
+    """
     heading = seen.world_from_sensor[:3, :2].T @ along
     heading = heading / max(float(np.linalg.norm(heading)), 1e-9)
     outline = find_outline(seen.image, 3)
     found = [expected_of(line, heading, config) for line in (*outline.lines, *sure_lines(seen.image, 3))]
     found += [expected_on(arc, heading, config) for arc in outline.arcs]
     fitting = [e for e in found if np.cos(e.angle) * heading[0] + np.sin(e.angle) * heading[1] > 0.7]
+    if not fitting and any(config.curvatures):
+        return expected_beside(seen, heading, config)
     return min(fitting, key=lambda e: abs(e.offset), default=None)
+
+
+def expected_beside(seen: Observation, heading: Floats, config: EdgeServoConfig) -> Expected | None:
+    """The edge of a pad that lies beside it, the way of a (2,) heading; its material where contact is."""
+    felt = feel(seen.image)
+    if not felt:
+        return None
+    side = 1 if float(felt.centroid @ np.array([-heading[1], heading[0]])) > 0.0 else -1
+    angle = float(np.arctan2(heading[1], heading[0]))
+    return Expected(angle, -side * config.inside, side, bend_sigma=0.02, reach=config.reach)
 
 
 def expected_on(arc: Arc, heading: Floats, config: EdgeServoConfig) -> Expected:

@@ -20,6 +20,8 @@ from exploration.devices.guard import Guard, Observation
 from exploration.sensing.lines.followed import Expected, Followed
 from primitives.arrays import Bools, Floats
 
+AREA_SHARE = 0.05  # of each tick, in the mean area in contact
+
 
 @dataclass(frozen=True)
 class EdgeServoConfig:
@@ -35,6 +37,7 @@ class EdgeServoConfig:
     reach: float = 10.0  # [mm] of the edge, either way, that one frame is fitted to
     sharpest: float = 0.8  # [rad] of a bent edge that one frame is fitted to, either way
     bend_drift: float = 0.02  # [1/mm] by which the bend may change within a mm
+    curvatures: tuple[float, float] = (0.0, 0.0)  # [1/mm] of the face, along the edge and across it
 
 
 class EdgeServo:
@@ -46,6 +49,8 @@ class EdgeServo:
         self.wanted: list[float] = []  # [N] at every tick
         self._gains = HybridGains.for_delay(guard.period, guard.pending.latency).all
         self._integral = HybridState().integral
+        self._area = 0.0  # [mm^2]
+        self._curves = any(config.curvatures)
         self._law = (
             config.speed,
             config.inside,
@@ -61,27 +66,55 @@ class EdgeServo:
         self._integral = HybridState().integral
 
     def want(self, seen: Observation, edge: Followed) -> None:
-        """Take down the force that the nominal press makes on what is in contact."""
-        self.wanted.append(self.press * seen.image.stiffness * edge.area)
+        """Take down the force that the nominal press makes on what is in contact.
+
+        Of a curved face less lies within the pad's reach, and its end is less sure: it is averaged.
+        """
+        share = AREA_SHARE if self.wanted and self._curves else 1.0
+        self._area += share * (edge.area - self._area)
+        self.wanted.append(self.press * seen.image.stiffness * self._area)
 
     def twist(self, seen: Observation, edge: Followed) -> Floats:
         """The (6,) twist of this tick, aimed from where the pad will be when it is obeyed."""
         missing = self.wanted[-1] - seen.force
+        soon = self.guard.pending.motion(seen.time)
         twist, self._integral = _aimed(
-            edge.parameters,
+            self._curved(edge, soon),
             edge.covariance,
             float(edge.side),
             edge.centroid,
             missing / (seen.image.stiffness * max(edge.area, self.config.least_area)),
-            self.guard.pending.motion(seen.time),
+            soon,
             self._law,
             self._integral,
             self.guard.period,
             self._gains,
             PRESS_AND_LEVEL,
         )
+        if self._curves:
+            turn = self._turning(edge, twist[:2])
+            twist[3] += turn[1]
+            twist[4] -= turn[0]
         out: Floats = twist
         return out
+
+    def _curved(self, edge: Followed, soon: Floats) -> Floats:
+        """(6,) parameters of the edge, its slopes as a curved face has them after the (4, 4) motion `soon`."""
+        if not self._curves:
+            return edge.parameters
+        turn = self._turning(edge, soon[:2, 3])
+        p = edge.parameters.copy()
+        p[3] -= turn @ edge.inward
+        p[4] -= turn @ edge.direction
+        return p
+
+    def _turning(self, edge: Followed, gone: Floats) -> Floats:
+        """(2,) [rad] or [rad/s] by which the face's normal turns where the pad goes (2,) [mm] or [mm/s]."""
+        along, across = self.config.curvatures
+        turn: Floats = (
+            along * (edge.direction @ gone) * edge.direction + across * (edge.inward @ gone) * edge.inward
+        )
+        return turn
 
     def expected(self, edge: Followed, before: Floats, after: Floats) -> Expected:
         """The edge as the pad should see it after its move from one (4, 4) pose to another."""

@@ -20,6 +20,7 @@ class Sighting:
     normal: Floats  # (3,) outward normal of the face that it was seen from
     sigma: float  # [mm] across the edge
     length: float  # [mm] seen
+    curvatures: tuple[float, float] = (0.0, 0.0)  # [1/mm] of that face, along the edge and across it; 0: flat
 
 
 def sight(line: Line, seen: Observation) -> Sighting:

@@ -34,6 +34,7 @@ from exploration.control.hybrid import PRESS
 from exploration.control.run_on import leading_from, leading_to
 from exploration.devices.guard import Collision, Fault, Guard, Observation, OverPress
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.flattened import flattened
 from exploration.sensing.lines.follow_line import follow_line
 from exploration.sensing.lines.followed import Expected, Followed
 from exploration.sensing.lines.line_fit import softened
@@ -132,6 +133,8 @@ def follow_edge(
     ended: Ended = "length"
     while run.travel < length:
         image = softened(seen.image)
+        if expected is not None:
+            image = flattened(image, expected, last.plateau if last else press, config.curvatures)
         worst = config.misfit * max(1.0, run.misfit)
         edge = _followed(image, response, expected, worst, config.clear) if expected else None
         if edge is not None and not run.ticks and too_short(seen, edge, config.clear, config.corners):

@@ -24,6 +24,7 @@ from exploration.control.dwell import dwell
 from exploration.control.feel import feel
 from exploration.control.procedures.approach import retreat
 from exploration.control.sighting import Sighting
+from exploration.control.track_surface import Stroke
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.pad import Pad
 from exploration.planning.transit import Support
@@ -47,6 +48,7 @@ class EdgeFromFaceConfig:
     overtravel: float = 16.0  # [mm]
     facing: float = 0.4  # least cosine between the way of a stroke and what it came to
     other: float = 0.05  # [rad] between two faces, from which they are two
+    readings: int = 20  # of a stroke, that tell how its face is curved
     beside: float = 3.0  # [mm] within which what was met is the face behind the edge
 
 
@@ -134,10 +136,22 @@ def _normal_by(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig) -> Floats |
     if not len(felt):
         return None
     normal: Floats = felt.normals.mean(axis=0)
+    middle = felt.points.mean(axis=0)
+    normal = normal + _bent(pad, config) @ (edge.point - middle)
     normal = normal - edge.tangent * float(normal @ edge.tangent)
     normal = normal / np.linalg.norm(normal)
-    off = float((felt.points.mean(axis=0) - edge.point) @ normal)
+    off = float((middle - edge.point) @ normal)
     return normal if abs(off) < config.beside else None
+
+
+def _bent(pad: Pad, config: EdgeFromFaceConfig) -> Floats:
+    """(3, 3) [1/mm] by which the normal of the face under the pad turns with the place; 0 where it is flat."""
+    felt = feel(dwell(pad.guard, pad.config.averaged).image)
+    if not felt or float(np.abs(felt.curvature).max()) < config.flat:
+        return np.zeros((3, 3))
+    axes = pad.guard.world_from_sensor[:3, :2]
+    bent: Floats = axes @ felt.hessian @ axes.T
+    return bent
 
 
 def _turned(pad: Pad, edge: Sighting) -> float:
@@ -168,12 +182,24 @@ def _stroked_to(pad: Pad, config: EdgeFromFaceConfig) -> Sighting | NoEdge:
         if stroke.ended == "wall":
             return NoEdge("the pad met something in its way")
         if stroke.ended == "edge" and seen:
-            return _beside_contact(pad, seen)
+            edge = _beside_contact(pad, seen)
+            return replace(edge, curvatures=_curvatures(pad, stroke, edge, config))
         if stroke.ended == "closed":
             round_it.add(axis)
         if stroke.ended == "lost":
             return NoEdge("contact was lost before an edge came near")
     return NoEdge("no stroke over the surface came to an edge", len(round_it) == axes.shape[1])
+
+
+def _curvatures(pad: Pad, stroke: Stroke, edge: Sighting, config: EdgeFromFaceConfig) -> tuple[float, float]:
+    """[1/mm] of the face that a stroke ran over, along an edge and across it; 0 where it is flat to the pad."""
+    whole = [reading.hessian for reading in stroke.readings if reading.whole]
+    if len(whole) < config.readings:
+        return 0.0, 0.0
+    hessian = np.median(whole, axis=0)  # in the pad's axes, which it carries along
+    across = pad.guard.world_from_sensor[:3, :2]
+    along, outward = (float(d @ hessian @ d) for d in (edge.tangent @ across, edge.outward @ across))
+    return along * (along > config.flat), outward * (outward > config.flat)
 
 
 def _beside_contact(pad: Pad, seen: list[Sighting]) -> Sighting:

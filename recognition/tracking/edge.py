@@ -164,7 +164,8 @@ def _followed(run: FeltRun, edge: Sighting, speed: float, say: Say, config: Trac
 
     def follow(along: Floats) -> TrackedOutline:
         cost.strokes += 1
-        told = (config.longest, cost.touches, cost.strokes, config.press, EdgeConfig(speed=speed))
+        servo = EdgeConfig(speed=speed, curvatures=edge.curvatures)
+        told = (config.longest, cost.touches, cost.strokes, config.press, servo)
         return follow_outline(run.guard, along, *told)
 
     outline = followed_both_ways(run.guard, edge.tangent, follow)
