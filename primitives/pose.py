@@ -5,6 +5,8 @@ first; `exp` and `log` are the closed forms of SE(3) (Murray, Li and Sastry 1994
 where the angle is small.
 """
 
+import math
+
 import numba
 import numpy as np
 from numpy.typing import ArrayLike
@@ -74,6 +76,13 @@ def rotation_log(rotation: Floats) -> Floats:
     scale = np.where(sine < _SMALL_ANGLE, 2.0, angle / np.where(sine < _SMALL_ANGLE, 1.0, sine))
     out: Floats = scale * vector
     return out
+
+
+def turn_between(a: Floats, b: Floats) -> float:
+    """[rad] from one pose's attitude to another's: `rotation_log`'s length, for loops that ask often."""
+    r = (a[:3, :3].T @ b[:3, :3]).tolist()
+    across = math.hypot(r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1])
+    return math.atan2(across, r[0][0] + r[1][1] + r[2][2] - 1.0)
 
 
 def exp(twist: ArrayLike) -> Floats:

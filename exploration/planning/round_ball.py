@@ -49,10 +49,8 @@ def way_round(start: Floats, goal: Floats, ball: Ball, config: RoundConfig | Non
     radii = np.full(steps + 1, out)
     radii[0], radii[-1] = first, last
     turn = se3.rotation_log(goal[:3, :3] @ start[:3, :3].T)
-    stops = [
-        se3.pose(se3.rotation_exp(turn * share) @ start[:3, :3], ball.center + radius * toward)
-        for share, radius, toward in zip(shares, radii, ways, strict=True)
-    ]
+    attitudes = se3.rotation_exp(turn * shares[:, None]) @ start[:3, :3]
+    stops = list(se3.pose(attitudes, ball.center + radii[:, None] * ways))
     if float(np.linalg.norm(stops[0][:3, 3] - start[:3, 3])) < 1e-6:
         stops = stops[1:]
     if float(np.linalg.norm(stops[-1][:3, 3] - goal[:3, 3])) > 1e-6:
@@ -82,7 +80,7 @@ def length_of(start: Floats, poses: list[Floats]) -> tuple[float, float]:
     travel = turning = 0.0
     for p, q in itertools.pairwise(path):
         travel += float(np.linalg.norm(q[:3, 3] - p[:3, 3]))
-        turning += float(np.linalg.norm(se3.rotation_log(p[:3, :3].T @ q[:3, :3])))
+        turning += se3.turn_between(p, q)
     return travel, turning
 
 

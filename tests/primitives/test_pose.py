@@ -42,6 +42,8 @@ def test_log_undoes_exp_near_zero_and_near_half_a_turn(direction, gap):
     found = pose.rotation_log(pose.rotation_exp(wide))
     assert min(np.abs(found - wide).max(), np.abs(found + wide).max() if gap < 1e-7 else np.inf) < 1e-7
     assert np.linalg.norm(found) <= np.pi + 1e-12
+    turned = pose.pose(pose.rotation_exp(wide))
+    assert np.isclose(pose.turn_between(turned, np.eye(4)), np.linalg.norm(found), rtol=0, atol=1e-9)
 
 
 @given(vectors, st.floats(0, np.pi))

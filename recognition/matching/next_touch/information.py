@@ -55,7 +55,9 @@ def squared_distances(outcomes: Outcomes, noise: TouchNoise) -> Floats:
     unsure = np.where(sharp, noise.depth**2 + outcomes.cell, noise.depth**2)
     depth = (outcomes.depth[:, :, None] - outcomes.depth[:, None]) ** 2 / unsure
     turn = ((outcomes.normal[:, :, None] - outcomes.normal[:, None]) ** 2).sum(axis=-1) / noise.normal**2
-    gap = ((outcomes.gaps[:, :, None] - outcomes.gaps[:, None]) ** 2).sum(axis=-1)
+    both_gaps = outcomes.gaps @ np.swapaxes(outcomes.gaps, 1, 2)  # |a - b|^2 without all a - b at once
+    own = np.einsum("chh->ch", both_gaps)
+    gap = np.maximum(own[:, :, None] + own[:, None] - 2.0 * both_gaps, 0.0)
     flush = turn + gap / (max(noise.alike / outcomes.cell, 1.0) * noise.gap**2)
     apart: Floats = depth + np.where(sharp, 0.0, flush)
     both = outcomes.hit[:, :, None] & outcomes.hit[:, None]
