@@ -24,6 +24,7 @@ from exploration.control.dwell import dwell
 from exploration.control.feel import feel
 from exploration.control.procedures.approach import retreat
 from exploration.control.sighting import Sighting
+from exploration.control.surface_reading import read_surface
 from exploration.control.track_surface import Stroke
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.pad import Pad
@@ -145,12 +146,17 @@ def _normal_by(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig) -> Floats |
 
 
 def _bent(pad: Pad, config: EdgeFromFaceConfig) -> Floats:
-    """(3, 3) [1/mm] by which the normal of the face under the pad turns with the place; 0 where it is flat."""
-    felt = feel(dwell(pad.guard, pad.config.averaged).image)
-    if not felt or float(np.abs(felt.curvature).max()) < config.flat:
+    """(3, 3) [1/mm] by which the normal of the face under the pad turns with the place; 0 where it is flat.
+
+    Only what a smooth surface explains whole is curved: a thin wall's contact is as narrow as a bar's.
+    """
+    seen = dwell(pad.guard, pad.config.averaged)
+    felt = feel(seen.image)
+    reading = read_surface(seen, felt, None) if felt else None
+    if reading is None or not reading.whole or float(np.abs(reading.hessian).max()) < config.flat:
         return np.zeros((3, 3))
     axes = pad.guard.world_from_sensor[:3, :2]
-    bent: Floats = axes @ felt.hessian @ axes.T
+    bent: Floats = axes @ reading.hessian @ axes.T
     return bent
 
 

@@ -9,10 +9,11 @@ from exploration.control.sighting import Sighting
 from exploration.control.track_edge import EdgeConfig, follow_edge
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
-from exploration.planning.edge_from_face import EdgeFromFaceConfig, _curvatures
+from exploration.planning.edge_from_face import EdgeFromFaceConfig, _bent, _curvatures
+from exploration.planning.pad import PadConfig
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Sphere
+from models.csg import Cube, Cylinder, Sphere
 from models.solid import Solid
 from primitives.pose import frame_along, pose
 
@@ -53,3 +54,17 @@ def test_how_a_face_is_curved_is_told_by_a_stroke_over_it(hessian, whole, felt):
     x, y, z = np.eye(3)
     edge = Sighting(np.zeros(3), y, x, z, 0.1, 10.0)
     assert _curvatures(pad, stroke, edge, EdgeFromFaceConfig()) == pytest.approx(felt)
+
+
+@pytest.mark.parametrize(
+    ("part", "top", "bent"),
+    [(Cube((80.0, 9.0, 30.0)), 15.0, 0.0), (Cylinder(40.0, 80.0).turned("y", np.pi / 2), 40.0, 1 / 40)],
+)
+def test_a_thin_wall_is_not_curved_and_a_bar_is(over, part, top, bent):
+    down = np.diag([1.0, -1.0, -1.0])
+    guard, _ = over(part, pose(down, [0.0, 0.0, top - 0.5]), noise=0.01)
+    pad = SimpleNamespace(guard=guard, config=PadConfig())
+    x, y, z = np.eye(3)
+    felt = _bent(pad, EdgeFromFaceConfig())
+    assert y @ felt @ y == pytest.approx(bent, rel=0.1, abs=1e-9)
+    assert np.abs([x @ felt @ x, z @ felt @ z]).max() < 0.003
