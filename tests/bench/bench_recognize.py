@@ -109,6 +109,8 @@ def passive(table: Table, known: Library, count: int, one_sided: bool, asked: tu
         "",
         "<= 0.03",
     )
+    chance = by_chance([b.confidence for b in beliefs])
+    table.add("limit", f"calibration error by chance, were it calibrated, {where}", chance, "")
     table.add("palpate", f"query, median, {where}", float(np.median(seconds)), "s", "<= 0.3")
     for method, rival in rivals.items():
         told, seconds = [], []
@@ -137,6 +139,13 @@ def calibration(confidence: list[float], right: list[bool], bins: int = 10) -> f
     of = np.minimum((sure * bins).astype(int), bins - 1)
     rows = [of == k for k in range(bins) if (of == k).any()]
     return float(sum(m.mean() * abs(sure[m].mean() - hit[m].mean()) for m in rows))
+
+
+def by_chance(confidence: list[float], draws: int = 300) -> float:
+    """The mean of that error over so few trials, if each were right with just the probability that it states."""
+    rng = np.random.default_rng(0)
+    sure = np.array(confidence)
+    return float(np.mean([calibration(confidence, list(rng.random(len(sure)) < sure)) for _ in range(draws)]))
 
 
 def wilson(hits: int, count: int, z: float = 1.96) -> tuple[float, float]:
