@@ -25,6 +25,7 @@ from exploration.planning.inferred_walls import inferred_walls
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.reach import Reach
 from exploration.planning.study import Study, Wall
+from exploration.planning.wall_facing import face_wall
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.fit import Fit
@@ -36,11 +37,6 @@ class AnyFormConfig:
 
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
     overlap: float = 4.0  # [mm] of the pad that stays over the rim
-    above: tuple[float, ...] = (
-        1.2,
-        5.0,
-        12.0,
-    )  # [mm] of the housing over a face whose wall it comes to, in turn
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
     stuck: float = 1.0  # [mm] of a stroke, less than which there is no way from where the pad lies
     wall_tries: int = 2
@@ -163,16 +159,7 @@ class AnyForm:
     def _face_wall(self, wall: Wall) -> Done:
         """Turn to face what a stroke met, just above the face that the pad lay on."""
         self._walls.note(wall.point)
-        half = self.pad.tool.high[:2].min()
-        along = np.cross(wall.normal, wall.heading)
-        for give, above, shift in product((False, True), self.own.above, (0.0, 8.0, -8.0, 16.0, -16.0)):
-            at = wall.point + (half + above) * wall.normal + shift * along
-            target = se3.pose(self.pad.attitude(-wall.heading, along), at)
-            if self.reach.touch(target, give):
-                return self.study.face_here(), "touched a wall"
-            if self.reach.led:
-                return None, "nothing was where a stroke met a wall"
-        return None, "no way led to a wall"
+        return face_wall(self.study, self.reach, wall)
 
     def _cross(self, rim: Sighting) -> Done:
         """Roll over a rim onto the face behind it."""

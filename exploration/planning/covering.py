@@ -27,7 +27,7 @@ class Covering:
     def cover(self, missing: Predicted, face: int | None) -> Done:
         """Stroke from here over what is untouched on this face, or touch down where it is nearest."""
         pad = self.study.pad
-        fresh = np.array([self.tried.count(p) == 0 for p in missing.points])
+        fresh = self.tried.counts(missing.points) == 0
         on_face = (missing.face == face) & fresh
         if face is not None and on_face.any() and self._flush_on(face):
             points = missing.points[on_face]

@@ -3,13 +3,15 @@
 Find it, lie flush on it, stroke the face under the pad to its edges, roll over every edge to the face behind it,
 touch what the faces so far predict and nothing has touched, and trace every edge.  Each of those is a move; the
 frontier says what is open, and the cheapest open thing comes next.  An object is taken for convex, whose faces say
-much about what nobody has touched yet, until a wall or its faces contradict that, or until what they say cannot be
-closed; then each face is explored for itself (`any_form`).
+much about what nobody has touched yet, until a wall or its faces contradict that, or until what they say
+cannot be closed; then each face is explored for itself (`any_form`).  What stopped a stroke is looked at before it
+counts as a wall.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -28,6 +30,7 @@ from exploration.planning.study import Study
 from exploration.planning.survey import POLICIES, Survey
 from exploration.planning.told import Told
 from exploration.planning.tracing import Tracing
+from exploration.planning.wall_facing import Walls
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
@@ -62,6 +65,7 @@ class Explorer:
         self._study = Study(self.pad, self.found, config.attribution)
         self._crossing = Crossing(self._study, config)
         self._covering = Covering(self._study, self._tried, config)
+        self._walls = Walls(self._study)
         self._tracing = Tracing(self.pad, self.found, self._tried)
 
     def run(self) -> Iterator[Findings]:
@@ -87,7 +91,8 @@ class Explorer:
                 whole = "closed" if not self.found.open else "nothing reachable is open"
                 self.found.ended = "budget" if spent else whole
                 return
-            move = self._next(face)
+            wall = self._walls.next()
+            move = self._next(face) if wall is None else partial(self._walls.look, wall)
             if move is None and self.found.open:
                 self.found.hollow = True
                 continue

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from exploration.planning.attribution import CONVEX, AttributionConfig
 from exploration.planning.frontier import Predicted
 from exploration.planning.round_rims import RoundRim
-from primitives.arrays import Floats
+from primitives.arrays import Floats, Ints
 from primitives.evidence import EdgeTrace
 from primitives.fit import Fit
 from primitives.patch_graph import Face, PatchGraph
@@ -70,12 +71,16 @@ class Attempts:
         """Remember (3,) places that a move goes for."""
         self._places.extend(places)
 
+    def counts(self, places: Floats, within: float | None = None) -> Ints:
+        """(n,) how often a move has gone for each of (n, 3) places."""
+        if not self._places or not len(places):
+            return np.zeros(len(places), dtype=np.int64)
+        within = self._within if within is None else within
+        return np.asarray(KDTree(self._places).query_ball_point(places, within, return_length=True))
+
     def count(self, place: Floats, within: float | None = None) -> int:
         """How often a move has gone for this place."""
-        if not self._places:
-            return 0
-        away = np.linalg.norm(np.array(self._places) - place, axis=1)
-        return int((away < (self._within if within is None else within)).sum())
+        return int(self.counts(place[None], within)[0])
 
     def given_up(self, place: Floats) -> bool:
         """Whether it was tried often enough."""
@@ -83,7 +88,7 @@ class Attempts:
 
     def unfinished(self, missing: Predicted) -> Predicted:
         """The predicted points that are still worth a try."""
-        keep = np.array([not self.given_up(p) for p in missing.points], dtype=bool)
+        keep = self.counts(missing.points) < self._most
         return Predicted(missing.points[keep], missing.normals[keep], missing.face[keep])
 
 

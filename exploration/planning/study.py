@@ -27,6 +27,7 @@ class Wall:
     normal: Floats  # (3,) outward, of the face
     pose: Floats  # (4, 4) world_from_sensor where the pad was stopped
     half: Floats  # (2,) [mm] half the width of the housing that was stopped, along the pad's x and y
+    stopped: bool = True  # by force or by the housing; else it was only seen to rise ahead
 
 
 class Study:
@@ -69,10 +70,7 @@ class Study:
         return taken.home
 
     def note_wall(self, stroke: Stroke) -> bool:
-        """Whether a stroke was ended by what stands up ahead of it, which is remembered.
-
-        Only what stopped the pad proves a hollow: a frame that rises ahead may be noise on a convex face.
-        """
+        """Whether a stroke was ended by what stands up ahead of it, which is remembered."""
         if stroke.ended not in ("wall", "concavity") or stroke.heading is None:
             return False
         pose = self.pad.guard.world_from_sensor if stroke.met is None else stroke.met
@@ -80,9 +78,10 @@ class Study:
         way = pose[:3, :2] @ stroke.heading
         if self.pad.told is not None and self.pad.told.stopped(pose[:3, 3] + half * way):
             return False
-        self.found.hollow |= stroke.ended == "wall"
         wide = np.abs(self.pad.tool.high[:2])
-        self.walls.append(Wall(pose[:3, 3] + half * way, way, -pose[:3, 2], pose, wide))
+        self.walls.append(
+            Wall(pose[:3, 3] + half * way, way, -pose[:3, 2], pose, wide, stroke.ended == "wall")
+        )
         return True
 
     def _back_on(self, pose: Floats) -> bool:
