@@ -126,26 +126,28 @@ class EdgeTrack:
 def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | None = None) -> EdgeTrack:
     """Find an edge of the object and follow the outline that it belongs to, at `speed` [mm/s].
 
-    Where nothing can be followed from one place of the object, it is found again in another.
+    Where nothing can be followed from one place of the object, or is lost, it is found again in another; the
+    outline that closed is kept, or the longest.
     """
-    config, track = config or TrackEdgeConfig(), EdgeTrack()
+    config, tracks = config or TrackEdgeConfig(), list[EdgeTrack]()
     say("looking for the object")
     run.find()
     for left in reversed(range(config.places)):
         say("looking for an edge")
         edge = _come_to(run)
         if isinstance(edge, NoEdge):
-            track, left = EdgeTrack(why=edge.reason), 0 if edge.round else left
+            tracks.append(EdgeTrack(why=edge.reason))
+            left = 0 if edge.round else left
         else:
-            track = _followed(run, edge, speed, say, config)
-        if track or not left:
+            tracks.append(_followed(run, edge, speed, say, config))
+        if not left or (tracks[-1] and tracks[-1].ended != "lost"):
             break
         say("looking for another place")
         try:
             run.find_elsewhere()
         except PalpateError:
             break
-    return track
+    return max(reversed(tracks), key=lambda track: (track.ended == "closed", len(track.points)))
 
 
 def _come_to(run: FeltRun) -> Sighting | NoEdge:
