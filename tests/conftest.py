@@ -1,4 +1,4 @@
-"""A headless browser to look at pages with; and the same examples of every property in every run."""
+"""A headless browser to look at pages with; the same examples of every property in every run; its own cache."""
 
 import base64
 import importlib.util
@@ -16,6 +16,9 @@ from hypothesis import settings
 
 settings.register_profile("same", derandomize=True, deadline=None)
 settings.load_profile("same")
+
+# Tests write nothing outside the checkout; what recognition keeps of built-in parts is made once for all workers.
+os.environ["XDG_CACHE_HOME"] = str(Path(__file__).parents[1] / ".pytest_cache" / "home")
 
 
 class Browser:
