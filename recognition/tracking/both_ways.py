@@ -31,8 +31,10 @@ def followed_both_ways(guard: Guard, along: Floats, follow: Follow) -> TrackedOu
 
     watching = guard.observers
     guard.observers = (*watching, note)
-    outline = follow(along)
-    guard.observers = watching
+    try:
+        outline = follow(along)
+    finally:
+        guard.observers = watching
     if not outline or outline.ended in ("closed", "length"):
         return outline
     try:
