@@ -151,17 +151,21 @@ def track_edge(run: FeltRun, speed: float, say: Say, config: TrackEdgeConfig | N
 
 
 def _come_to(run: FeltRun) -> Sighting | NoEdge:
-    """An edge that is come to from where the pad lies."""
+    """An edge that is come to from where the pad lies, and then lies over."""
     try:
-        return reach_edge(run.pad)
+        edge = reach_edge(run.pad)
+        if edge:
+            lie_over(run.pad, edge)
+        return edge
     except TouchesSpent as spent:
         return NoEdge(f"none was come to, and {spent}; raise --max-touches")
+    except (OverPress, Collision) as fault:
+        return NoEdge(f"none was come to, and the pad backed off ({fault})")
 
 
 def _followed(run: FeltRun, edge: Sighting, speed: float, say: Say, config: TrackEdgeConfig) -> EdgeTrack:
     """The outline that an edge under the pad belongs to."""
     say("following the edge")
-    lie_over(run.pad, edge)
     cost = run.guard.cost
 
     def follow(along: Floats) -> TrackedOutline:
@@ -177,9 +181,18 @@ def _followed(run: FeltRun, edge: Sighting, speed: float, say: Say, config: Trac
     if not outline:
         why = "the edge that was seen could not be followed" if outline.fault is None else str(outline.fault)
         return EdgeTrack(why=why, ended=outline.ended)
-    press = pressed(run.pad) or config.press
+    press = _pressed(run) or config.press
     run.pad.lie(np.empty((0, 3)))
     return _felt_behind(run, outline, edge, press, say, config)
+
+
+def _pressed(run: FeltRun) -> float | None:
+    """[mm] to which the face is pressed where the outline ended."""
+    try:
+        return pressed(run.pad)
+    except (OverPress, Collision) as error:
+        run.warnings.append(str(error))
+        return None
 
 
 def _felt_behind(
