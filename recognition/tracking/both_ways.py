@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import dist
 
-import numpy as np
-
 from exploration.control.procedures.approach import retreat
 from exploration.control.track_outline import TrackedOutline, joins_of
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
 from primitives.evidence import EdgeTrace
+from recognition.tracking.traced import as_one
 
 LIFT = 3.0  # [mm] over the face, on the way back
 STEP = 4.0  # [mm] between the places of that way
@@ -52,14 +51,7 @@ def joined(before: TrackedOutline, after: TrackedOutline) -> TrackedOutline:
     back = [_reversed(trace) for trace in reversed(before.traces)]
     one, two = back[-1], after.traces[0]
     if float(one.tangents[-1] @ two.tangents[0]) > 0.0:
-        behind = (one.points - two.points[0]) @ two.tangents[0] < 0.0
-        two = replace(
-            two,
-            points=_both(one.points[behind], two.points),
-            tangents=_both(one.tangents[behind], two.tangents),
-            normals=_both(one.normals[behind], two.normals),
-            sigma=_both(one.sigma[behind], two.sigma),
-        )
+        two = as_one(one, two)
     traces = (*back[:-1], two, *after.traces[1:])
     return TrackedOutline(
         traces,
@@ -81,10 +73,6 @@ def _reversed(trace: EdgeTrace) -> EdgeTrace:
         normals=frozen(trace.normals[::-1]),
         sigma=frozen(trace.sigma[::-1]),
     )
-
-
-def _both(before: Floats, after: Floats) -> Floats:
-    return frozen(np.concatenate([before, after]))
 
 
 def _back(guard: Guard, gone: list[Floats]) -> None:

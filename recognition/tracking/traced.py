@@ -178,15 +178,20 @@ def whole_edges(
     (first, known), (last, other) = edges[0], edges[-1]
     if float(last.tangents[-1] @ first.tangents[0]) < np.cos(straight_on):
         return edges
-    before = (last.points - first.points[0]) @ first.tangents[0] < 0.0
-    joined = replace(
-        first,
-        points=_joined(last.points[before], first.points),
-        tangents=_joined(last.tangents[before], first.tangents),
-        normals=_joined(last.normals[before], first.normals),
-        sigma=_joined(last.sigma[before], first.sigma),
-    )
+    joined = as_one(last, first)
     return [(joined, other if known is None else known), *edges[1:-1]]
+
+
+def as_one(before: EdgeTrace, after: EdgeTrace) -> EdgeTrace:
+    """One edge of two that run the same way: all of `after`, and what of `before` lies behind where it begins."""
+    behind = (before.points - after.points[0]) @ after.tangents[0] < 0.0
+    return replace(
+        after,
+        points=_joined(before.points[behind], after.points),
+        tangents=_joined(before.tangents[behind], after.tangents),
+        normals=_joined(before.normals[behind], after.normals),
+        sigma=_joined(before.sigma[behind], after.sigma),
+    )
 
 
 def corners_of(traces: Sequence[EdgeTrace], closed: bool) -> Floats:
