@@ -11,14 +11,13 @@ from exploration.sensing.physics.corner_hits import (
     COPLANAR,
     COVER,
     EMPTY,
-    HIT,
-    MISS,
     SIMPLE,
     judge,
     read_corners,
     simple_cell,
 )
 from exploration.sensing.physics.coverage import FULL, cover_cell
+from exploration.sensing.physics.slipped_rays import HIT, MISS
 from primitives.arrays import Bools, Floats, Ints
 
 OVERLAP, POKED = 3, 4  # further states of a cell, after those of `corner_hits`
@@ -45,7 +44,9 @@ def integrate(
     partial: Bools,
 ) -> tuple[float, int]:
     """Judge all cells, then integrate the simple, the crossed and the poked; greatest depth, cells given up."""
-    deepest = read_corners(hits, poses, x_edges, y_edges, vertices, triangles, start, corners, kinds)
+    deepest = read_corners(
+        hits, poses, x_edges, y_edges, vertices, triangles, neighbors, start, corners, kinds
+    )
     modes[:] = 0.0
     partial[:] = False
     rows, columns = states.shape

@@ -13,9 +13,16 @@ import numpy as np
 from numba import njit
 
 from exploration.sensing.physics.coverage import add_polygon, clip_to_contact
+from exploration.sensing.physics.slipped_rays import (
+    HIT,
+    INSIDE,
+    MISS,
+    grazed,
+    plane_of,
+    settle_inside,
+)
 from primitives.arrays import Floats, Ints
 
-MISS, HIT, INSIDE = 0, 1, 2
 EMPTY, SIMPLE, COVER = 0, 1, 2
 COPLANAR = 1e-5  # change of slope, and mismatch over width, below which corners lie on one plane
 _MISMATCH = 0.15  # of the change of slope times the width: what facets of a smooth surface may show
@@ -34,6 +41,7 @@ def read_corners(
     y_edges: Floats,
     vertices: Floats,
     triangles: Ints,
+    neighbors: Ints,
     start: float,
     corners: Floats,
     kinds: Ints,
@@ -53,9 +61,12 @@ def read_corners(
                 kinds[r, c] = MISS
                 continue
             if t != last or k != last_pose:
-                z0, gx, gy, facing = _plane(pose, vertices, triangles, t)
+                z0, gx, gy, facing = plane_of(pose, vertices, triangles, t)
                 last, last_pose = t, k
             if facing >= 0.0:
+                if grazed(pose, x_edges[c], y_edges[r], vertices, triangles, neighbors, t):
+                    kinds[r, c] = MISS
+                    continue
                 kinds[r, c] = INSIDE
                 inside = True
                 corners[0, r, c], corners[1, r, c], corners[2, r, c] = -start, 0.0, 0.0
@@ -64,63 +75,9 @@ def read_corners(
             kinds[r, c] = HIT if z < far else MISS
             corners[0, r, c], corners[1, r, c], corners[2, r, c] = z, gx, gy
             deepest = max(deepest, -z)
-    if inside and _settle_inside(corners, kinds, x_edges, y_edges, start):
+    if inside and settle_inside(corners, kinds, x_edges, y_edges, start):
         deepest = start
     return deepest
-
-
-@njit(cache=True, error_model="numpy")
-def _settle_inside(corners: Floats, kinds: Ints, x_edges: Floats, y_edges: Floats, start: float) -> bool:
-    """Turn rays that slipped between triangles into misses; whether any other began inside the object."""
-    any_inside = False
-    for r in range(kinds.shape[0]):
-        for c in range(kinds.shape[1]):
-            if kinds[r, c] == INSIDE:
-                if _leaked(r, c, corners, kinds, x_edges, y_edges, start):
-                    kinds[r, c] = MISS
-                else:
-                    any_inside = True
-    return any_inside
-
-
-@njit(cache=True, error_model="numpy")
-def _plane(pose: Floats, vertices: Floats, triangles: Ints, t: int) -> tuple[float, float, float, float]:
-    """Height at the sensor's axis and slopes of a triangle's plane, and its normal's part along the rays."""
-    a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-    ux, uy, uz = (
-        vertices[b, 0] - vertices[a, 0],
-        vertices[b, 1] - vertices[a, 1],
-        vertices[b, 2] - vertices[a, 2],
-    )
-    vx, vy, vz = (
-        vertices[c, 0] - vertices[a, 0],
-        vertices[c, 1] - vertices[a, 1],
-        vertices[c, 2] - vertices[a, 2],
-    )
-    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    along_x = nx * pose[0, 0] + ny * pose[1, 0] + nz * pose[2, 0]
-    along_y = nx * pose[0, 1] + ny * pose[1, 1] + nz * pose[2, 1]
-    along_z = nx * pose[0, 2] + ny * pose[1, 2] + nz * pose[2, 2]
-    reach = (
-        nx * (vertices[a, 0] - pose[0, 3])
-        + ny * (vertices[a, 1] - pose[1, 3])
-        + nz * (vertices[a, 2] - pose[2, 3])
-    )
-    return reach / along_z, -along_x / along_z, -along_y / along_z, along_z
-
-
-@njit(cache=True, error_model="numpy")
-def _leaked(
-    r: int, c: int, corners: Floats, kinds: Ints, x_edges: Floats, y_edges: Floats, start: float
-) -> bool:
-    """Whether a ray that met a back face slipped between two triangles: a neighbor expects it to be outside."""
-    for i in range(max(r - 1, 0), min(r + 2, kinds.shape[0])):
-        for j in range(max(c - 1, 0), min(c + 2, kinds.shape[1])):
-            if kinds[i, j] == HIT:
-                z = corners[0, i, j] + corners[1, i, j] * (x_edges[c] - x_edges[j])
-                if z + corners[2, i, j] * (y_edges[r] - y_edges[i]) > -start:
-                    return True
-    return False
 
 
 @njit(cache=True, error_model="numpy")

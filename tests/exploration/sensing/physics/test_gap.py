@@ -202,6 +202,20 @@ def test_each_row_of_a_scan_feels_the_pose_of_its_own_time(few):
         assert np.abs(scanned.modes[0, r] - still.modes[0, r]).max() < (2e-3 if few < 0 else 1e-9)
 
 
+def test_rays_that_graze_the_outline_of_a_ball_press_nothing():
+    ball = solid(trimesh.creation.icosphere(subdivisions=5, radius=15.0))
+    skin, at = skin_of(LTS), pose(DOWN @ rotation_exp([0.1, 0.2, 0.3]), [0.0, 0.0, 14.5])
+    felt = MeshGap(ball, skin, LTS.elastomer.thickness, few=0)
+    away = ball.body.triangle_normals @ at[:3, 2]
+    folds = np.argwhere((away[:, None] >= 0.0) & (away[ball.neighbors] < 0.0))[:200]
+    for t, i in folds:
+        ends = ball.vertices[[ball.triangles[t, i], ball.triangles[t, (i + 1) % 3]]]
+        corner = np.array([skin.x_edges[3], skin.y_edges[4], 0.0])
+        shift = at[:3, :3].T @ (ends.mean(axis=0) - at[:3, 3]) - corner
+        over = at @ pose(translation=[shift[0], shift[1], 0.0])
+        assert felt.feel(over[None]) < 2.0, (t, i)
+
+
 @pytest.mark.parametrize("sections", [60, 280])
 def test_a_small_boss_of_many_sides_presses_like_the_polygon_it_is(sections):
     boss = solid(trimesh.creation.cylinder(1.0, 20.0, sections=sections))
