@@ -19,16 +19,16 @@ from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
 from recognition.matching.contact_pairs import spread, telling_pairs
 from recognition.matching.search_kernels import distinct, searched, settled, weighed
-from recognition.matching.target import Target, gap
+from recognition.matching.target import Target, field_error, gap
 
 
 @dataclass(frozen=True)
 class SearchConfig:
     """How far the search goes."""
 
-    pairs: int = 12  # of contacts, with normals
+    pairs: int = 8  # of contacts, with normals
     turned_pairs: int = 6  # of contacts without
-    kept: int = 40  # poses of an object that descend, with normals
+    kept: int = 24  # poses of an object that descend, with normals
     kept_blind: int = 160  # without: distances alone rank poses badly
     turns: int = 30  # tried about a line
     starts: int = 400  # turns all round, where no normals were felt
@@ -136,7 +136,7 @@ def _all_round(begun: Begun, target: Target, config: SearchConfig, wide: float, 
 
 def scored(begun: Begun, target: Target, poses: Floats, config: SearchConfig) -> Floats:
     """(k,) about -2 log likelihood of all contacts, but for a constant, at (k, 3, 4) poses."""
-    fine = float(np.hypot(0.3 * target.spacing if begun.told else 0.5 * gap(target), begun.sigma))
+    fine = float(np.hypot(field_error(target) if begun.told else 0.5 * gap(target), begun.sigma))
     steep = float(np.hypot(0.05, begun.normal_sigma))
     field = (target.values, target.origin, target.spacing, target.step)
     costs = weighed(poses, begun.points, begun.normals, begun.felt, fine, steep, config.last_cap, field)

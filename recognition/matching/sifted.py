@@ -2,7 +2,8 @@
 
 Beside edges and in narrow places a distance field errs by more than contacts do, so that the true pose of the true
 object may look far worse on it than a false one.  The best poses of each object are refined for a few rounds by a
-few contacts on the exact surface, and those whose likelihood there is far behind are given up.
+few contacts on the exact surface, and those whose likelihood there is far behind are given up.  These rounds begin
+with no more noise than the field's error, since the poses have descended on it: wider looks at many more facets.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from recognition.matching.facets import facets_of
 from recognition.matching.hypotheses import Found
 from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods
 from recognition.matching.modes import Felt
-from recognition.matching.target import gap, target_of
+from recognition.matching.target import field_error, target_of
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def _looked_at(entry: Entry, poses: Floats, seen: Felt, few: Ints, noise: NoiseC
     """The poses after a few rounds, and (k,) the logarithm of what some contacts say of each."""
     checkpoint()
     target = target_of(entry)
-    wider = max(1.0, 0.35 * gap(target) / float(np.median(seen.sigma)))
+    wider = max(1.0, field_error(target) / float(np.median(seen.sigma)))
     felt, sigma, tau, shares = seen.felt[few], seen.sigma[few], seen.tau[few], seen.shares[few]
     contacts = np.ascontiguousarray(seen.points[few]), np.ascontiguousarray(seen.normals[few]), felt
     mesh = facets_of(entry.solid.body)
