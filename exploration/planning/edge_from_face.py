@@ -22,7 +22,7 @@ import numpy as np
 
 from exploration.control.dwell import dwell
 from exploration.control.feel import feel
-from exploration.control.procedures.approach import retreat
+from exploration.control.procedures.approach import ApproachConfig, advance, press_on, retreat
 from exploration.control.sighting import Sighting
 from exploration.control.surface_reading import read_surface
 from exploration.control.track_surface import Stroke
@@ -87,6 +87,8 @@ def lie_over(pad: Pad, edge: Sighting, config: EdgeFromFaceConfig = EdgeFromFace
     place = place - normal * (normal @ (place - pressed[:3, 3]))  # as deep as the pad was
     target = se3.pose(pad.attitude(normal, edge.tangent), place)
     guard.go_to(se3.pose(target[:3, :3], place + config.lift * normal))
+    advance(guard, -normal, config.lift, ApproachConfig().speed)
+    press_on(guard, -normal, float((guard.world_from_sensor[:3, 3] - place) @ normal))
     guard.go_to(target)
 
 

@@ -82,6 +82,20 @@ def advance(
             return guard.hold()
 
 
+def press_on(
+    guard: Guard, direction: Floats, distance: float, config: ApproachConfig = ApproachConfig()
+) -> Observation:
+    """Move `distance` [mm] along a (3,) world direction as slowly as a skin is pressed, attitude held."""
+    start = guard.world_from_sensor[:3, 3]
+    while True:
+        here = guard.world_from_sensor
+        if float((here[:3, 3] - start) @ direction) >= distance:
+            return guard.hold()
+        twist = np.zeros(6)
+        twist[:3] = here[:3, :3].T @ (direction * config.slow)
+        guard.move(twist)
+
+
 def approach(
     guard: Guard,
     direction: Floats,
