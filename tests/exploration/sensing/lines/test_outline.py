@@ -3,6 +3,9 @@ import pytest
 
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.lines.outline import find_outline
+from exploration.sensing.lines.parallel import made_parallel
+from exploration.sensing.lines.region import TWO, Region
+from exploration.sensing.lines.region_fit import RegionFit
 
 
 def disc(x0, y0, radius, inside=True):
@@ -181,3 +184,12 @@ def test_an_outline_says_when_it_might_as_well_be_a_smooth_surface(frames):
     assert len(wall.lines) == len(slot.lines) == 2
     assert abs(wall.over_smooth) < 12.0
     assert slot.over_smooth > 100.0
+
+
+def test_a_line_of_which_little_is_seen_is_laid_along_none_that_it_crosses():
+    free = np.diag([0.01, 0.01, 0.01, 0.02, 0.1, 0.3, 1.0]) ** 2
+    for apart in (0.02, 0.6):
+        at = np.array([0.5, 0.0, 0.0, 0.4, 1.0, 0.4 + apart, -1.0])
+        fit = RegionFit(Region((1.0, -1.0), TWO[0]), at, free, 150.0, 153, True, 3.0)
+        laid = made_parallel(fit).parameters
+        assert laid[5] - laid[3] == pytest.approx(0.0 if apart < 0.3 else apart)
