@@ -28,8 +28,11 @@ def find_lines(
     """The straight edges of a frame, strongest first; empty where there is none.
 
     A wall that is hardly wider than the blur has its edges, though a cylinder narrower than the pad may explain it
-    as well.  `dihedral` [rad] is the angle between an edge's two faces.  No single frame tells a wider one than a
-    right angle from more blur: not told, an edge of 120 or 150 degrees pressed z0 deep is placed
+    as well; so have a strip of a face, which may be a wide cylinder beside the pad's middle, and a cut corner,
+    which may be an arc, unless those are clearly likelier.
+
+    `dihedral` [rad] is the angle between an edge's two faces.  No single frame tells a wider one than a right
+    angle from more blur: not told, an edge of 120 or 150 degrees pressed z0 deep is placed
     z0 tan(dihedral - pi/2) / 2 too far outside, 0.14 or 0.43 mm at 0.5 mm.
     """
     _check(image)

@@ -8,7 +8,7 @@ answer.
 """
 
 from dataclasses import dataclass, field
-from math import inf, sqrt
+from math import hypot, inf, sqrt
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.edges import edge_points
 from exploration.sensing.lines.line import Line, normalized
 from exploration.sensing.lines.line_fit import softened
-from exploration.sensing.lines.outline_evidence import is_wall, log_odds
+from exploration.sensing.lines.outline_evidence import is_wall, log_odds, log_over, log_weight
 from exploration.sensing.lines.outline_search import Evidence, SearchConfig, search
 from exploration.sensing.lines.parallel import made_parallel
 from exploration.sensing.lines.peaks import peaks
@@ -40,6 +40,7 @@ class OutlineConfig:
     corner_odds: float = 1.0  # [log] of several lines that are no wall, the same: few surfaces resemble those
     arc_odds: float = 0.0  # [log] of one arc, the same: what is likelier
     line_odds: float = inf  # [log] of one line that fits no better, the same
+    straight_odds: float = inf  # [log] of lines against an outline with arcs, in whose stead they are said
     narrow: bool = True  # also of a wall or pin that may as well be a cylinder or ball narrower than the pad
     strength: float = 5.0  # [sigma] of the step's height
     length: float = 1.6  # [taxels] of a line that is seen
@@ -68,7 +69,7 @@ class Outline:
 NOTHING = Outline()
 _BOSS = Region((), NO_TERMS, (1.0,))
 DEFAULT = OutlineConfig()
-LIKELIEST = OutlineConfig(line_odds=0.0)  # a line, too, that is likelier though it fits no better
+LIKELIEST = OutlineConfig(line_odds=-2.94, straight_odds=-5.0)  # lines, unless another is clearly likelier
 UNMISTAKABLE = OutlineConfig(narrow=False, corner_odds=2.94)  # nothing that might as well be a smooth surface
 
 
@@ -87,15 +88,21 @@ def find_outline(
     points = edge_points(image, response)
     soft = softened(image)
     voted = tuple(peak.straight for peak in peaks(points, image, max_lines, response))
-    best = search(Evidence(soft, response, points, voted, max_lines), config.search)
-    if best is None:
+    found = search(Evidence(soft, response, points, voted, max_lines), config.search)
+    if found is None:
         return NOTHING
+    best, straight = found
     if best.region == Region():
         return Outline((), (), best.chi2, best.dof)
     contact = smooth_contact(image)
     if not contact:
         return NOTHING
     smooth = smooth or fit_dome(contact)
+    size = hypot(*image.array.size)
+    if best.region.signs and straight.region.sides and not straight.region.signs:
+        odds = log_over(straight, best) + log_weight(straight, size) - log_weight(best, size)
+        if odds > config.straight_odds and _likely(image, straight, contact, smooth, config):
+            best = straight
     gain = smooth.chi2 - best.chi2 if smooth.converged else inf
     if not _likely(image, best, contact, smooth, config):
         return Outline((), (), smooth.chi2, smooth.dof, gain)

@@ -63,14 +63,20 @@ class Evidence:
     most: int = 3  # lines
 
 
-def search(evidence: Evidence, config: SearchConfig) -> RegionFit | None:
-    """The hypothesis of most evidence; None where nothing can be fitted."""
+def search(evidence: Evidence, config: SearchConfig) -> tuple[RegionFit, RegionFit] | None:
+    """The hypothesis of most evidence, and that of lines alone; None where nothing can be fitted."""
     best = fit_region(evidence.image, evidence.response, Region(), [])
+    tried = [best]
     for stage in (_lone, _arcs, _pairs, _triples, _dips):
         if stage is _arcs or not _done(best, config):
-            best = _likeliest(evidence, list(stage(evidence, best, config)), best, config, stage is _arcs)
-    best = _likeliest(evidence, list(_straightened(best, config)), best, config, True)
-    return best if best.converged else None
+            starts = list(stage(evidence, best, config))
+            best = _likeliest(evidence, starts, best, tried, config, stage is _arcs)
+    best = _likeliest(evidence, list(_straightened(best, config)), best, tried, config, True)
+    if not best.converged:
+        return None
+    size = hypot(*evidence.image.array.size)
+    straight = [fit for fit in tried if not fit.region.signs and fit.converged]
+    return best, max(straight, key=lambda fit: log_weight(fit, size) + log_over(fit, best), default=best)
 
 
 def _done(best: RegionFit, config: SearchConfig) -> bool:
@@ -83,7 +89,12 @@ def _lone_arc(best: RegionFit) -> bool:
 
 
 def _likeliest(
-    evidence: Evidence, starts: list[Start], best: RegionFit, config: SearchConfig, always: bool = False
+    evidence: Evidence,
+    starts: list[Start],
+    best: RegionFit,
+    tried: list[RegionFit],
+    config: SearchConfig,
+    always: bool = False,
 ) -> RegionFit:
     """The best of a stage: of each number of unknowns the starts that fit best as they are, to the end."""
     image, response = evidence.image, evidence.response
@@ -97,10 +108,10 @@ def _likeliest(
             break
         for glance in sorted(fits, key=lambda fit: fit.chi2)[: config.polished]:
             fit = fit_region(image, response, glance.region, glance.parameters[3:])
-            if fit.converged:
+            if fit.converged and not _runs_out(fit, image, config.low):
+                tried.append(fit)
                 other = log_weight(fit, size)
-                likelier = not best.converged or log_over(fit, best) + other > weight
-                if likelier and not _runs_out(fit, image, config.low):
+                if not best.converged or log_over(fit, best) + other > weight:
                     best, weight = fit, other
             if best is fit and fit.settled(config.settled, config.structure):
                 break

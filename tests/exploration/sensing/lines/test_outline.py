@@ -186,6 +186,23 @@ def test_an_outline_says_when_it_might_as_well_be_a_smooth_surface(frames):
     assert slot.over_smooth > 100.0
 
 
+def test_a_corner_that_is_cut_off_is_lines_though_an_arc_may_stand_for_it(frames):
+    rng = np.random.default_rng(29)
+    seen, off = 0, []
+    for _ in range(16):
+        turn, (x, y) = rng.uniform(-np.pi, np.pi), rng.uniform(-2.0, 2.0, 2)
+        truths = []
+        for more, cut in ((0.0, 0.0), (np.pi / 2, 0.0), (np.pi / 4, 4.0)):
+            inward = np.array([-np.sin(turn + more), np.cos(turn + more)])
+            truths.append((turn + more, inward @ (x, y) + cut, 1))
+        lines = find_lines(frames(times(*(frames.half(*t) for t in truths)), rng))
+        seen += len(lines) >= 2
+        off += [np.abs(e).max() for e in errors(lines, truths)] if len(lines) == 3 else []
+    assert seen >= 14
+    assert len(off) >= 30
+    assert max(off) < 4.5
+
+
 def test_a_line_of_which_little_is_seen_is_laid_along_none_that_it_crosses():
     free = np.diag([0.01, 0.01, 0.01, 0.02, 0.1, 0.3, 1.0]) ** 2
     for apart in (0.02, 0.6):
