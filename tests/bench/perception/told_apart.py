@@ -1,16 +1,22 @@
-"""Which lines a detector can find that hardly ever sees one on a smooth surface.
+"""Which lines a detector can find that hardly ever says one too many.
 
 Whoever says "line" on at most `FALSE` of the frames of every smooth surface says it on at most
 
     Phi(d - z),    d^2 = sum ((f - g) / sigma)^2,    z = Phi^-1(1 - FALSE),
 
 of a press, f being its clean frame and g that of the smooth surface nearest to it (the lemma of Neyman and
-Pearson).  Smooth is what is nowhere sharper than a ball whose radius is the pad's length.  The nearest is the best
-plane, ridge, ball or dome by the smooth fit if that is smooth; else a simulated bar or ball of that very radius.
-A line that is seen must then lie near the truth, which errors as small as the bound's leave to chance too.
+Pearson).  Smooth is what is nowhere sharper than a ball whose radius is the pad's length, pressed as the rows of
+false lines press: within `AWAY` of the pad's center, leaning no more than the tilted edges, not twice as deep.
+The nearest is the best plane, ridge, ball or dome by the smooth fit if that is smooth; else a simulated bar or
+ball of that very radius.  No detector is told radius, place or depth, so every such surface counts by itself.
+
+Whoever in the same way hardly ever says a second or third line where there is none says it no more often than the
+nearest frame of one or of two lines lets him.  What is said must then lie near the truth, which errors as small as
+the bound's leave to chance too.
 """
 
 from dataclasses import replace
+from itertools import combinations, product
 
 import numpy as np
 from perception import presses
@@ -22,7 +28,10 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import multivariate_normal
 
 from exploration.sensing.calibration import correct
-from exploration.sensing.frame import TaxelFrame
+from exploration.sensing.frame import TactileImage, TaxelFrame
+from exploration.sensing.lines.region import ONE, TWO, Region
+from exploration.sensing.lines.region_fit import fit_region
+from exploration.sensing.response import response_of
 from exploration.sensing.surfaces.smooth_fit import fit_dome, fit_shape, smooth_contact
 from exploration.sensing.surfaces.smooth_shapes import BALL, PLANE, RIDGE
 from primitives.arrays import Floats
@@ -32,32 +41,62 @@ CLEAR = 60.0  # [chi2] beyond which a line is missed less than once in 10,000
 STEPS = 15
 DONE = 0.02  # [chi2]
 ROUNDING = 1.001  # by which the sharpest ball may be surpassed
-DEEPEST, STEEPEST = 2.0, 0.1  # [mm], [rad] of a press
+DEEPEST, STEEPEST, AWAY = 2 * presses.PRESS, np.radians(2.0), 6.0  # [mm], [rad], [mm] of a press
+FLAT = 1e-4  # [1/mm] below which nothing tells where a pole is
+NEAREST = 4  # outlines of fewer lines, of which all steps are taken
 
 
-def findable(scenes: list[Scene], noise: Noise) -> float:
-    """The greatest share of the lines of these scenes that can be found, and near the truth."""
-    shares = []
+def findable(scenes: list[Scene], noise: Noise, times: float = np.inf) -> float:
+    """The greatest share of the lines of these scenes that can be found, within `times` the bound of the truth."""
+    found, total = 0.0, 0
     for scene in scenes:
-        seen = told(scene, noise)
         limits = np.array([FAR_ANGLE, FAR_OFFSET * scene.spec.array.pitch[0]])
+        near = []
         for covariance in fisher(scene, noise).each():
-            near = multivariate_normal(np.zeros(2), covariance).cdf(limits, lower_limit=-limits)
-            shares.append(seen * float(near))
-    return float(np.mean(shares))
+            within = np.minimum(limits, times * np.sqrt(np.diag(covariance)))
+            near.append(float(multivariate_normal(np.zeros(2), covariance).cdf(within, lower_limit=-within)))
+        smooth = apart(scene, noise)
+        for count, right in enumerate(sorted(near, reverse=True)):
+            rival = min(smooth, fewer(scene, noise, count)) if count else smooth
+            found += min(right, _power(rival))
+        total += len(near)
+    return found / total
 
 
 def told(scene: Scene, noise: Noise) -> float:
     """The greatest share of presses of a scene that are told from all smooth surfaces."""
-    return float(ndtr(np.sqrt(apart(scene, noise)) - ndtri(1 - FALSE)))
+    return _power(apart(scene, noise))
+
+
+def _power(chi2: float) -> float:
+    return float(ndtr(np.sqrt(chi2) - ndtri(1 - FALSE)))
+
+
+def fewer(scene: Scene, noise: Noise, count: int) -> float:
+    """[chi2] between a press and the nearest outline of `count` lines that some of its own lead to."""
+    image = _quiet(scene, noise)
+    response = response_of(image)
+    starts = []
+    for lines in combinations(scene.found, count):
+        for sides in product((1.0, -1.0), repeat=count):
+            region = Region(sides, TWO[0] if count > 1 else ONE[0])
+            starts.append(fit_region(image, response, region, np.ravel(lines), 0))
+    starts.sort(key=lambda fit: fit.chi2)
+    ends = [fit_region(image, response, at.region, at.parameters[3:]) for at in starts[:NEAREST]]
+    return min((fit.chi2 for fit in ends if fit.converged), default=np.inf)
+
+
+def _quiet(scene: Scene, noise: Noise) -> TactileImage:
+    """What noise would have been added to, but for the deviations that stay."""
+    depth = clean(scene)
+    counts = TaxelFrame(depth * noise.counts / presses.PRESS, 0.0, 0)
+    return replace(correct(counts, noise.calibration(scene.spec), scene.spec.array), depth=depth)
 
 
 def apart(scene: Scene, noise: Noise) -> float:
     """[chi2] between a press and the smooth surface nearest to it; `CLEAR` or more where none is near."""
-    depth, calibration = clean(scene), noise.calibration(scene.spec)
-    counts = depth * noise.counts / presses.PRESS
-    image = replace(correct(TaxelFrame(counts, 0.0, 0), calibration, scene.spec.array), depth=depth)
-    contact = smooth_contact(image)
+    image = _quiet(scene, noise)
+    depth, contact = image.depth, smooth_contact(image)
     if not contact:
         return 0.0
     dome = fit_dome(contact)
@@ -65,7 +104,7 @@ def apart(scene: Scene, noise: Noise) -> float:
         return dome.chi2
     sharpest = ROUNDING / max(scene.spec.array.size)
     fits = [dome, *(fit_shape(contact, dome, shape) for shape in (PLANE, RIDGE, BALL))]
-    near = [f.chi2 for f in fits if f.converged and _curvatures(f.parameters)[0].max() < sharpest]
+    near = [f.chi2 for f in fits if f.converged and _is_smooth(f.parameters, sharpest)]
     sigma = noise.sigma_at(depth)
     near += [_nearest(depth, sigma, *rival) for rival in _sharpest(scene, dome.parameters)]
     return min(near)
@@ -75,6 +114,14 @@ def _curvatures(p: Floats) -> tuple[Floats, Floats]:
     """Principal curvatures of a dome, and their directions as columns."""
     values, axes = np.linalg.eigh([[p[3], p[4]], [p[4], p[5]]])
     return values, axes
+
+
+def _is_smooth(p: Floats, sharpest: float) -> bool:
+    """Whether a fitted dome is, and its pole no farther away than smooth surfaces are pressed."""
+    bend, axes = _curvatures(p)
+    curved = np.abs(bend) > FLAT
+    pole = axes[:, curved] @ (axes[:, curved].T @ p[1:3] / bend[curved])
+    return bool(bend.max() < sharpest and np.hypot(*pole) < AWAY)
 
 
 def _sharpest(scene: Scene, p: Floats) -> list[tuple[Scene, tuple[str, ...]]]:
@@ -96,13 +143,13 @@ def _sharpest(scene: Scene, p: Floats) -> list[tuple[Scene, tuple[str, ...]]]:
 
 def _bounded(scene: Scene, **given: float) -> Scene:
     """A press with some of its numbers, none beyond what presses are."""
-    size = max(scene.spec.array.size)
+    reach = min(AWAY, max(scene.spec.array.size) / 2)
     ranges = {
         "depth": (0.0, DEEPEST),
         "turn": (-np.inf, np.inf),
         **dict.fromkeys(("tilt_x", "tilt_y"), (-STEEPEST, STEEPEST)),
     }
-    held = {k: float(np.clip(v, *ranges.get(k, (-size / 2, size / 2)))) for k, v in given.items()}
+    held = {k: float(np.clip(v, *ranges.get(k, (-reach, reach)))) for k, v in given.items()}
     return replace(scene, numbers={**scene.numbers, **held})
 
 
