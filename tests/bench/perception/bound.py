@@ -34,6 +34,7 @@ STEP = {  # half-widths of the differences: small against the blur, large agains
 }
 RELATIVE = {"radius": 0.01}  # of the number itself, where that is more
 
+NOTHING = 1e-8  # of the other unknowns' information, that differences make of what changes no frame
 
 ZERO = ("background",)  # known to who trusts the untouched frame
 
@@ -51,7 +52,9 @@ class Fisher:
         free = [i for i, name in enumerate(self.unknown) if name not in set(told)]
         information = self.information[np.ix_(free, free)]
         scale = 1 / np.sqrt(np.diag(information))
-        covariance = np.linalg.inv(information * np.outer(scale, scale)) * np.outer(scale, scale)
+        values, axes = np.linalg.eigh(information * np.outer(scale, scale))
+        felt = values > NOTHING  # not that a bar turns about its own axis
+        covariance = (axes[:, felt] / values[felt]) @ axes[:, felt].T * np.outer(scale, scale)
         turn = self.turn[..., free].reshape(-1, len(free))
         return turn @ covariance @ turn.T
 

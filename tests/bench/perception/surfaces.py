@@ -1,4 +1,8 @@
-"""Rows of smooth contacts: the order of the surface, its radius over the bound, and where its points lie."""
+"""Rows of smooth contacts: the order of the surface, its radius over the bound, and where its points lie.
+
+A small ball and a flat pin, both hardly wider than the blur, are nearly one and the same to the pad: whoever calls
+each what it is equally often does so with the chance Phi(d/2), d^2 being the chi2 between their clean frames.
+"""
 
 from typing import Any
 
@@ -9,6 +13,7 @@ from perception.noise import Noise, observe
 from perception.presses import ball, bar, flat
 from perception.scene import Scene, world_from_sensor
 from perception.score import row
+from perception.told_apart import even
 
 from exploration.sensing.contacts import contacts_of
 from exploration.sensing.touch import perceive
@@ -17,6 +22,7 @@ from primitives.arrays import Floats
 BALLS = (10.0, 20.0, 40.0, 80.0, 150.0, 200.0)  # [mm]
 BARS = (10.0, 20.0, 40.0, 80.0, 150.0, 300.0, 500.0)  # [mm]
 WANDER = 3.0  # [mm]
+SOME = 20  # of the balls, beside which pins are tried
 
 
 def curvature_rows(noise: Noise, frames: int) -> list[dict[str, Any]]:
@@ -53,6 +59,9 @@ def _rows(
             away.extend(_away(order, contacts.points, scene))
             normals.append(np.degrees(np.arccos(np.clip(contacts.normals[0, 2], -1, 1))))
     rows = [row(OURS, f"{name}: order right", 100 * right / len(scenes), "%", 99.0)]
+    if order == "sphere":
+        pins = 100 * float(np.mean([even(scene, noise) for scene in scenes[:SOME]]))
+        rows.append(row("bound", f"{name}: told from a flat pin, either as often", pins, "%"))
     if errors:
         variance = np.mean(least, axis=0)
         ratio = np.sqrt(np.mean(np.square(errors)) / variance)

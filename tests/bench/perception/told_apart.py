@@ -29,7 +29,7 @@ from scipy.stats import multivariate_normal
 
 from exploration.sensing.calibration import correct
 from exploration.sensing.frame import TactileImage, TaxelFrame
-from exploration.sensing.lines.region import ONE, TWO, Region
+from exploration.sensing.lines.region import NO_TERMS, ONE, TWO, Region
 from exploration.sensing.lines.region_fit import fit_region
 from exploration.sensing.response import response_of
 from exploration.sensing.surfaces.smooth_fit import fit_dome, fit_shape, smooth_contact
@@ -84,6 +84,15 @@ def fewer(scene: Scene, noise: Noise, count: int) -> float:
     starts.sort(key=lambda fit: fit.chi2)
     ends = [fit_region(image, response, at.region, at.parameters[3:]) for at in starts[:NEAREST]]
     return min((fit.chi2 for fit in ends if fit.converged), default=np.inf)
+
+
+def even(scene: Scene, noise: Noise) -> float:
+    """How often at most a ball and the flat pin nearest to it are each called what they are, both as often."""
+    image, n = _quiet(scene, noise), scene.numbers
+    response, pin = response_of(image), Region((), NO_TERMS, (1.0,))
+    widths = np.array([0.5, 0.8, 1.1]) * np.sqrt(2 * n["depth"] * n["radius"])
+    fits = [fit_region(image, response, pin, [n["x"], n["y"], width]) for width in widths]
+    return float(ndtr(np.sqrt(min((fit.chi2 for fit in fits if fit.converged), default=CLEAR)) / 2))
 
 
 def _quiet(scene: Scene, noise: Noise) -> TactileImage:
