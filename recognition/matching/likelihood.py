@@ -25,11 +25,12 @@ tails forgive, and its likeliest pose is that of the least mean distance.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.special import gammaln, logsumexp
 
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Bools, Floats, frozen
 
 _NODES = 12  # of the integral over the share that is off, of an unknown object
 _A_DECADE = 5  # nodes a decade of the same integral, of a known one
@@ -94,11 +95,12 @@ def log_astray(times: float, contacts: float, bound: float) -> float:
     return max(bound, float(gammaln(times + 1) + gammaln(contacts + 2) - gammaln(contacts + times + 2)))
 
 
+@cache
 def _rare(config: NoiseConfig) -> tuple[Floats, Floats]:
     """Nodes of f, even in its logarithm, and the logarithms of their weights."""
     many = 1 + max(1, round(_A_DECADE * np.log10(config.commonest / config.rarest)))
     f = np.geomspace(config.rarest, config.commonest, many)
-    return f, -np.log(f) - logsumexp(-np.log(f))
+    return frozen(f), frozen(-np.log(f) - logsumexp(-np.log(f)))
 
 
 def _integrated(on: Floats, off: Floats, shares: Floats, f: Floats, log_weights: Floats) -> Floats:
