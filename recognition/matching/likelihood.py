@@ -1,22 +1,20 @@
 """How probable contacts are on an object at a pose, and on an object that is in no library.
 
-A contact lies somewhere along a surface with the density a of `places`, seen with noise; or it is astray, a third
-of these on the surface with any normal, as that of a pad that lay on an edge, a third off by some millimeters, and
-a third anywhere within the object's size s of it::
+A contact lies somewhere along a surface with the density a of `places`, seen with noise; or it is off, half of
+these by some millimeters and half anywhere within the object's size s of it::
 
-    p(z | on)     = a N(d; sigma) N2(angle; tau)
-    p(z | astray) = a/3 (N(d; sigma) / (4 pi) + exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi)) + 1 / s / (4 pi))
+    p(z | on)  = a N(d; sigma) ((1 - t) N2(angle; tau) + t / (4 pi))
+    p(z | off) = a (1/2 / s / (4 pi) + 1/2 exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi)))
 
-with N2 over the sphere of normals (Thrun, Burgard and Fox 2005, section 6.3, has the mixture).  Where no normal
-was felt N2 and 1 / (4 pi) are left out, and the first third.  Nobody knows the share f that is astray, so it is
-integrated out, under one prior for the object itself and another for one in no library that is like it::
+with N2 over the sphere of normals, left out where none was felt, and t the share of pads that lay on an edge,
+with any normal (Thrun, Burgard and Fox 2005, section 6.3, has the mixture).  Nobody knows the share f that is off,
+so it is integrated out, under one prior for the object itself and another for one in no library that is like it::
 
-    p(Z | object, pose) = integral over f of p(f) product over contacts of (1 - f) p(z | on) + f p(z | astray)
+    p(Z | object, pose) = integral over f of p(f) product over contacts of (1 - f) p(z | on) + f p(z | off)
 
 Few sensors stray at all and some do in a few of a hundred contacts: of the object itself p(f) falls as 1 / f^2
 between `rarest` and `commonest`.  Of an object in no library, f is anything from 0 to 1: it costs an object of the
-library that fits about a factor of the number of contacts (our derivation).  So a normal that does not fit speaks
-for an unknown object as a place does.
+library that fits about a factor of the number of contacts (our derivation).
 
 Where nobody told how far contacts scatter, Laplace's density exp(-d / b) / 2b takes the normal one's place: its
 tails forgive, and its likeliest pose is that of the least mean distance.
@@ -31,6 +29,7 @@ import numpy as np
 from scipy.special import gammaln, logsumexp
 
 from primitives.arrays import Bools, Floats, frozen
+from recognition.matching.facets import TILTED
 
 _NODES = 12  # of the integral over the share that is off, of an unknown object
 _A_DECADE = 5  # nodes a decade of the same integral, of a known one
@@ -54,19 +53,19 @@ class NoiseConfig:
 
 def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Floats, tau: Floats, size: float,
                     config: NoiseConfig, absolute: bool = False) -> tuple[Floats, Floats]:  # fmt: skip
-    """(k, n) logarithms of p(z | on) / a and of p(z | astray) / a."""
+    """(k, n) logarithms of p(z | on) / a and of p(z | off) / a."""
     d2, a2 = (distances / sigma) ** 2, (angles / tau) ** 2
-    facing = np.where(felt, -0.5 * np.minimum(a2, 700) - np.log(2 * np.pi * tau**2), 0.0)
+    turned = np.where(felt, np.exp(-0.5 * np.minimum(a2, 700)) / (2 * np.pi * tau**2), 1.0)
+    everywhere = np.where(felt, 1.0 / (4 * np.pi), 1.0)
     if absolute:
         near = -np.sqrt(np.minimum(d2, 5e5)) - np.log(2 * sigma)
     else:
         near = -0.5 * np.minimum(d2, 700) - np.log(np.sqrt(2 * np.pi) * sigma)
+    facing = (1 - TILTED) * turned + TILTED * everywhere
     b = config.broad * size
     away = np.where(np.isfinite(distances), distances, 4.0 * b)
-    loose = np.exp(-away / b) / (2 * b)
-    bare = 0.5 * (loose + 1.0 / size)
-    turned = (np.exp(near) + loose * (0.5 + 2 * np.pi * np.exp(facing)) + 1.0 / size) / (12 * np.pi)
-    return near + facing, np.log(np.where(felt, turned, bare))
+    loose = np.exp(-away / b) / (2 * b) * (0.5 * turned + 0.5 * everywhere)
+    return near + np.log(facing), np.log(0.5 * loose + 0.5 * everywhere / size)
 
 
 def log_each(on: Floats, off: Floats, config: NoiseConfig) -> Floats:
