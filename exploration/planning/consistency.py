@@ -17,6 +17,7 @@ from primitives.patch_graph import Face, PatchGraph
 from primitives.shapes import Shape
 
 _BEYOND = 0.3  # [mm] a contact this far in front of a face contradicts it
+_PAST = 1.0  # [mm] past the end of its own narrow face, at which blurred rubber may put a contact
 _SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
 _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
@@ -135,12 +136,14 @@ def _worst(graph: PatchGraph) -> int | None:
     for face in graph.faces:
         if not isinstance(face.fit, Fit):
             continue
-        others = [f.contacts.points for f in graph.faces if f.id != face.id]
+        others = [f.contacts for f in graph.faces if f.id != face.id]
         if not others:
             continue
-        points = np.concatenate(others)
-        distance = face.fit.shape.signed_distance(points)
-        beyond = int((distance * (1.0 if face.fit.convex else -1.0) > _BEYOND).sum())
+        contacts = Contacts.concatenate(others)
+        before = face.fit.shape.signed_distance(contacts.points) * (1.0 if face.fit.convex else -1.0)
+        facing = np.nan_to_num((_outward(face, contacts) * contacts.normals).sum(axis=1), nan=1.0)
+        along = np.sqrt(np.maximum(0.0, 1.0 - facing**2))
+        beyond = int((before > _BEYOND + _PAST * along).sum())
         if beyond > _MOST and beyond > _SHARE * len(face.contacts):
             against[face.id] = beyond / len(face.contacts)
     return max(against, key=lambda face_id: against[face_id], default=None)

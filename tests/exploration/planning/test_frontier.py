@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 
 from exploration.planning.consistency import drop_contradicted, drop_edges
@@ -70,6 +72,16 @@ def test_a_face_that_cuts_off_what_others_touched_is_dropped():
 
 def test_consistent_faces_all_stay():
     assert drop_contradicted(CUBE) is CUBE
+
+
+def test_a_face_stays_though_contacts_of_a_narrow_one_beside_it_reach_past_their_edge():
+    graph = graph_of(side(2, 1.0), side(2, -1.0))
+    for contacts in (side(a, s) for a in (0, 1) for s in (-1.0, 1.0)):
+        z = contacts.points[:, 2]
+        past = np.where(np.abs(z) > 10.0, 15.7 * np.sign(z), z)
+        graph, _ = graph.add_stroke(replace(contacts, points=np.column_stack([contacts.points[:, :2], past])))
+    assert len(graph.faces) == 6
+    assert drop_contradicted(graph) is graph
 
 
 def test_a_face_that_is_poorly_known_is_open_though_it_was_touched():
