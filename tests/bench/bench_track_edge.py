@@ -9,6 +9,7 @@ import os
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import erf, sqrt
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,11 @@ import trimesh
 from tracking.outlines import disc, off_outline, outlines, prism, rounded_bar, share_traced
 from tracking.plant import SPEC, Start, guard_over, outlined, tracked, with_dihedral
 
+from exploration.control.edge_profile import EdgeProfile
 from exploration.control.track_edge import Tracked
 from exploration.control.track_outline import TrackedOutline
-from exploration.sensing.lines.edge_rounding import rounding_of
-from exploration.sensing.response import rubber
+from exploration.sensing.lines.edge_rounding import half_height, rounding_of, spread
+from exploration.sensing.response import Response, rubber
 from models.raycast import has_embree
 from models.solid import Solid
 from recognition.tracking.traced import described, loop_gap
@@ -111,8 +113,16 @@ def loop(solid: Solid, ring: np.ndarray, at: int, seed: int) -> Trial:
     )
 
 
-def rounding(radius: float, seed: int) -> float | None:
-    """[mm] to which a square edge is felt to be rounded, from one track along it."""
+@dataclass(frozen=True)
+class Rounded:
+    """What one track along a rounded edge told."""
+
+    radius: float  # [mm]
+    bound: float  # [mm] standard deviation that nobody can better who has the same frames
+
+
+def rounding(radius: float, seed: int) -> Rounded | None:
+    """To what a square edge is felt to be rounded, from one track along it."""
     x, y, z = np.eye(3)
     start = Start(np.array([-min(radius, 3.0), 0.0, 60.0]), -z, x, y)
     guard = guard_over(rounded_bar(radius), start, seed)
@@ -120,18 +130,34 @@ def rounding(radius: float, seed: int) -> float | None:
     if found.ended != "length" or found.profile is None:
         return None
     p, response = found.profile, rubber(SPEC.elastomer.spread, SPEC.array.pitch)
-    return rounding_of(p.place, p.depth, p.sigma, p.width, response, 0.5 * np.pi, 0.0).radius
+    felt = rounding_of(p.place, p.depth, p.sigma, p.width, response, 0.5 * np.pi, 0.0).radius
+    return Rounded(felt, _rounding_bound(p, radius, response))
 
 
-def rounding_rows(radius: float, found: list[float | None]) -> list[dict[str, Any]]:
+def _rounding_bound(profile: EdgeProfile, radius: float, response: Response) -> float:
+    """[mm] Cramer-Rao: press, slope and place of the edge are free, the response is known."""
+    press = float(profile.depth[-len(profile.depth) // 4 :].mean())
+    truth = np.array([radius, press, 0.0, -half_height(radius, press, 0.5 * np.pi)])
+    steps = np.diag([0.05, 0.01, 0.002, 0.05])
+
+    def shown(p: np.ndarray) -> np.ndarray:
+        return spread(profile.place - p[3], p[0], p[1], p[2], profile.width, response, 0.5 * np.pi)
+
+    slopes = [(shown(truth + h) - shown(truth - h)) / (2.0 * h.max() * profile.sigma) for h in steps]
+    return float(np.sqrt(np.linalg.inv(np.array(slopes) @ np.transpose(slopes))[0, 0]))
+
+
+def rounding_rows(radius: float, found: list[Rounded | None]) -> list[dict[str, Any]]:
     """What is told of edges that are rounded to `radius` [mm]."""
-    name, felt = f"rounded {radius:g} mm", np.array([r for r in found if r is not None])
+    name, felt = f"rounded {radius:g} mm", [r for r in found if r is not None]
     out = [_row(name, "lost", len(found) - len(felt), f"of {len(found)}", "0")]
-    if len(felt):
-        off = np.abs(felt - radius)
+    if felt:
+        off, bound = np.array([abs(r.radius - radius) for r in felt]), rms([r.bound for r in felt])
         out += [
             _row(name, "rounding, rms error", rms(off), "mm"),
+            _row(name, "the same at the Cramer-Rao bound", bound, "mm"),
             _row(name, "rounding within 0.3 mm", 100.0 * np.mean(off <= 0.3), "%", "100"),
+            _row(name, "the same at the Cramer-Rao bound", 100.0 * erf(0.3 / bound / sqrt(2.0)), "%"),
         ]
     return out
 
