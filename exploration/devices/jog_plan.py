@@ -1,9 +1,9 @@
 """From a wish, a twist or a goal, to the jogs that are sent next: short, and no further ahead than needed.
 
 What is sent ahead is what would still be done if everything above died, so it reaches only to a horizon: what the
-controller needs to keep its speed, v / (2 a) [s], and a margin.  A twist is old after a moment and then counts as
-none.  The plan keeps joint positions twice: as meant, and as the controller rounds them, so that rounding does
-not add up.
+controller needs to keep its speed, v / (2 a) [s], and a margin, which shrinks at speed, so that all of it, braking
+included, is over in time.  A twist is old after a moment and then counts as none.  The plan keeps joint positions
+twice: as meant, and as the controller rounds them, so that rounding does not add up.
 """
 
 from collections import deque
@@ -20,7 +20,7 @@ from primitives import pose as se3
 from primitives.arrays import Floats
 
 _TURN = 0.04  # [rad] of one jog of a straight move
-_LAG = 0.015  # [s] by which a report may be old
+_LAG = 0.008  # [s] by which a report may be old
 _THERE, _THERE_TURN = 0.05, 2e-3  # [mm], [rad] to which a goal is reached
 _SAME = 0.002  # [mm] or [deg] to which a report tells where the stage is
 
@@ -29,7 +29,9 @@ _SAME = 0.002  # [mm] or [deg] to which a report tells where the stage is
 class StreamConfig:
     """How motion is cut into jogs, and how long the controller may be silent."""
 
-    margin: float = 0.02  # [s] of motion that is sent ahead, beyond what the speed needs
+    margin: float = 0.02  # [s] of motion that is sent ahead at most, beyond what the speed needs
+    least: float = 0.005  # [s] of the same at any speed
+    over: float = 0.043  # [s] in which what was sent is over, where the speed allows that
     shortest: float = 0.008  # [s] of one jog
     stale: float = 0.15  # [s] after which a twist counts as none
     longest: float = 0.01  # [s] of one jog of a straight move
@@ -151,7 +153,9 @@ class JogPlan:
 
     def _ahead(self) -> float:
         """[s] of motion to send ahead."""
-        return self._lag() + self._config.margin
+        lag, config = self._lag(), self._config
+        left = config.over - 2.0 * lag - config.longest - _LAG
+        return lag + max(config.least, min(config.margin, left))
 
     def _lag(self) -> float:
         """[s] that gaining speed costs, and losing it: v / (2 a)."""

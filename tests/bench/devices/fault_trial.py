@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from devices.judged_rig import ACCELERATION, LTS, JudgedRig, Truth
+from devices.judged_rig import LTS, JudgedRig, Truth
 
 from exploration.devices.guard import Guard, GuardLimits
 from exploration.devices.safety import SafetyLimits
@@ -63,9 +63,8 @@ class Outcome:
     def wrong(self) -> list[str]:
         """What is not as it must be."""
         stops = self.kind not in NEED_NOT_STOP
-        braking = self.speed / ACCELERATION
         checks = {
-            f"stopped {1e3 * self.stopped:.0f} ms late": stops and not self.stopped <= 0.05 + braking,
+            f"stopped {1e3 * self.stopped:.0f} ms late": stops and not self.stopped <= 0.05,
             f"{self.most_force:.1f} N": self.most_force > FORCE,
             "no reason": stops and (not self.reason or "\n" in self.reason),
             "recording not whole": not self.whole,

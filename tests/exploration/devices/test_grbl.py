@@ -5,7 +5,9 @@ import pytest
 
 from exploration.devices.emulators.grbl_machine import GrblMachine
 from exploration.devices.grbl_text import jog, status
+from exploration.devices.jog_plan import JogPlan, StreamConfig
 from exploration.devices.kinematic_chain import KinematicChain
+from exploration.devices.protocols import StageLimits
 
 
 def machine() -> GrblMachine:
@@ -66,3 +68,24 @@ def test_a_canceled_jog_ends_where_braking_ends():
     m.advance(0.1)
     assert m.state == "Idle"
     assert 0.0 < m.position[0] - at < 20.0**2 / (2 * 2000.0) + 0.05
+
+
+@pytest.mark.parametrize("speed", [5.0, 20.0, 60.0])
+@pytest.mark.parametrize("late", [0, 12])  # [ms] by which the stage starts
+def test_all_that_was_sent_ahead_is_over_in_time_and_no_motion_waits_for_more(speed, late):
+    limits = StageLimits(speed=speed)
+    braking = 0.5 * speed / limits.acceleration  # [s] that coming to rest adds
+    chain = KinematicChain.gantry("XYZ")
+    plan = JogPlan(chain, limits, StreamConfig())
+    plan.head_for(chain.pose(np.array([0.5 * speed, 0.0, 0.0])))
+    x, reports, waited = 0.0, [np.zeros(3)] * 6, 0
+    for k in range(500):
+        now = 1e-3 * k
+        while (sent := plan.due(now, reports[-6])) is not None:
+            plan.took(sent, now)
+        if k >= late:
+            waited += plan.leads_to[0] - x < 0.5 * speed * 1e-3
+            x = min(plan.leads_to[0], x + speed * 1e-3)
+        reports.append(np.array([x, 0.0, 0.0]))
+        assert (plan.leads_to[0] - x) / speed + braking <= 0.05
+    assert waited <= 2
