@@ -8,7 +8,7 @@ sideways.  What was tried in vain a few times is given up, and left unknown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -24,6 +24,8 @@ from exploration.planning.frontier import Predicted
 from exploration.planning.inferred_walls import inferred_walls
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.reach import Reach
+from exploration.planning.round_holes import RoundHoles, walls_of
+from exploration.planning.round_rims import RoundRim
 from exploration.planning.study import Study, Wall
 from exploration.planning.wall_facing import face_wall
 from primitives import pose as se3
@@ -60,6 +62,7 @@ class AnyForm:
         self._rims = Attempts(self.own.rim_tries, self.own.beside)
         self._open = Attempts(config.tries - 1, 2.5)
         self._entering = Entering(study, self.reach) if later else None
+        self._holes = RoundHoles(study, self.reach)
         study.config = replace(study.config, convex=False)
 
     def run(self) -> Iterator[str]:
@@ -81,7 +84,7 @@ class AnyForm:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
         self.found.graph = drop_poor(flattened(self.found.graph))
         self._infer_walls()
-        self.found.openings = self._frontier().openings()
+        self._infer_holes()
         self.found.warnings.extend(rim.told() for rim in self.found.openings)
 
     def _infer_walls(self) -> None:
@@ -90,6 +93,16 @@ class AnyForm:
         for lot in inferred_walls(left, self.found.graph.faces):
             self.found.graph, _ = self.found.graph.add_stroke(lot)
             self.found.warnings.append("a face that no pad could lie on is inferred from strokes it stopped")
+
+    def _infer_holes(self) -> None:
+        """Add the walls of round holes whose rims say where they are."""
+        inside = np.concatenate([np.empty((0, 3)), *self.found.inside])
+        guessed = [rim for rim in self._frontier().openings() if not _among(rim, self.found.rims)]
+        walls, left = walls_of(self.found.rims, inside)
+        for lot in walls:
+            self.found.graph, _ = self.found.graph.add_stroke(lot)
+            self.found.warnings.append("the wall of a round hole is inferred from the rims at its ends")
+        self.found.openings = [*left, *guessed]
 
     def _frontier(self) -> LocalFrontier:
         free = self.pad.free.points
@@ -120,6 +133,8 @@ class AnyForm:
         if not todo and len(left.points):
             nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
             return lambda: self._come_down(left, nearest)
+        if not todo and not self._entering:
+            return self._holes.next(frontier.openings())
         return min(todo, key=lambda item: item[0])[1] if todo else None
 
     def _lies(self) -> bool:
@@ -216,3 +231,8 @@ class AnyForm:
 
 def _away(point: Floats, here: Floats) -> float:
     return float(np.linalg.norm(point - here))
+
+
+def _among(rim: RoundRim, others: Sequence[RoundRim]) -> bool:
+    """Whether a rim is one of those that were looked at."""
+    return any(rim.face == o.face and _away(rim.center, o.center) < o.radius for o in others)

@@ -47,7 +47,8 @@ class Findings:
     graph: PatchGraph = field(default_factory=lambda: PatchGraph(options=CONVEX))
     traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
     inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] in what an array went into
-    openings: list[RoundRim] = field(default_factory=list)  # that no array has room in
+    rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
+    openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""
     open: int = 0  # things still open, when last counted

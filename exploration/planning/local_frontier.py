@@ -15,8 +15,9 @@ from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
 from exploration.planning.frontier import Predicted
+from exploration.planning.gaps import gaps
 from exploration.planning.mouths import Mouth, mouths
-from exploration.planning.round_rims import RoundRim, round_rim
+from exploration.planning.round_rims import RoundRim
 from exploration.planning.surface_map import SurfaceMap, clusters
 from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
@@ -38,6 +39,7 @@ class LocalFrontierConfig:
     explained: float = 2.5  # [mm] from a rim, within which a face that explains it passes
     felt: float = 16.0  # [mm] from a rim, within which that face was touched
     least_rim: int = 4  # touched cells of one
+    known: float = 0.5  # share of a round gap's rim that a face must explain
     cluster: float = 6.0  # [mm] between neighbors of one rim
 
 
@@ -111,18 +113,16 @@ class LocalFrontier:
         return found
 
     def openings(self) -> list[RoundRim]:
-        """Round rims behind which no face is known, whose inside is not there."""
+        """Round gaps in flat faces, behind whose rim no face is known."""
         found: list[RoundRim] = []
         for own in self.known:
             if own.fit.kind != "plane":
                 continue
-            at, out, reach = self._rim_places(own)
-            left = ~self._explained(own, at, out)
-            middle = at + 0.5 * reach[:, None] * out
-            for members in clusters(middle[left], self.config.cluster):
-                axis = own.side * own.fit.shape.direction
-                rim = round_rim(middle[left][members], out[left][members], axis, own.face.id)
-                found += [rim] if rim is not None else []
+            axis = own.side * own.fit.shape.direction
+            for rim in gaps(own.cells, self._free_of(own), axis, own.face.id):
+                at, ways = rim.places()
+                if self._explained(own, at, -ways).mean() < self.config.known:
+                    found.append(rim)
         return found
 
     def _further(self, own: _Known) -> tuple[Floats, Floats]:
@@ -168,13 +168,9 @@ class LocalFrontier:
 
     def _rim(self, own: _Known) -> tuple[Floats, Floats]:
         """(n, 3) touched cells beside free ones, and the ways out of the face there."""
-        return self._rim_places(own)[:2]
-
-    def _rim_places(self, own: _Known) -> tuple[Floats, Floats, Floats]:
-        """(n, 3) touched cells, the ways out, and how far [mm] the nearest free place is that way."""
         free = self._free_of(own)
         if not len(free) or not len(own.cells):
-            return np.empty((0, 3)), np.empty((0, 3)), np.empty(0)
+            return np.empty((0, 3)), np.empty((0, 3))
         distance, found = KDTree(free).query(own.cells)
         nearest = np.asarray(found)
         at = own.cells[distance < self.config.rim]
@@ -183,7 +179,7 @@ class LocalFrontier:
         out = out - (out * normals).sum(axis=1, keepdims=True) * normals
         length = np.linalg.norm(out, axis=1)
         far = length > 0.2
-        return at[far], out[far] / length[far, None], length[far]
+        return at[far], out[far] / length[far, None]
 
     def _explained(self, own: _Known, at: Floats, out: Floats) -> Bools:
         told = np.zeros(len(at), dtype=bool)

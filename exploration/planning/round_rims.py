@@ -38,6 +38,13 @@ class RoundRim:
     radius: float  # [mm]
     sigma: float  # [mm] of the radius
     face: int
+    measured: bool = False  # by looks at its rim; else it is a guess
+
+    def places(self, count: int = 24) -> tuple[Floats, Floats]:
+        """(count, 3) places on the circle, and (count, 3) the ways to them from its center."""
+        turn = 2.0 * np.pi * np.arange(count) / count
+        ways: Floats = np.column_stack([np.cos(turn), np.sin(turn)]) @ frame_along(self.axis)[:, :2].T
+        return self.center + self.radius * ways, ways
 
     def told(self) -> str:
         """In words, for a person."""

@@ -93,8 +93,8 @@ def test_the_rim_of_a_hole_is_a_circle_of_its_radius():
     free = points[away < 9.0] - [0.0, 0.0, 0.5]
     points = points[away > 9.0]
     (rim,) = LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0).openings()
-    assert abs(rim.radius - 9.0) < 0.5
-    assert np.linalg.norm(rim.center - [3.0, -2.0, 0.0]) < 0.5
+    assert abs(rim.radius - 9.0) < 1.0  # of what is felt, cells of 2 mm are kept
+    assert np.linalg.norm(rim.center - [3.0, -2.0, 0.0]) < 1.0
 
 
 def test_the_outline_of_a_disc_is_no_opening():

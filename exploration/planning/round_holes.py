@@ -1,0 +1,166 @@
+"""Round holes that no array has room in: their rims looked at, and what lies between two of them inferred.
+
+The pad lies over a rim and averages; one circle explains all frames (`sensing.lines.round_hole`).  Two rims of
+one radius on one axis, in faces that look away from each other, are taken for the ends of one hole.  That is
+likely and not measured, so its wall is marked as inferred.  A rim with no such partner, into which an array went,
+is a hole as deep as that; any other tells of its depth nothing (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from exploration.control.dwell import dwell
+from exploration.planning.findings import Attempts, Done
+from exploration.planning.reach import Reach
+from exploration.planning.round_rims import RoundRim
+from exploration.planning.study import Study
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.round_hole import RoundHole, fit_round_hole
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT, Contacts
+
+_ALONG = np.array([-0.35, 0.0, 0.35])  # of a hole's depth, from its middle, where its wall is
+
+
+@dataclass(frozen=True)
+class RoundHolesConfig:
+    """How rims are looked at, and when two are of one hole."""
+
+    frames: int = 16  # averaged
+    under: float = 0.35  # of the pad's shorter side: a hole of less radius is seen whole by one look
+    looks: int = 4  # at a larger one, and tries at a small one
+    over: float = 1.5  # [mm] of the pad's middle outside the rim of a large one
+    apart: float = 0.6  # [rad] between two looks
+    beside: float = 4.0  # [mm] between rims that are tried as one
+    opposed: float = 0.98  # least cosine between the axes of two ends of a hole
+    aside: float = 0.4  # [mm] of one end's center from the other's axis
+    slant: float = 0.005  # [rad] the same, over the hole's depth
+    radii: float = 0.25  # [mm] between their radii
+    sigmas: float = 4.0  # of the radii, on top
+    least_depth: float = 2.0  # [mm] that an array went in
+    sigma: float = 0.02  # [mm] of the wall, besides the radius' own
+    normal_sigma: float = 0.02  # [rad]
+
+
+class RoundHoles:
+    """The rims of one exploration."""
+
+    def __init__(self, study: Study, reach: Reach, config: RoundHolesConfig = RoundHolesConfig()) -> None:
+        self.study, self.reach, self.config = study, reach, config
+        self._tried = Attempts(1, config.beside)
+
+    def next(self, openings: Sequence[RoundRim]) -> Callable[[], Done] | None:
+        """A look at the nearest rim that was not looked at yet."""
+        here = self.study.pad.guard.world_from_sensor[:3, 3]
+        left = [rim for rim in openings if not self._tried.given_up(rim.center)]
+        if not left:
+            return None
+        nearest = min(left, key=lambda rim: float(np.linalg.norm(rim.center - here)))
+        return partial(self._measure, nearest)
+
+    def _measure(self, rim: RoundRim) -> Done:
+        self._tried.note(rim.center)
+        pad, frames = self.study.pad, list[tuple[TactileImage, Floats]]()
+        found: RoundHole | None = None
+        small = rim.radius < self.config.under * min(pad.size)
+        for pose in self._poses(rim, small):
+            if not self.reach.touch(pose):
+                continue
+            seen = dwell(pad.guard, self.config.frames)
+            frames.append((seen.image, seen.world_from_sensor))
+            found = (
+                fit_round_hole(frames, rim.center, rim.axis, rim.radius) if small or len(frames) > 1 else None
+            )
+            if len(frames) >= self.config.looks or (small and found is not None):
+                break
+        if found is None:
+            return None, "no round rim was made out"
+        better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
+        self._tried.note(found.center)
+        self.study.found.rims.append(better)
+        return None, "looked at the rim of a round hole"
+
+    def _poses(self, rim: RoundRim, small: bool) -> Iterator[Floats]:
+        """(4, 4) places of the pad over the rim where it has room, each when it is asked for."""
+        half = 0.5 * min(self.study.pad.size)
+        away = (0.0, 0.5 * half, half) if small else (rim.radius + self.config.over,)
+        used: list[Floats] = []
+        ways = rim.places(16)[1][[0, 4, 8, 12, 2, 6, 10, 14, 1, 5, 9, 13, 3, 7, 11, 15]]
+        for far in away:
+            for way in ways[: 1 if far == 0.0 else len(ways)]:
+                if not small and any(way @ other > np.cos(self.config.apart) for other in used):
+                    continue
+                for along in (np.cross(rim.axis, way), way):
+                    pose = se3.pose(self.study.pad.attitude(rim.axis, along), rim.center + far * way)
+                    if self.reach.clear(pose):
+                        used.append(way)
+                        yield pose
+                        break
+
+
+def walls_of(
+    rims: Sequence[RoundRim], inside: Floats, config: RoundHolesConfig = RoundHolesConfig()
+) -> tuple[list[Contacts], list[RoundRim]]:
+    """Contacts of the wall of each hole that is taken for known, and the rims that are left.
+
+    An array was at (n, 3) places `inside`.
+    """
+    left, out = list(rims), list[Contacts]()
+    while (pair := _nearest_ends(left, config)) is not None:
+        left = [rim for rim in left if rim is not pair[0] and rim is not pair[1]]
+        out.append(_wall(*pair, config))
+    for rim in list(left):
+        depth = _gone_in(rim, inside)
+        if depth > config.least_depth:
+            left = [other for other in left if other is not rim]
+            end = replace(rim, center=rim.center - depth * rim.axis, axis=-rim.axis)
+            out.append(_wall(rim, end, config))
+    return out, left
+
+
+def _nearest_ends(rims: Sequence[RoundRim], config: RoundHolesConfig) -> tuple[RoundRim, RoundRim] | None:
+    """Of all that may be the two ends of a hole, those that are nearest to each other."""
+    pairs = [(a, b) for k, a in enumerate(rims) for b in rims[k + 1 :] if _ends_of_one(a, b, config)]
+    return min(pairs, key=lambda p: float(np.linalg.norm(p[0].center - p[1].center)), default=None)
+
+
+def _ends_of_one(a: RoundRim, b: RoundRim, config: RoundHolesConfig) -> bool:
+    apart = a.center - b.center
+    depth = float(apart @ a.axis)
+    aside = float(np.linalg.norm(apart - depth * a.axis))
+    unlike = config.radii + config.sigmas * float(np.hypot(a.sigma, b.sigma))
+    return (
+        float(a.axis @ b.axis) < -config.opposed
+        and depth > 0.0
+        and aside < config.aside + config.slant * depth
+        and abs(a.radius - b.radius) < unlike
+    )
+
+
+def _gone_in(rim: RoundRim, inside: Floats) -> float:
+    """[mm] behind a rim, of the deepest of (n, 3) places where an array was in its hole."""
+    deep = (rim.center - inside) @ rim.axis
+    aside = np.linalg.norm(inside - rim.center + deep[:, None] * rim.axis, axis=1)
+    return float(deep[(aside < rim.radius) & (deep > 0.0)].max(initial=0.0))
+
+
+def _wall(a: RoundRim, b: RoundRim, config: RoundHolesConfig) -> Contacts:
+    """Of one radius and upright on both faces, between two rims, looking to the axis; nobody felt it."""
+    trust = np.array([a.sigma, b.sigma]) ** -2
+    share = float(trust[1] / trust.sum())
+    axis = a.axis - b.axis
+    axis = axis / np.linalg.norm(axis)
+    radius = (1.0 - share) * a.radius + share * b.radius
+    depth = float((a.center - b.center) @ axis)
+    middle = (1.0 - share) * (a.center - 0.5 * depth * axis) + share * (b.center + 0.5 * depth * axis)
+    ring, ways = RoundRim(middle, axis, radius, a.sigma, a.face).places()
+    points = np.concatenate([ring + height * depth * axis for height in _ALONG])
+    normals = np.tile(-ways, (len(_ALONG), 1))
+    sigma = float(np.hypot(config.sigma, 1.0 / np.sqrt(trust.sum())))
+    return Contacts.of(points, normals, sigma, config.normal_sigma, touch=NOT_FELT)

@@ -1,0 +1,113 @@
+"""A round hole in a flat face, from frames of a pad that lay over its rim: one circle for all of them.
+
+In the face's plane, with a the distance of a taxel from the hole's center and F the blurred disc of its radius
+(`blurred_disc`), each frame sees
+
+    depth = (d + g . p) (1 - F(a / w, R / w)),
+
+its own plane (d, g) under the same circle.  The planes are linear, so only center and radius are searched for
+(variable projection, Golub and Pereyra 1973).  Taxels far outside the rim tell of other things and are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.blurred_disc import of_disc
+from exploration.sensing.response import response_of
+from primitives import pose as se3
+from primitives.arrays import Floats
+
+
+@dataclass(frozen=True)
+class RoundHoleConfig:
+    """What belongs to the rim, and what is round."""
+
+    outside: float = 3.0  # [widths] of the blur outside the rim, up to which taxels are looked at
+    systematic: float = 0.02  # of the deepest taxel: what the model leaves out
+    shift: float = 5.0  # [mm] of the center from where it was thought to be
+    change: float = 4.0  # [mm] of the radius, likewise
+    least: float = 1.5  # [mm] radius, below which the skin sees no hole
+    misfit: float = 3.0  # chi2 per degree of freedom, above which the hole is not round
+    certain: float = 0.3  # [mm] of the radius, that it must be known to
+
+
+@dataclass(frozen=True)
+class RoundHole:
+    """A circle in a face, where the face is not."""
+
+    center: Floats  # (3,) [mm]
+    radius: float  # [mm]
+    sigma: float  # [mm] of the radius
+    misfit: float  # chi2 per degree of freedom
+
+
+@dataclass(frozen=True)
+class _Look:
+    """Taxels of one frame, in the face's plane."""
+
+    flat: Floats  # (n, 2) [mm]
+    rows: Floats  # (n, 3) of its plane: 1, x, y
+    depth: Floats  # (n,)
+    weight: Floats  # (n,) 1 / sigma
+    width: float  # [mm]
+
+
+def fit_round_hole(
+    frames: Sequence[tuple[TactileImage, Floats]],
+    center: Floats,
+    axis: Floats,
+    radius: float,
+    config: RoundHoleConfig = RoundHoleConfig(),
+) -> RoundHole | None:
+    """The hole of (3,) center, (3,) axis and radius thought of, as images at (4, 4) world poses show it."""
+    turn = se3.frame_along(axis)
+    looks = [_look(image, (pose, turn, center), radius, config) for image, pose in frames]
+    looks = [look for look in looks if len(look.depth) > 12]
+    if not looks:
+        return None
+    top = [config.shift, config.shift, radius + config.change]
+    low = [-config.shift, -config.shift, max(config.least, radius - config.change)]
+
+    def residual(circle: Floats) -> Floats:
+        return np.concatenate([_residual(look, circle) for look in looks])
+
+    found = least_squares(residual, [0.0, 0.0, radius], bounds=(low, top))
+    dof = max(len(found.fun) - 3 - 3 * len(looks), 1)
+    misfit = float(2.0 * found.cost / dof)
+    slopes = np.asarray(found.jac)
+    inverse = np.linalg.pinv(slopes.T @ slopes)
+    sigma = float(np.sqrt(inverse[2, 2] * max(misfit, 1.0)))
+    if misfit > config.misfit or sigma > config.certain or (found.active_mask != 0).any():
+        return None
+    return RoundHole(center + turn[:, :2] @ found.x[:2], float(found.x[2]), sigma, misfit)
+
+
+def _look(
+    image: TactileImage, where: tuple[Floats, Floats, Floats], radius: float, config: RoundHoleConfig
+) -> _Look:
+    pose, turn, center = where
+    x, y = (grid.ravel() for grid in np.meshgrid(image.array.x, image.array.y))
+    depth, sigma = image.depth.ravel(), image.sigma.ravel()
+    width = response_of(image).mean_width
+    places = se3.transform_points(pose, np.column_stack([x, y, -np.maximum(depth, 0.0)]))
+    flat = ((places - center) @ turn)[:, :2]
+    near = np.linalg.norm(flat, axis=1) < radius + config.outside * width
+    kept = near & np.isfinite(sigma) & (sigma > 0.0)
+    rows = np.column_stack([np.ones(len(x)), x, y])[kept]
+    floor = config.systematic * float(depth[kept].max(initial=0.0))
+    return _Look(flat[kept], rows, depth[kept], 1.0 / np.hypot(sigma[kept], floor), width)
+
+
+def _residual(look: _Look, circle: Floats) -> Floats:
+    """(n,) what the best plane under a circle (x, y, radius) leaves, in standard deviations."""
+    away = np.linalg.norm(look.flat - circle[:2], axis=1)
+    there = (1.0 - of_disc(away / look.width, float(circle[2]) / look.width)) * look.weight
+    rows, seen = look.rows * there[:, None], look.depth * look.weight
+    plane, *_ = np.linalg.lstsq(rows, seen, rcond=None)
+    return np.asarray(rows @ plane - seen)
