@@ -18,6 +18,9 @@ from primitives.arrays import Bools, Floats
 from recognition.assembly.vocabulary import Candidate, Vocabulary
 
 
+_DEEP = 1e-4  # of a cell's weight, for which a primitive rather laps into others: one that abuts leaves a slit
+
+
 @dataclass(frozen=True)
 class SearchOptions:
     """How hard to look."""
@@ -141,7 +144,8 @@ def _steps(
         if not (adding or state.steps) or not (missing if adding else extra).any():
             continue
         right, spoiled = (missing, ~solid & ~state.held) if adding else (extra, solid & state.held)
-        worth = weight * (right.astype(float) - spoiled)
+        deep = (solid & state.held) if adding else (~solid & ~state.held)
+        worth = weight * (right.astype(float) - spoiled + _DEEP * deep)
         found = [candidate for _, candidate in vocabulary.best(worth, options.tried)]
         seeds = np.argsort(-np.where(right, weight, 0.0), kind="stable")[: options.seeds]
         for seed in seeds:
