@@ -38,7 +38,7 @@ from recognition.running.logbook import Logbook
 from recognition.running.patience import Patience
 from recognition.running.progress import Progress
 from recognition.running.simulation import World, beside, guarded, load_world, tools
-from recognition.running.summary import FAULT, GAVE_UP, summarize
+from recognition.running.summary import FAULT, summarize
 from recognition.running.writing import write_model
 from recognition.truth import LabeledFaces, Truth, evaluate
 
@@ -129,9 +129,7 @@ def _explored(
             known = len(findings.graph.faces) + len(findings.traces)
             thinking = not findings.hollow and options.policy == "closure"
             if thinking and patience.lost(guard.cost.touches, known, findings.open):
-                found.ended = GAVE_UP
-                found.warnings.append("the last touches taught nothing new; the object may not be convex")
-                break
+                found.hollow = True  # what would be so of a convex object leads nowhere
     except NotWritten:
         raise
     except PalpateError as error:

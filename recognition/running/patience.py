@@ -1,4 +1,4 @@
-"""When to stop an exploration that learns nothing more.
+"""When to take an object for convex no longer, because exploration learns nothing more that way.
 
 Progress is a face more, an edge traced, or a good share fewer things open than at the last progress.  An object
 that is not convex contradicts what the planner believes, which then touches the same places in turn, giving up

@@ -17,7 +17,6 @@ from recognition.running.simulation import World
 from recognition.truth import Truth
 
 CLOSED = "closed"
-GAVE_UP = "budget"  # of touches, all of them or those that may pass without teaching anything
 FAULT = "fault: "
 _OPEN = "nothing reachable is open"
 _COUNTED = (
