@@ -17,8 +17,7 @@ import numpy as np
 from primitives.arrays import Bools, Floats
 from recognition.assembly.vocabulary import Candidate, Vocabulary
 
-
-_DEEP = 1e-4  # of a cell's weight, for which a primitive rather laps into others: one that abuts leaves a slit
+_DEEP = 1e-4  # of a cell's weight, to lap into what is held: primitives that abut leave a slit
 
 
 @dataclass(frozen=True)
