@@ -24,7 +24,7 @@ from exploration.planning.frontier import Predicted
 from exploration.planning.inferred_walls import inferred_walls
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.reach import Reach
-from exploration.planning.round_holes import RoundHoles, walls_of
+from exploration.planning.round_holes import RoundHoles, holes_of
 from exploration.planning.round_rims import RoundRim
 from exploration.planning.study import Study, Wall
 from exploration.planning.wall_facing import face_wall
@@ -85,7 +85,6 @@ class AnyForm:
         self.found.graph = drop_poor(flattened(self.found.graph))
         self._infer_walls()
         self._infer_holes()
-        self.found.warnings.extend(rim.told() for rim in self.found.openings)
 
     def _infer_walls(self) -> None:
         """Add the faces that stopped strokes, and that no pad could lie on."""
@@ -98,11 +97,13 @@ class AnyForm:
         """Add the walls of round holes whose rims say where they are."""
         inside = np.concatenate([np.empty((0, 3)), *self.found.inside])
         guessed = [rim for rim in self._frontier().openings() if not _among(rim, self.found.rims)]
-        walls, left = walls_of(self.found.rims, inside)
-        for lot in walls:
-            self.found.graph, _ = self.found.graph.add_stroke(lot)
+        holes, self.found.openings = holes_of([*self.found.rims, *guessed], inside)
+        for hole in holes:
+            graph = self.found.graph
+            graph = replace(graph, faces=tuple(hole.off(face) for face in graph.faces))
+            self.found.graph, _ = graph.add_stroke(hole.wall())
             self.found.warnings.append("the wall of a round hole is inferred from the rims at its ends")
-        self.found.openings = [*left, *guessed]
+        self.found.warnings.extend(rim.told() for rim in self.found.openings)
 
     def _frontier(self) -> LocalFrontier:
         free = self.pad.free.points

@@ -22,8 +22,10 @@ from exploration.planning.study import Study
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.round_hole import RoundHole, fit_round_hole
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import Fit
+from primitives.patch_graph import Face
 
 _ALONG = np.array([-0.35, 0.0, 0.35])  # of a hole's depth, from its middle, where its wall is
 
@@ -42,10 +44,13 @@ class RoundHolesConfig:
     aside: float = 0.4  # [mm] of one end's center from the other's axis
     slant: float = 0.005  # [rad] the same, over the hole's depth
     radii: float = 0.25  # [mm] between their radii
-    sigmas: float = 4.0  # of the radii, on top
+    sigmas: float = 2.0  # of the radii, on top of both
+    guessed: float = 0.6  # [mm] of a rim that was not looked at
     least_depth: float = 2.0  # [mm] that an array went in
     sigma: float = 0.02  # [mm] of the wall, besides the radius' own
     normal_sigma: float = 0.02  # [rad]
+    mouth: float = 1.0  # [mm] before a hole, that is its mouth
+    lip: float = 0.2  # [mm] round it, likewise
 
 
 class RoundHoles:
@@ -104,24 +109,66 @@ class RoundHoles:
                         break
 
 
-def walls_of(
-    rims: Sequence[RoundRim], inside: Floats, config: RoundHolesConfig = RoundHolesConfig()
-) -> tuple[list[Contacts], list[RoundRim]]:
-    """Contacts of the wall of each hole that is taken for known, and the rims that are left.
+@dataclass(frozen=True)
+class Hole:
+    """A round hole that is taken for known, upright on the faces at its ends."""
 
-    An array was at (n, 3) places `inside`.
+    middle: Floats  # (3,) [mm] half way down
+    axis: Floats  # (3,)
+    radius: float  # [mm]
+    depth: float  # [mm]
+    sigma: float  # [mm] of the radius
+
+    def wall(self, config: RoundHolesConfig = RoundHolesConfig()) -> Contacts:
+        """Contacts of its wall, looking to the axis; nobody felt it."""
+        ring, ways = RoundRim(self.middle, self.axis, self.radius, self.sigma, -1).places()
+        points = np.concatenate([ring + share * self.depth * self.axis for share in _ALONG])
+        sigma = float(np.hypot(config.sigma, self.sigma))
+        normals = np.tile(-ways, (len(_ALONG), 1))
+        return Contacts.of(points, normals, sigma, config.normal_sigma, touch=NOT_FELT)
+
+    def holds(self, points: Floats, config: RoundHolesConfig = RoundHolesConfig()) -> Bools:
+        """(n,) whether (n, 3) points are in it or in one of its mouths."""
+        along = (points - self.middle) @ self.axis
+        aside = np.linalg.norm(points - self.middle - along[:, None] * self.axis, axis=1)
+        near = np.abs(along) < 0.5 * self.depth + config.mouth
+        return np.asarray(near & (aside < self.radius + config.lip))
+
+    def off(self, face: Face) -> Face:
+        """A face without its contacts in a mouth.
+
+        The contacts of a pad that lay over a mouth stand for the plane round it, not for places of their own.
+        """
+        if not isinstance(face.fit, Fit) or face.fit.kind != "plane":
+            return face
+        kept = ~self.holds(face.contacts.points)
+        if kept.all() or not kept.any():
+            return face
+        fit = replace(face.fit, inliers=frozen(face.fit.inliers[kept], bool))
+        return replace(face, fit=fit, contacts=face.contacts.select(kept))
+
+
+def holes_of(
+    rims: Sequence[RoundRim], inside: Floats, config: RoundHolesConfig = RoundHolesConfig()
+) -> tuple[list[Hole], list[RoundRim]]:
+    """Each hole that is taken for known, and the rims that are left.
+
+    Of the two rims of a hole one at least was looked at.  An array was at (n, 3) places `inside`.
     """
-    left, out = list(rims), list[Contacts]()
+    left, out = [_doubted(rim, config) for rim in rims], list[Hole]()
     while (pair := _nearest_ends(left, config)) is not None:
         left = [rim for rim in left if rim is not pair[0] and rim is not pair[1]]
-        out.append(_wall(*pair, config))
-    for rim in list(left):
+        out.append(_between(*pair))
+    for rim in [rim for rim in left if rim.measured]:
         depth = _gone_in(rim, inside)
         if depth > config.least_depth:
             left = [other for other in left if other is not rim]
-            end = replace(rim, center=rim.center - depth * rim.axis, axis=-rim.axis)
-            out.append(_wall(rim, end, config))
+            out.append(_between(rim, replace(rim, center=rim.center - depth * rim.axis, axis=-rim.axis)))
     return out, left
+
+
+def _doubted(rim: RoundRim, config: RoundHolesConfig) -> RoundRim:
+    return rim if rim.measured else replace(rim, sigma=max(rim.sigma, config.guessed))
 
 
 def _nearest_ends(rims: Sequence[RoundRim], config: RoundHolesConfig) -> tuple[RoundRim, RoundRim] | None:
@@ -134,12 +181,13 @@ def _ends_of_one(a: RoundRim, b: RoundRim, config: RoundHolesConfig) -> bool:
     apart = a.center - b.center
     depth = float(apart @ a.axis)
     aside = float(np.linalg.norm(apart - depth * a.axis))
-    unlike = config.radii + config.sigmas * float(np.hypot(a.sigma, b.sigma))
+    unsure = config.sigmas * float(np.hypot(a.sigma, b.sigma))
     return (
-        float(a.axis @ b.axis) < -config.opposed
+        (a.measured or b.measured)
+        and float(a.axis @ b.axis) < -config.opposed
         and depth > 0.0
-        and aside < config.aside + config.slant * depth
-        and abs(a.radius - b.radius) < unlike
+        and aside < config.aside + config.slant * depth + unsure
+        and abs(a.radius - b.radius) < config.radii + unsure
     )
 
 
@@ -150,17 +198,13 @@ def _gone_in(rim: RoundRim, inside: Floats) -> float:
     return float(deep[(aside < rim.radius) & (deep > 0.0)].max(initial=0.0))
 
 
-def _wall(a: RoundRim, b: RoundRim, config: RoundHolesConfig) -> Contacts:
-    """Of one radius and upright on both faces, between two rims, looking to the axis; nobody felt it."""
+def _between(a: RoundRim, b: RoundRim) -> Hole:
+    """The hole of two ends, of which the better known counts for more."""
     trust = np.array([a.sigma, b.sigma]) ** -2
     share = float(trust[1] / trust.sum())
     axis = a.axis - b.axis
     axis = axis / np.linalg.norm(axis)
-    radius = (1.0 - share) * a.radius + share * b.radius
     depth = float((a.center - b.center) @ axis)
     middle = (1.0 - share) * (a.center - 0.5 * depth * axis) + share * (b.center + 0.5 * depth * axis)
-    ring, ways = RoundRim(middle, axis, radius, a.sigma, a.face).places()
-    points = np.concatenate([ring + height * depth * axis for height in _ALONG])
-    normals = np.tile(-ways, (len(_ALONG), 1))
-    sigma = float(np.hypot(config.sigma, 1.0 / np.sqrt(trust.sum())))
-    return Contacts.of(points, normals, sigma, config.normal_sigma, touch=NOT_FELT)
+    radius = (1.0 - share) * a.radius + share * b.radius
+    return Hole(middle, axis, radius, depth, float(1.0 / np.sqrt(trust.sum())))

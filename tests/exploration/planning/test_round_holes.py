@@ -1,14 +1,15 @@
 import numpy as np
 
-from exploration.planning.round_holes import walls_of
+from exploration.planning.round_holes import holes_of
 from exploration.planning.round_rims import RoundRim
 from exploration.sensing.frame import TactileImage, TaxelArray
 from exploration.sensing.lines.blurred_disc import of_disc
 from exploration.sensing.lines.round_hole import fit_round_hole
 from exploration.sensing.response import rubber
 from primitives import pose as se3
-from primitives.evidence import NOT_FELT
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
+from primitives.patch_graph import MergeOptions, ranked_face
 
 UP = np.array([0.0, 0.0, 1.0])
 PAD = TaxelArray("pad", 10, 16, (1.8, 1.8))
@@ -16,8 +17,8 @@ SPREAD, NOISE = 1.2, 0.01
 NOWHERE = np.empty((0, 3))
 
 
-def rim(height, up=1.0, radius=6.0, x=0.0):
-    return RoundRim(np.array([x, 0.0, height]), up * UP, radius, 0.02, 0, measured=True)
+def rim(height, up=1.0, radius=6.0, x=0.0, measured=True):
+    return RoundRim(np.array([x, 0.0, height]), up * UP, radius, 0.02, 0, measured)
 
 
 def over(center, radius, pose, rng):
@@ -48,8 +49,9 @@ def test_a_face_without_a_hole_shows_none():
 
 
 def test_two_rims_that_look_away_from_each_other_are_one_hole():
-    (wall,), left = walls_of([rim(5.0), rim(-5.0, -1.0)], NOWHERE)
+    (hole,), left = holes_of([rim(5.0), rim(-5.0, -1.0)], NOWHERE)
     assert not left
+    wall = hole.wall()
     found = fit("cylinder", wall)
     assert found
     assert not found.convex
@@ -63,18 +65,36 @@ def test_other_rims_are_left_unknown():
     unlike = [rim(5.0), rim(-5.0, -1.0, radius=8.0)]
     beside = [rim(5.0), rim(-5.0, -1.0, x=2.0)]
     for rims in (lone, facing, unlike, beside):
-        assert walls_of(rims, NOWHERE) == ([], rims)
+        assert holes_of(rims, NOWHERE) == ([], rims)
+
+
+def test_a_rim_that_was_looked_at_speaks_for_a_guess_at_the_other_end_and_two_guesses_for_nothing():
+    guess = rim(-5.0, -1.0, radius=5.2, x=0.7, measured=False)
+    (hole,), left = holes_of([rim(5.0), guess], NOWHERE)
+    assert not left
+    assert abs(hole.radius - 6.0) < 0.05
+    assert np.linalg.norm(hole.middle) < 0.05
+    assert not holes_of([rim(5.0, measured=False), guess], NOWHERE)[0]
 
 
 def test_of_lugs_in_a_row_the_nearest_rims_are_one_hole():
     rims = [rim(5.0), rim(-5.0, -1.0), rim(-25.0), rim(-35.0, -1.0)]
-    walls, left = walls_of(rims, NOWHERE)
+    holes, left = holes_of(rims, NOWHERE)
     assert not left
-    assert sorted(np.ptp(wall.points[:, 2]) for wall in walls) == sorted([7.0, 7.0])
+    assert [hole.depth for hole in holes] == [10.0, 10.0]
 
 
 def test_a_hole_is_as_deep_as_an_array_went_in():
     went = np.column_stack([np.zeros((8, 2)), np.linspace(-7.0, 9.0, 8)])
-    (wall,), left = walls_of([rim(5.0)], went)
+    (hole,), left = holes_of([rim(5.0)], went)
     assert not left
-    assert wall.points[:, 2].min() > -7.0
+    assert abs(hole.depth - 12.0) < 1e-9
+
+
+def test_contacts_in_the_mouth_of_a_hole_are_no_places_of_its_face():
+    (hole,), _ = holes_of([rim(5.0), rim(-5.0, -1.0)], NOWHERE)
+    points = np.array([[0.0, 0.0, 5.0], [4.0, 1.0, 5.0], [9.0, 0.0, 5.0], [-9.0, 9.0, 5.0], [0.0, 12.0, 5.0]])
+    face = ranked_face(0, Contacts.of(points, np.tile(UP, (5, 1))), MergeOptions())
+    kept = hole.off(face)
+    assert len(kept.contacts) == len(kept.fit.inliers) == 3
+    assert kept.fit.shape is face.fit.shape
