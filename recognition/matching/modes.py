@@ -31,11 +31,12 @@ from recognition.matching.likelihood import (
     log_each,
     log_known,
     log_likelihoods,
+    log_strays,
     log_unlike,
 )
 from recognition.matching.loose import LooseConfig, cross_points, sigma_points
 from recognition.matching.places import Places, places_of
-from recognition.matching.target import Target, gap, target_of
+from recognition.matching.target import Target, field_error, gap, target_of
 from recognition.matching.untouched import log_untouched
 
 _ROTATIONS = np.log(8 * np.pi**2)
@@ -93,8 +94,10 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
     on, off = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * scale, seen.tau * turn,
                                 target.size, noise, absolute)  # fmt: skip
     there = seen.places.log_density(target.area, seen.shares)
-    like = log_each(on, off, noise)
-    total, unlike = there + log_known(on, off, seen.shares, noise), there + log_unlike(on, off, seen.shares)
+    strays = log_strays(off, _behind(entry, target, done.poses, seen, scale), noise)
+    like = log_each(on, strays, noise)
+    total = there + log_known(on, strays, seen.shares, noise)
+    unlike = there + log_unlike(on, off, seen.shares)
     modes: list[Mode] = []
     for k in np.argsort(-total, kind="stable"):
         checkpoint()
@@ -132,6 +135,13 @@ def _refined(
         return done
     best = np.argsort(np.minimum(done.distances, 5 * seen.sigma).mean(axis=1), kind="stable")[:polished]
     return refine(np.ascontiguousarray(done.poses[best]), *contacts, mesh, 1.0, 30, absolute=True)
+
+
+def _behind(entry: Entry, target: Target, poses: Floats, seen: Felt, scale: float) -> Bools:
+    """(k, n) whether a contact lies within the object by more than noise and the field's error."""
+    points = np.einsum("kij,nj->kni", poses[:, :, :3], seen.points) + poses[:, None, :, 3]
+    distance = entry.field.signed_distance(points.reshape(-1, 3)).reshape(len(poses), -1)
+    return np.asarray(distance < -(3.0 * scale * seen.sigma + field_error(target)))
 
 
 def _copies(entry: Entry) -> float:

@@ -20,7 +20,7 @@ from recognizing.multi_start import MultiStart
 from recognizing.objects import library
 from recognizing.ppf import Ppf
 from recognizing.scaling_series import ScalingSeries
-from recognizing.trials import Trial, add_s, trial
+from recognizing.trials import Trial, add_s, astray, trial
 
 from models.library import Entry, Library
 from primitives.arrays import Floats
@@ -75,6 +75,8 @@ def run() -> list[dict[str, Any]]:
         passive(table, known, count, False, None, {}, normals=False)
     for count in (12, 20, 50):
         held_out(table, known, count)
+    for count, strays in ((20, 0), (20, 1), (20, 2), (20, 4), (12, 1), (50, 5)):
+        strayed(table, known, count, strays, rivals)
     return table.rows
 
 
@@ -131,6 +133,27 @@ def held_out(table: Table, known: Library, count: int) -> None:
         others = {name: known[name] for name in known if name != t.name}
         called.append(match(Evidence(t.contacts), others).decision == UNKNOWN)
     table.share("palpate", f"unknown called unknown, {count} contacts", called, ">= 95")
+
+
+def strayed(table: Table, known: Library, count: int, strays: int, rivals: Mapping[str, Rival]) -> None:
+    """Names of known objects, and of others, where some contacts are grossly wrong."""
+    where = f"{strays} of {count} contacts 5 to 30 mm off"
+    rng = np.random.default_rng([count, strays])
+    trials = [astray(t, known[t.name], strays, rng) for t in trials_of(known, QUERIES, count, False, True)]
+    beliefs = [match(Evidence(t.contacts), known) for t in trials]
+    right = [b.decision == t.name for b, t in zip(beliefs, trials, strict=True)]
+    table.share("palpate", f"top-1, {where}", right)
+    table.share(
+        "palpate", f"known called unknown, {where}", [b.decision == UNKNOWN for b in beliefs], "<= 10"
+    )
+    error = calibration([b.confidence for b in beliefs], right)
+    table.add("palpate", f"calibration error, {where}", error, "", "<= 0.03")
+    others = [{name: known[name] for name in known if name != t.name} for t in trials]
+    called = [match(Evidence(t.contacts), o).decision == UNKNOWN for t, o in zip(trials, others, strict=True)]
+    table.share("palpate", f"unknown called unknown, {where}", called)
+    for method, rival in rivals.items():
+        told = [rival(t.contacts)[0] == t.name for t in trials[:RIVAL_QUERIES]]
+        table.share(method, f"top-1, {where}", told)
 
 
 def calibration(confidence: list[float], right: list[bool], bins: int = 10) -> float:

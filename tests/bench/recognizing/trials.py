@@ -34,6 +34,20 @@ def trial(entry: Entry, count: int, one_sided: bool, rng: np.random.Generator, n
     return Trial(entry.name, world, Contacts.of(points, facing if normals else None, NOISE, TURN))
 
 
+def astray(t: Trial, entry: Entry, count: int, rng: np.random.Generator) -> Trial:
+    """So many of the contacts met something else, 5 to 30 mm off; half of their normals are any."""
+    points, normals = t.contacts.points.copy(), t.contacts.normals.copy()
+    for row in rng.permutation(len(points))[:count]:
+        while True:
+            at, facing = on_surface(entry.solid, 1, False, rng)
+            at = at + rng.uniform(5.0, 30.0) * random_rotation(rng)[:, 2]
+            if entry.solid.signed_distance(at)[0] >= 5.0:
+                break
+        turned = random_rotation(rng)[:, 2][None] if rng.random() < 0.5 else facing
+        points[row], normals[row] = transform_points(t.world, at)[0], rotate(t.world, turned)[0]
+    return t._replace(contacts=Contacts.of(points, normals, NOISE, TURN))
+
+
 def on_surface(solid: Solid, count: int, one_sided: bool, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """(n, 3) points and (n, 3) normals in the object's frame, even by area."""
     body = solid.body

@@ -1,4 +1,4 @@
-"""Contacts that are no contacts of the object: a few of many do no harm, and one of a dozen is noticed."""
+"""Contacts that are no contacts of the object: one in ten before it does no harm, and one within it is noticed."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from models.solid import Solid
 from primitives.evidence import Contacts
 from primitives.pose import pose, random_rotation, rotate, transform_points
 from recognition.matching import Evidence, match
-from recognition.matching.likelihood import NoiseConfig, log_astray, log_known, log_unlike
+from recognition.matching.likelihood import NoiseConfig, log_astray, log_known, log_strays, log_unlike
 
 NAMES = ("bracket", "wedge", "block", "flange")
 SIGMA, TURN = 0.1, 0.02
@@ -45,11 +45,22 @@ def test_many_contacts_tell_which_of_them_separate(library: Library) -> None:
     assert best.log_likelihoods.shape == (1000,)
 
 
-def test_one_of_a_dozen_astray_speaks_for_an_unknown_object() -> None:
-    on, off = np.full((1, 12), 3.0), np.full((1, 12), -9.0)
-    on[0, 0] = -200.0
-    odds = log_unlike(on, off, np.ones(12)) - log_known(on, off, np.ones(12), NoiseConfig())
-    assert odds[0] > np.log(10.0)
+def _odds(off_it: int, of: int, behind: bool = False) -> float:
+    """Of an unknown object, where so many contacts do not lie on the known one."""
+    on, off = np.full((1, of), 3.0), np.full((1, of), -9.0)
+    on[0, :off_it] = -200.0
+    config = NoiseConfig()
+    strays = log_strays(off, (on < 0.0) & behind, config)
+    return float((log_unlike(on, off, np.ones(of)) - log_known(on, strays, np.ones(of), config))[0])
+
+
+def test_one_in_ten_off_a_body_is_borne_and_three_in_ten_speak_for_another() -> None:
+    assert all(_odds(k, n) < np.log(9.0) for k, n in ((1, 12), (2, 20), (5, 50)))
+    assert all(_odds(k, n) > np.log(9.0) for k, n in ((4, 12), (6, 20), (15, 50)))
+
+
+def test_one_of_a_dozen_within_a_known_object_speaks_for_an_unknown_one() -> None:
+    assert _odds(1, 12, behind=True) > np.log(10.0)
 
 
 def test_what_fits_costs_an_unknown_object_the_number_of_contacts() -> None:
