@@ -15,7 +15,9 @@ from primitives.arrays import Floats, Ints
 from primitives.classify import RankOptions
 from primitives.evidence import Contacts
 from primitives.fit import Fit
-from primitives.patch_graph import MergeOptions, PatchGraph
+from primitives.patch_graph import Face, MergeOptions, PatchGraph
+from primitives.shared_error import with_shared_error
+from primitives.surface_sigma import distance_sigma
 
 CONVEX = MergeOptions(
     slack=3.0,  # errors common to a stroke are larger than its frames' noise
@@ -29,6 +31,7 @@ class AttributionConfig:
 
     near: float = 0.1  # [mm] a contact this far from a known face belongs to it
     turned: float = 0.06  # [rad] as long as its normal is no farther off
+    unsure: float = 1.0  # [mm] at most, that a face may be off where it is not known well
     misfit: float = 8.0  # chi2 per degree of freedom of a face that is none
     least_contacts: int = 5  # that make a new face
     poor: float = 0.04  # [mm] median deviation from which contacts must be of two touches to make a face
@@ -55,7 +58,7 @@ def known_face(graph: PatchGraph, contacts: Contacts, config: AttributionConfig)
         if (
             isinstance(face.fit, Fit)
             and len(contacts)
-            and np.median(misfit(face.fit, contacts, config)) < 1.0
+            and np.median(_misfit(face, face.fit, contacts, config)) < 1.0
         ):
             return face.id
     return None
@@ -102,9 +105,17 @@ def without(contacts: Contacts, taken: Contacts) -> Contacts:
     return contacts.select(np.array([bytes(p) not in gone for p in contacts.points], dtype=bool))
 
 
-def misfit(fit: Fit, contacts: Contacts, config: AttributionConfig) -> Floats:
-    """(n,) distance and turn from a fitted face, in units of what still belongs to it."""
-    off = np.abs(fit.shape.signed_distance(contacts.points)) / np.hypot(4.0 * contacts.sigma, config.near)
+def _misfit(face: Face, fit: Fit, contacts: Contacts, config: AttributionConfig) -> Floats:
+    """(n,) distance and turn from a fitted face, in units of what still belongs to it.
+
+    A curved face that was felt at one end may lie farther off at the other than any contact errs.
+    """
+    unsure = np.zeros(len(contacts))
+    if fit.kind != "plane" and len(contacts):
+        sigma = distance_sigma(with_shared_error(fit, face.contacts), contacts.points)
+        unsure = np.minimum(3.0 * sigma, config.unsure)
+    room = np.hypot(np.hypot(4.0 * contacts.sigma, config.near), unsure)
+    off = np.abs(fit.shape.signed_distance(contacts.points)) / room
     side = 1.0 if fit.convex else -1.0
     facing = side * (fit.shape.normals(contacts.points) * contacts.normals).sum(axis=1)
     turn = np.arccos(np.clip(facing, -1.0, 1.0)) / np.hypot(3.0 * contacts.normal_sigma, config.turned)
@@ -116,7 +127,7 @@ def _owners(graph: PatchGraph, contacts: Contacts, config: AttributionConfig) ->
     best = np.ones(len(contacts))
     for face in graph.faces:
         if isinstance(face.fit, Fit) and len(contacts):
-            off = misfit(face.fit, contacts, config)
+            off = _misfit(face, face.fit, contacts, config)
             closer = off < best
             owner[closer], best[closer] = face.id, off[closer]
     return owner

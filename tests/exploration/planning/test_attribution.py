@@ -79,3 +79,22 @@ def test_contacts_of_a_face_that_goes_are_not_lost(corner):
     taken = take_in(corner, NONE, beyond, CONFIG)
     held = sum(len(face.contacts) for face in taken.graph.faces) + len(taken.loose)
     assert held == 30 + 30 + 12
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 6])
+def test_a_ball_felt_at_one_end_gets_a_contact_of_the_other(seed):
+    def cap(way, touch, n):
+        rng = np.random.default_rng([seed, touch])
+        out = way + 0.2 * rng.standard_normal((n, 3))
+        out /= np.linalg.norm(out, axis=1)[:, None]
+        away = 28.0 + 0.02 * rng.standard_normal(n)
+        return Contacts.of(away[:, None] * out, out, sigma=0.02, normal_sigma=0.03, touch=touch)
+
+    graph = PatchGraph(options=CONVEX)
+    graph = take_in(graph, NONE, cap(np.array([0.0, 0.0, 1.0]), 1, 10), CONFIG).graph
+    far = cap(np.array([0.0, 0.0, -1.0]), 2, 1)
+    assert [face.fit.kind for face in graph.faces] == ["sphere"]
+    assert abs(graph.faces[0].fit.shape.signed_distance(far.points)[0]) > 0.2
+    taken = take_in(graph, NONE, far, CONFIG)
+    assert [len(face.contacts) for face in taken.graph.faces] == [11]
+    assert abs(taken.graph.faces[0].fit.shape.radius - 28.0) < 0.06
