@@ -70,16 +70,11 @@ def advance(
     """Move at most `distance` [mm] along a (3,) world direction, attitude held; the observation that touched."""
     start = guard.world_from_sensor[:3, 3]
     speed = min(speed, config.tick / guard.period, soft_speed(guard, speed > config.speed, config))
-    while True:
-        here = guard.world_from_sensor
-        if float((here[:3, 3] - start) @ direction) >= distance:
-            guard.hold()
-            return None
-        twist = np.zeros(6)
-        twist[:3] = here[:3, :3].T @ (direction * speed)
-        seen = guard.move(twist)
-        if touched(seen.image, config):
+    while float((guard.world_from_sensor[:3, 3] - start) @ direction) < distance:
+        if touched(_tick(guard, direction, speed).image, config):
             return guard.hold()
+    guard.hold()
+    return None
 
 
 def press_on(
@@ -87,13 +82,16 @@ def press_on(
 ) -> Observation:
     """Move `distance` [mm] along a (3,) world direction as slowly as a skin is pressed, attitude held."""
     start = guard.world_from_sensor[:3, 3]
-    while True:
-        here = guard.world_from_sensor
-        if float((here[:3, 3] - start) @ direction) >= distance:
-            return guard.hold()
-        twist = np.zeros(6)
-        twist[:3] = here[:3, :3].T @ (direction * config.slow)
-        guard.move(twist)
+    while float((guard.world_from_sensor[:3, 3] - start) @ direction) < distance:
+        _tick(guard, direction, config.slow)
+    return guard.hold()
+
+
+def _tick(guard: Guard, direction: Floats, speed: float) -> Observation:
+    """One tick of motion along a (3,) world direction, attitude held."""
+    twist = np.zeros(6)
+    twist[:3] = guard.world_from_sensor[:3, :3].T @ (direction * speed)
+    return guard.move(twist)
 
 
 def approach(
@@ -108,8 +106,7 @@ def approach(
     start, begun = guard.world_from_sensor[:3, 3], 0.0
     seen = guard.hold()
     while True:
-        here = seen.world_from_sensor
-        gone = float((here[:3, 3] - start) @ direction)
+        gone = float((seen.world_from_sensor[:3, 3] - start) @ direction)
         touching = touched(seen.image, config)
         begun = begun if touching else gone
         why = _reason(seen, touching, gone - begun, force, config)
@@ -118,9 +115,7 @@ def approach(
         if why is not None:
             guard.hold()
             return Approached(why, gone, seen.force, seen.frame.temperature)
-        twist = np.zeros(6)
-        twist[:3] = here[:3, :3].T @ (direction * (config.slow if touching else config.speed))
-        seen = guard.move(twist)
+        seen = _tick(guard, direction, config.slow if touching else config.speed)
 
 
 def _reason(
