@@ -8,9 +8,10 @@ is a hole as deep as that; any other tells of its depth nothing (our derivation)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -36,7 +37,8 @@ class RoundHolesConfig:
 
     frames: int = 16  # averaged
     under: float = 0.35  # of the pad's shorter side: a hole of less radius is seen whole by one look
-    looks: int = 4  # at a larger one, and tries at a small one
+    looks: int = 4  # at a larger one
+    most: int = 6  # touches for one rim
     over: float = 1.5  # [mm] of the pad's middle outside the rim of a large one
     apart: float = 0.6  # [rad] between two looks
     beside: float = 4.0  # [mm] between rims that are tried as one
@@ -71,18 +73,21 @@ class RoundHoles:
 
     def _measure(self, rim: RoundRim) -> Done:
         self._tried.note(rim.center)
-        pad, frames = self.study.pad, list[tuple[TactileImage, Floats]]()
-        found: RoundHole | None = None
+        pad, frames, used = self.study.pad, list[tuple[TactileImage, Floats]](), list[Floats]()
         small = rim.radius < self.config.under * min(pad.size)
-        for pose in self._poses(rim, small):
-            if not self.reach.touch(pose):
+        looks, led = 1 if small else self.config.looks, 0
+        found: RoundHole | None = None
+        for give, (way, pose) in product((False, True), self._places(rim, small)):
+            if not small and any(way @ other > np.cos(self.config.apart) for other in used):
                 continue
-            seen = dwell(pad.guard, self.config.frames)
-            frames.append((seen.image, seen.world_from_sensor))
-            found = (
-                fit_round_hole(frames, rim.center, rim.axis, rim.radius) if small or len(frames) > 1 else None
-            )
-            if len(frames) >= self.config.looks or (small and found is not None):
+            met = self.reach.touch(pose, give)
+            led += self.reach.led
+            if met:
+                seen = dwell(pad.guard, self.config.frames)
+                frames.append((seen.image, seen.world_from_sensor))
+                used.append(way)
+                found = fit_round_hole(frames, rim.center, rim.axis, rim.radius)
+            if led >= self.config.most or (found is not None and len(frames) >= looks):
                 break
         if found is None:
             return None, "no round rim was made out"
@@ -91,22 +96,17 @@ class RoundHoles:
         self.study.found.rims.append(better)
         return None, "looked at the rim of a round hole"
 
-    def _poses(self, rim: RoundRim, small: bool) -> Iterator[Floats]:
-        """(4, 4) places of the pad over the rim where it has room, each when it is asked for."""
+    def _places(self, rim: RoundRim, small: bool) -> list[tuple[Floats, Floats]]:
+        """Ways from the center of a rim, each with a (4, 4) place of the pad over it; the best first."""
         half = 0.5 * min(self.study.pad.size)
-        away = (0.0, 0.5 * half, half) if small else (rim.radius + self.config.over,)
-        used: list[Floats] = []
         ways = rim.places(16)[1][[0, 4, 8, 12, 2, 6, 10, 14, 1, 5, 9, 13, 3, 7, 11, 15]]
-        for far in away:
-            for way in ways[: 1 if far == 0.0 else len(ways)]:
-                if not small and any(way @ other > np.cos(self.config.apart) for other in used):
-                    continue
+        found: list[tuple[Floats, Floats]] = []
+        for far in (0.0, 0.5 * half, half) if small else (rim.radius + self.config.over,):
+            for way in ways[::4] if far == 0.0 else ways:
                 for along in (np.cross(rim.axis, way), way):
-                    pose = se3.pose(self.study.pad.attitude(rim.axis, along), rim.center + far * way)
-                    if self.reach.clear(pose):
-                        used.append(way)
-                        yield pose
-                        break
+                    turn = self.study.pad.attitude(rim.axis, along)
+                    found.append((way, se3.pose(turn, rim.center + far * way)))
+        return found
 
 
 @dataclass(frozen=True)
