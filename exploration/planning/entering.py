@@ -89,9 +89,9 @@ class Entering:
                 self._went(mouth, self.study.pad.guard.world_from_sensor)
                 return self._felt_round(mouth)
             if self.reach.led:
-                self._sounded.note(
-                    self.study.pad.guard.world_from_sensor[:3, 3]
-                )  # perhaps out on the other side
+                here = self.study.pad.guard.world_from_sensor
+                self._sounded.note(here[:3, 3])  # perhaps out on the other side
+                self._went(mouth, here)
                 self.reach.come_out()
                 return None, "went in and met nothing"
         return None, "no way led in"

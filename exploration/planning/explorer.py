@@ -23,10 +23,12 @@ from exploration.planning.covering import Covering
 from exploration.planning.crossing import Crossing
 from exploration.planning.findings import Attempts, Done, ExplorerConfig, Findings
 from exploration.planning.frontier import Frontier, Predicted
+from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.pad import Announce, Pad
 from exploration.planning.routes import Tool
 from exploration.planning.search import sweeps
 from exploration.planning.study import Study
+from exploration.planning.surface_map import SurfaceMap
 from exploration.planning.survey import POLICIES, Survey
 from exploration.planning.told import Told
 from exploration.planning.tracing import Tracing
@@ -60,6 +62,7 @@ class Explorer:
         self.guard, self.box, self.config, self.announce, self.told = guard, box, config, announce, told
         self.found = Findings()
         self.pad = Pad(guard, box, announce, told=told, tools=tools)
+        self._felt = SurfaceMap()
         self._hidden = 0  # predicted places that what was told hides
         self._tried = Attempts(config.tries)
         self._study = Study(self.pad, self.found, config.attribution)
@@ -84,6 +87,7 @@ class Explorer:
             yield from self._surveyed()
             return
         while self.guard.cost.touches < self.config.max_touches:
+            self.found.hollow = self.found.hollow or self._dented()
             if self.found.hollow:
                 self._lay()
                 yield from map(self._say, self._any_form())
@@ -108,6 +112,12 @@ class Explorer:
             face = done if done is not None else face
             yield self._say(note)
         self.found.ended = "budget"
+
+    def _dented(self) -> bool:
+        """Whether what was felt of a face proves that the object is not convex."""
+        self._felt.take(self.pad.felt)
+        faces, free = self.found.graph.faces, self.pad.free.points
+        return LocalFrontier(faces, self._felt, free, self.config.feature).dented()
 
     def _any_form(self) -> Iterator[str]:
         """Face by face, with one array after the other: each goes for what those before it found no room for."""

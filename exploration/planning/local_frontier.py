@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
+from exploration.planning.dents import dented
 from exploration.planning.frontier import Predicted
 from exploration.planning.gaps import gaps
 from exploration.planning.mouths import Mouth, mouths
@@ -124,6 +125,13 @@ class LocalFrontier:
                 if self._explained(own, at, -ways).mean() < self.config.known:
                     found.append(rim)
         return found
+
+    def dented(self) -> bool:
+        """Whether a flat face is not there among places where it is: no convex object has such."""
+        return any(
+            own.fit.kind == "plane" and dented(own.cells, self._free_of(own), own.fit.shape.direction)
+            for own in self.known
+        )
 
     def _further(self, own: _Known) -> tuple[Floats, Floats]:
         """(m, 3) places a little further than touched ones, not touched themselves; and where they came from."""

@@ -43,14 +43,12 @@ class Reach:
         )
         wide = RoutesConfig(margin=config.wide)  # of edges the places felt last lie a taxel inside
         self._routes = (wide, RoutesConfig()) if pad.tool.carried else (RoutesConfig(),)
-        self._felt, self._taken = SurfaceMap(), 0
+        self._felt = SurfaceMap()
 
     @property
     def felt(self) -> SurfaceMap:
         """All that was touched until now."""
-        for points, facing in self.pad.felt[self._taken :]:
-            self._felt.add(points, facing)
-        self._taken = len(self.pad.felt)
+        self._felt.take(self.pad.felt)
         return self._felt
 
     def clear(self, pose: Floats) -> bool:

@@ -7,6 +7,8 @@ mobile robots, Yamauchi 1997).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import KDTree
 
@@ -23,6 +25,7 @@ class SurfaceMap:
         self._cells: dict[tuple[int, ...], Floats] = {}
         self._rows: Floats | None = None
         self._tree: KDTree | None = None
+        self._taken = 0
 
     def add(self, points: Floats, facing: Floats) -> None:
         """Remember (n, 3) touched places [mm] and their outward normals, roughly."""
@@ -33,6 +36,12 @@ class SurfaceMap:
         for key, row in zip(map(tuple, keys.tolist()), rows, strict=True):
             self._cells.setdefault(key, row)
         self._rows = self._tree = None
+
+    def take(self, lots: Sequence[tuple[Floats, Floats]]) -> None:
+        """Remember those of a growing row of lots, each as `add` has them, that were not taken before."""
+        for points, facing in lots[self._taken :]:
+            self.add(points, facing)
+        self._taken = len(lots)
 
     @property
     def points(self) -> Floats:
