@@ -8,7 +8,7 @@ sideways.  What was tried in vain a few times is given up, and left unknown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -17,15 +17,14 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.consistency import drop_poor, flattened
+from exploration.planning.concluding import conclude
 from exploration.planning.entering import Entering
 from exploration.planning.findings import Attempts, Done, ExplorerConfig
 from exploration.planning.frontier import Predicted
-from exploration.planning.inferred_walls import inferred_walls
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.reach import Reach
-from exploration.planning.round_holes import RoundHoles, holes_of
-from exploration.planning.round_rims import RoundRim
+from exploration.planning.rim_walls import RimWalls
+from exploration.planning.round_holes import RoundHoles
 from exploration.planning.study import Study, Wall
 from exploration.planning.wall_facing import face_wall
 from primitives import pose as se3
@@ -62,7 +61,7 @@ class AnyForm:
         self._rims = Attempts(self.own.rim_tries, self.own.beside)
         self._open = Attempts(config.tries - 1, 2.5)
         self._entering = Entering(study, self.reach) if later else None
-        self._holes = RoundHoles(study, self.reach)
+        self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
         study.config = replace(study.config, convex=False)
 
     def run(self) -> Iterator[str]:
@@ -82,28 +81,7 @@ class AnyForm:
 
     def conclude(self) -> None:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
-        self.found.graph = drop_poor(flattened(self.found.graph))
-        self._infer_walls()
-        self._infer_holes()
-
-    def _infer_walls(self) -> None:
-        """Add the faces that stopped strokes, and that no pad could lie on."""
-        left = [wall for wall in self.study.walls if not self._stands(wall)]
-        for lot in inferred_walls(left, self.found.graph.faces):
-            self.found.graph, _ = self.found.graph.add_stroke(lot)
-            self.found.warnings.append("a face that no pad could lie on is inferred from strokes it stopped")
-
-    def _infer_holes(self) -> None:
-        """Add the walls of round holes whose rims say where they are."""
-        inside = np.concatenate([np.empty((0, 3)), *self.found.inside])
-        guessed = [rim for rim in self._frontier().openings() if not _among(rim, self.found.rims)]
-        holes, self.found.openings = holes_of([*self.found.rims, *guessed], inside)
-        for hole in holes:
-            graph = self.found.graph
-            graph = replace(graph, faces=tuple(hole.off(face) for face in graph.faces))
-            self.found.graph, _ = graph.add_stroke(hole.wall())
-            self.found.warnings.append("the wall of a round hole is inferred from the rims at its ends")
-        self.found.warnings.extend(rim.told() for rim in self.found.openings)
+        conclude(self.found, self.study.walls, self._frontier, self._stands)
 
     def _frontier(self) -> LocalFrontier:
         free = self.pad.free.points
@@ -135,7 +113,9 @@ class AnyForm:
             nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
             return lambda: self._come_down(left, nearest)
         if not todo and not self._entering:
-            return self._holes.next(frontier.openings())
+            openings = frontier.openings()
+            straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in openings)]
+            return self._holes.next(openings) or self._rim_walls.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None
 
     def _lies(self) -> bool:
@@ -232,8 +212,3 @@ class AnyForm:
 
 def _away(point: Floats, here: Floats) -> float:
     return float(np.linalg.norm(point - here))
-
-
-def _among(rim: RoundRim, others: Sequence[RoundRim]) -> bool:
-    """Whether a rim is one of those that were looked at."""
-    return any(rim.face == o.face and _away(rim.center, o.center) < o.radius for o in others)

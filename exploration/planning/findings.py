@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import KDTree
 
+from exploration.control.sighting import Sighting
 from exploration.planning.attribution import CONVEX, AttributionConfig
 from exploration.planning.frontier import Predicted
 from exploration.planning.round_rims import RoundRim
@@ -48,6 +49,9 @@ class Findings:
     traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
     inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] in what an array went into
     rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
+    wall_rims: list[tuple[Sighting, int]] = field(
+        default_factory=list
+    )  # other rims looked at, and of which face
     openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""

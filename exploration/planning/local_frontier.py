@@ -8,7 +8,7 @@ open.  A rim is explained where another face passes by that looks to its free si
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -20,7 +20,8 @@ from exploration.planning.gaps import gaps
 from exploration.planning.mouths import Mouth, mouths
 from exploration.planning.round_rims import RoundRim
 from exploration.planning.surface_map import SurfaceMap, clusters
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Bools, Floats, frozen
+from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 
@@ -132,6 +133,25 @@ class LocalFrontier:
             own.fit.kind == "plane" and dented(own.cells, self._free_of(own), own.fit.shape.direction)
             for own in self.known
         )
+
+    def placed(self) -> list[Face]:
+        """The faces, flat ones without contacts where the face is not there.
+
+        Contacts of a pad that bridged a slot stand for the plane on both its sides, not for places of their own.
+        """
+        return [self._without_bridges(own) for own in self.known]
+
+    def _without_bridges(self, own: _Known) -> Face:
+        free, points = self._free_of(own), own.face.contacts.points
+        if own.fit.kind != "plane" or not len(free) or not len(own.cells):
+            return own.face
+        away = own.fit.shape.project(free)
+        kept = np.asarray(KDTree(own.cells).query(points)[0] < KDTree(away).query(points)[0])
+        kept |= own.face.contacts.touch == NOT_FELT
+        if kept.all() or not kept.any():
+            return own.face
+        fit = replace(own.fit, inliers=frozen(own.fit.inliers[kept], bool))
+        return replace(own.face, fit=fit, contacts=own.face.contacts.select(kept))
 
     def _further(self, own: _Known) -> tuple[Floats, Floats]:
         """(m, 3) places a little further than touched ones, not touched themselves; and where they came from."""

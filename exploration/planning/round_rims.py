@@ -46,6 +46,12 @@ class RoundRim:
         ways: Floats = np.column_stack([np.cos(turn), np.sin(turn)]) @ frame_along(self.axis)[:, :2].T
         return self.center + self.radius * ways, ways
 
+    def holds(self, point: Floats, beside: float = 3.0) -> bool:
+        """Whether a (3,) point lies on the circle, or beside it."""
+        away = point - self.center
+        up = float(away @ self.axis)
+        return abs(up) < beside and float(np.linalg.norm(away - up * self.axis)) < self.radius + beside
+
     def told(self) -> str:
         """In words, for a person."""
         x, y, z = self.center

@@ -1,0 +1,80 @@
+"""What exploration concludes at its end of surfaces that no array could lie on.
+
+Walls from the strokes that they stopped and from their rims, round holes from the rims at their ends: each a face
+whose contacts nobody felt, and a warning that says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exploration.planning.consistency import drop_poor, flattened
+from exploration.planning.findings import Findings
+from exploration.planning.inferred_walls import inferred_walls
+from exploration.planning.local_frontier import LocalFrontier
+from exploration.planning.rim_walls import SeenRim, rim_walls
+from exploration.planning.round_holes import holes_of
+from exploration.planning.round_rims import RoundRim
+from exploration.planning.study import Wall
+from primitives.evidence import Contacts
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+
+_BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped"
+_BY_RIMS = "a face that no pad could lie on is inferred from its rims on two others"
+_BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
+_BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
+
+
+def conclude(
+    found: Findings,
+    walls: Sequence[Wall],
+    frontier: Callable[[], LocalFrontier],
+    stands: Callable[[Wall], bool],
+) -> None:
+    """Add what is inferred; `stands` says whether a face is known where a stroke was stopped."""
+    found.graph = drop_poor(flattened(found.graph))
+    for lot in inferred_walls([wall for wall in walls if not stands(wall)], found.graph.faces):
+        _add(found, lot, _BY_STOPS)
+    left = [rim for rim in found.wall_rims if not _explained(rim, found.graph.faces)]
+    if lots := rim_walls(left, found.graph.faces):
+        placed = {face.id: face for face in frontier().placed()}
+        _replace(found, lambda face: placed.get(face.id, face))
+    for lot in lots:
+        _add(found, lot, _BY_RIMS)
+    inside = np.concatenate([np.empty((0, 3)), *found.inside])
+    guessed = [rim for rim in frontier().openings() if not _among(rim, found.rims)]
+    holes, found.openings = holes_of([*found.rims, *guessed], inside)
+    for hole in holes:
+        _replace(found, hole.off)
+        _add(found, hole.wall(), _BY_ENDS)
+    found.warnings.extend(rim.told() for rim in found.openings)
+
+
+def _add(found: Findings, lot: Contacts, why: str) -> None:
+    found.graph, _ = found.graph.add_stroke(lot)
+    found.warnings.append(why)
+
+
+def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
+    found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
+
+
+def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
+    """Whether a face is known behind a rim by now."""
+    seen, own = rim
+    for face in faces:
+        if face.id != own and isinstance(face.fit, Fit):
+            at, side = seen.point[None], 1.0 if face.fit.convex else -1.0
+            near = abs(float(face.fit.shape.signed_distance(at)[0])) < _BEHIND
+            if near and side * face.fit.shape.normals(at)[0] @ seen.outward > 0.3:
+                return True
+    return False
+
+
+def _among(rim: RoundRim, others: Sequence[RoundRim]) -> bool:
+    """Whether a rim is one of those that were looked at."""
+    return any(rim.face == o.face and np.linalg.norm(rim.center - o.center) < o.radius for o in others)
