@@ -46,7 +46,7 @@ def conclude(
     for lot in lots:
         _add(found, lot, _BY_RIMS)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
-    guessed = [rim for rim in frontier().openings() if not _among(rim, found.rims)]
+    guessed = [rim for rim in frontier().openings() if not _looked_at(rim, found)]
     holes, found.openings = holes_of([*found.rims, *guessed], inside)
     for hole in holes:
         _replace(found, hole.off)
@@ -75,6 +75,7 @@ def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
     return False
 
 
-def _among(rim: RoundRim, others: Sequence[RoundRim]) -> bool:
-    """Whether a rim is one of those that were looked at."""
-    return any(rim.face == o.face and np.linalg.norm(rim.center - o.center) < o.radius for o in others)
+def _looked_at(rim: RoundRim, found: Findings) -> bool:
+    """Whether a look has measured a rim, or found none there."""
+    measured = [o.center for o in found.rims if o.face == rim.face]
+    return any(np.linalg.norm(rim.center - center) < rim.radius for center in (*measured, *found.refuted))

@@ -49,6 +49,7 @@ class Findings:
     traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
     inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] in what an array went into
     rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
+    refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
     wall_rims: list[tuple[Sighting, int]] = field(
         default_factory=list
     )  # other rims looked at, and of which face

@@ -90,6 +90,7 @@ class RoundHoles:
             if led >= self.config.most or (found is not None and len(frames) >= looks):
                 break
         if found is None:
+            self.study.found.refuted += [rim.center] if frames else []
             return None, "no round rim was made out"
         better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
         self._tried.note(found.center)
