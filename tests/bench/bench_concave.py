@@ -1,0 +1,78 @@
+"""Explore the built-in parts that are not convex, one pose of each, and hold each model against the whole truth.
+
+Nothing that the pad cannot reach is left out of the comparison, which is stricter than what is asked.
+`PALPATE_BENCH_PARTS=flange,bracket` explores some of them, `PALPATE_BENCH_SENSORS=lts210,fingertip` with both
+arrays, `PALPATE_BENCH_SEED` at another pose.
+"""
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models import parts
+from primitives.errors import PalpateError
+from recognition.config import ExploreOptions
+from recognition.explore import run as explore
+
+SEED = int(os.environ.get("PALPATE_BENCH_SEED", "1"))
+SENSORS = tuple(os.environ.get("PALPATE_BENCH_SENSORS", "lts210").split(","))
+_TOUCHES = 150
+_METRICS = (  # metric, unit, asked
+    ("iou", "", 0.97),
+    ("mean surface deviation", "mm", 0.06),
+    ("worst extent off", "mm", 0.2),
+    ("share of face area of the right shape", "", 0.99),
+    ("touches", "", None),
+    ("device time", "s", None),
+)
+
+
+def run() -> list[dict[str, Any]]:
+    """Rows per part, and the medians."""
+    chosen = os.environ.get("PALPATE_BENCH_PARTS", "")
+    names = chosen.split(",") if chosen else [n for n in parts.names() if not parts.describe(n).convex]
+    found = []
+    for k, name in enumerate(names):
+        found.append(_explored(name))
+        told = " ".join(f"{value:.4g}" for value in found[-1])
+        print(f"concave: {k + 1} of {len(names)}, {name}: {told}", file=sys.stderr, flush=True)
+    rows = [_row(name, *each) for name, told in zip(names, found, strict=True) for each in _each(told)]
+    return [*rows, *(_row(f"median of {len(names)}", *each) for each in _each(np.nanmedian(found, axis=0)))]
+
+
+def _explored(name: str) -> list[float]:
+    """What `_METRICS` name of one exploration; nan where no closed body came of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "run"
+        options = ExploreOptions(name, seed=SEED, sensors=SENSORS, noise=0.05, max_touches=_TOUCHES, out=out)
+        try:
+            told: dict[str, Any] = explore(options, lambda _: None)
+        except PalpateError as error:
+            print(f"{name}: {error}", file=sys.stderr, flush=True)
+            return [np.nan] * len(_METRICS)
+    truth = told["truth"]
+    values = (
+        truth["iou"],
+        truth.get("surface_mean_mm"),
+        (truth.get("extent_error_mm") or {}).get("max"),
+        truth.get("face_shape_accuracy"),
+        told["touches"],
+        told["device_seconds"],
+    )
+    return [np.nan if value is None else float(value) for value in values]
+
+
+def _each(values: Any) -> list[tuple[str, float, str, float | None]]:
+    return [
+        (metric, float(value), unit, asked)
+        for (metric, unit, asked), value in zip(_METRICS, values, strict=True)
+    ]
+
+
+def _row(name: str, metric: str, value: float, unit: str, asked: float | None) -> dict[str, Any]:
+    row = {"bench": "concave", "method": name, "metric": metric, "value": value, "unit": unit}
+    return row if asked is None else row | {"asked": asked}
