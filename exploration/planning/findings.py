@@ -50,9 +50,7 @@ class Findings:
     inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] in what an array went into
     rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
     refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
-    wall_rims: list[tuple[Sighting, int]] = field(
-        default_factory=list
-    )  # other rims looked at, and of which face
+    wall_rims: list[tuple[Sighting, int]] = field(default_factory=list)  # others looked at, and their face
     openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""

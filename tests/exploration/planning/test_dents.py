@@ -1,3 +1,5 @@
+"""A slot in a face is a dent; where a face ends, or one taxel is dead, is none."""
+
 import numpy as np
 
 from exploration.planning.dents import dented

@@ -1,3 +1,5 @@
+"""Walls that no array can face, from the rims at which two faces end."""
+
 import numpy as np
 
 from exploration.control.sighting import Sighting

@@ -1,3 +1,5 @@
+"""Round holes from looks at their rims, and which rims are the two ends of one."""
+
 import numpy as np
 
 from exploration.planning.round_holes import holes_of
