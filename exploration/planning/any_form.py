@@ -9,7 +9,7 @@ sideways.  What was tried in vain a few times is given up, and left unknown.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import product
 
@@ -62,7 +62,7 @@ class AnyForm:
         self._open = Attempts(config.tries - 1, 2.5)
         self._entering = Entering(study, self.reach) if later else None
         self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
-        study.config = replace(study.config, convex=False)
+        study.reconsider()
 
     def run(self) -> Iterator[str]:
         """Make moves until nothing is left to try; yields what each one did."""

@@ -89,6 +89,7 @@ class Explorer:
         while self.guard.cost.touches < self.config.max_touches:
             self.found.hollow = self.found.hollow or self._dented()
             if self.found.hollow:
+                self._walls.recall()
                 self._lay()
                 yield from map(self._say, self._any_form())
                 spent = self.guard.cost.touches >= self.config.max_touches

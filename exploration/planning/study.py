@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.control.track_surface import Stroke
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.attribution import AttributionConfig, joined, known_face, take_in
+from exploration.planning.attribution import AttributionConfig, joined, known_face, take_in, without
 from exploration.planning.findings import Findings
 from exploration.planning.pad import Pad
 from primitives.arrays import Floats
@@ -68,6 +68,14 @@ class Study:
         self.found.hollow |= taken.hollow
         self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
         return taken.home
+
+    def reconsider(self) -> None:
+        """Make faces of what was held against a convex object: its steps contradict each other's planes."""
+        self.config = replace(self.config, convex=False)
+        for touch in np.unique(self.loose.touch):
+            held = self.loose.select(self.loose.touch == touch)
+            self.loose = without(self.loose, held)
+            self.take_in(held)
 
     def note_wall(self, stroke: Stroke) -> bool:
         """Whether a stroke was ended by what stands up ahead of it, which is remembered."""

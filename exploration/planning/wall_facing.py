@@ -38,6 +38,7 @@ class Walls:
     def __init__(self, study: Study) -> None:
         self.study, self._reach = study, Reach(study.pad)
         self._looked_at = Attempts(1, 9.0)
+        self._in_vain: list[Wall] = []
 
     def next(self) -> Wall | None:
         """A wall that stopped the pad, and was not looked at yet."""
@@ -53,6 +54,12 @@ class Walls:
         done, note = face_wall(self.study, self._reach, wall)
         if done is None and self._reach.led:
             self.study.walls[:] = [other for other in self.study.walls if other is not wall]
+            self._in_vain.append(wall)
         else:
             found.hollow = True
         return done, note
+
+    def recall(self) -> None:
+        """Count those again that were looked at in vain: on a hollow object, what is round may stand there."""
+        self.study.walls.extend(self._in_vain)
+        self._in_vain.clear()

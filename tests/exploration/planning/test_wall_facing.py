@@ -40,6 +40,14 @@ def test_a_wall_that_is_not_there_is_forgotten_and_the_object_stays_convex(walls
     assert not walls.study.found.hollow
 
 
+def test_one_looked_at_in_vain_is_open_again_once_the_object_is_known_to_be_hollow(walls):
+    met = walls.next()
+    walls.look(met)
+    walls.recall()
+    walls.recall()
+    assert [wall for wall in walls.study.walls if wall.stopped] == [met]
+
+
 def test_one_that_stops_a_stroke_at_the_same_place_again_is_believed(walls):
     walls.look(walls.next())
     walls.study.walls.append(wall(4.0))
