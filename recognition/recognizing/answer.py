@@ -109,5 +109,20 @@ def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
         have = "1 contact has" if evidence.lacking == 1 else f"{evidence.lacking} contacts have"
         said.append(f"{have} no normal; with normals far fewer contacts are enough")
     if belief.confidence < 0.95:
-        said.append(f"not sure: {belief.decision} has {100 * belief.confidence:.0f} %; give more contacts")
+        said.append(f"not sure: {belief.decision} has {_percent(belief.confidence)}; {_advice(belief)}")
     return said
+
+
+def _advice(belief: Belief) -> str:
+    """What to do; twins that share what speaks for the library would else pass for an unknown object."""
+    known = 1.0 - belief.probabilities.get(UNKNOWN, 0.0)
+    if belief.decision != UNKNOWN or known <= belief.confidence:
+        return "give more contacts"
+    names = [name for name in belief.probabilities if name != UNKNOWN]
+    first, second = sorted(names, key=lambda name: -belief.probabilities[name])[:2]
+    return (f"objects of the library have {_percent(known)} together, {first} and {second} the most; "
+            "give contacts where these differ")  # fmt: skip
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"

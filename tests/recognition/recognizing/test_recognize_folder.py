@@ -8,10 +8,11 @@ from models import parts
 from models.formats.openscad.writer import write
 from models.library import Library
 from primitives.errors import PalpateError
+from primitives.evidence import Contacts
 from primitives.pose import pose
 from recognition import cli
-from recognition.matching import Belief, Hypothesis
-from recognition.recognizing.answer import objects, why
+from recognition.matching import Belief, Evidence, Hypothesis
+from recognition.recognizing.answer import objects, warnings_of, why
 from recognition.recognizing.run import Asked, locate, recognize
 from recognition.recognizing.text import summary_text
 
@@ -37,6 +38,14 @@ def test_none_of_these_is_the_first_candidate_where_it_is_decided_for(tmp_path):
     said = {"decision": "unknown", "confidence": 0.7, "contacts": 9, "wall_seconds": 0.1, "warnings": []}
     told = told[:1]
     assert "unknown" in summary_text({**said, "candidates": told, "why": why(belief)}).splitlines()[-1]
+
+
+def test_twins_that_share_more_than_an_unknown_object_has_are_named(tmp_path):
+    evidence = Evidence(Contacts.of([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], 0.1))
+    shared = {"unknown": 0.44, "bracket": 0.26, "bored": 0.3}
+    assert "56 % together, bored and bracket" in warnings_of(Belief((), shared), evidence)[0]
+    alone = {"unknown": 0.54, "bracket": 0.26, "bored": 0.2}
+    assert "together" not in warnings_of(Belief((), alone), evidence)[0]
 
 
 @pytest.mark.parametrize(
