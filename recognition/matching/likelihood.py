@@ -1,23 +1,23 @@
 """How probable contacts are on an object at a pose, and on an object that is in no library.
 
-A contact lies somewhere along a surface with the density a of `places`, seen with noise; or it is off, half of
-these by some millimeters and half anywhere within the object's size s of it::
+A contact lies somewhere along a surface with the density a of `places`, seen with noise; or it is off: anywhere
+within the object's size s of it, or by some millimeters, or near it and turned some other way::
 
-    p(z | on)  = a N(d; sigma) ((1 - t - c) N2(angle; tau) + c N2(angle; CREASE / 2) + t / (4 pi))
-    p(z | off) = a (1/2 / s / (4 pi) + 1/2 exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi)))
+    p(z | on)  = a N(d; sigma) ((1 - c) N2(angle; tau) + c N2(angle; CREASE / 2))
+    p(z | off) = a (l / s / (4 pi) + l exp(-|d| / b) / 2b  (1/2 N2 + 1/2 / (4 pi)) + e N(d; sigma) / (4 pi))
 
-with N2 over the sphere of normals, left out where none was felt, t the share of pads that lay on an edge, with
-any normal, and c that of contacts on coarse facets, whose normal is not the one between the corners (Thrun,
-Burgard and Fox 2005, section 6.3, has the mixture).  Nobody knows the share f that is off, so it is integrated
-out, under one prior for the object itself and another for one in no library that is like it::
+with N2 over the sphere of normals, left out where none was felt, c the share of contacts on coarse facets, whose
+normal is not the one between the corners, e that of pads that lay on an edge or on a surface that crosses this,
+and 2 l + e = 1 (Thrun, Burgard and Fox 2005, section 6.3, has the mixture).  Nobody knows the share f that is off,
+so it is integrated out, under one prior for the object itself and another for one in no library that is like it::
 
     p(Z | object, pose) = integral over f of p(f) product over contacts of (1 - f) p(z | on) + f w p(z | off)
 
-Few sensors stray: of the object itself p(f) falls as 1 / f^2 between `rarest` and `commonest`, but of all set-ups
-a share `astray` strays in anything up to `often` of its contacts.  What strays was met on the way to the object,
-on a cable or on another body, or in the air: w is `through` where it would lie behind the object's surface, where
-no finger comes.  Of an object in no library f is anything from 0 to 1, on either side: it costs an object of the
-library that fits about a factor of the number of contacts (our derivation).
+Few sensors stray at all and some do in a few of a hundred contacts: of the object itself p(f) falls as f^(-3/2)
+between `rarest` and `commonest`.  What strays was met on the way to the object, on a cable or on another body, or
+in the air: w is `through` where it would lie behind the object's surface, where no finger comes.  Of an object in
+no library f is anything from 0 to 1, on either side: it costs an object of the library that fits about a factor of
+the number of contacts (our derivation).
 
 Where nobody told how far contacts scatter, Laplace's density exp(-d / b) / 2b takes the normal one's place: its
 tails forgive, and its likeliest pose is that of the least mean distance.
@@ -36,7 +36,7 @@ from recognition.matching.facets import CREASE
 
 _NODES = 12  # of the integral over the share that is off, of an unknown object
 _BENT = CREASE / 2.0  # [rad] of a facet's normal to that between its corners
-_OFTEN = 8  # nodes of the share that is off where much strays
+_FALLING = 1.5  # power of the share that is off, with which its density falls, of a known object
 _A_DECADE = 5  # nodes a decade of the same integral, of a known one
 
 
@@ -44,13 +44,11 @@ _A_DECADE = 5  # nodes a decade of the same integral, of a known one
 class NoiseConfig:
     """The parts of the mixtures."""
 
-    rarest: float = 1e-4  # share of contacts that are off an object, at least,
-    commonest: float = 0.1  # and at most, with most set-ups;
-    astray: float = 0.03  # share of set-ups with others, and
-    often: float = 0.125  # share of contacts that are off with these, at most
+    rarest: float = 2e-4  # share of contacts that are off an object, at least,
+    commonest: float = 0.1  # and at most
     through: float = 0.05  # how likely one that is off lies behind the surface, beside one in front
-    tilted: float = 0.003  # share of contacts on the surface with any normal
-    faceted: float = 0.02  # the same with a normal that a coarse facet bends
+    crossing: float = 0.1  # share of those that are off, that lie near the surface with any normal
+    faceted: float = 0.02  # share of contacts on the surface with a normal that a coarse facet bends
     broad: float = 0.06  # times the object's size [mm]: how far an unknown object's surface is off
     loosest: float = 8.0  # up to which factor noise that nobody told may be more or less
 
@@ -72,12 +70,13 @@ def log_likelihoods(distances: Floats, angles: Floats, felt: Bools, sigma: Float
     else:
         near = -0.5 * np.minimum(d2, 700) - np.log(np.sqrt(2 * np.pi) * sigma)
     bent = np.where(felt, np.exp(-0.5 * np.minimum((angles / _BENT) ** 2, 700)) / (2 * np.pi * _BENT**2), 1.0)
-    t, c = config.tilted, config.faceted
-    facing = (1 - t - c) * turned + c * bent + t * everywhere
+    facing = (1 - config.faceted) * turned + config.faceted * bent
     b = config.broad * size
     away = np.where(np.isfinite(distances), distances, 4.0 * b)
     loose = np.exp(-away / b) / (2 * b) * (0.5 * turned + 0.5 * everywhere)
-    return near + np.log(facing), np.log(0.5 * loose + 0.5 * everywhere / size)
+    e = config.crossing
+    off = 0.5 * (1 - e) * (loose + everywhere / size) + e * np.exp(near) * everywhere
+    return near + np.log(facing), np.log(off)
 
 
 def log_strays(off: Floats, behind: Bools, config: NoiseConfig) -> Floats:
@@ -113,13 +112,11 @@ def log_astray(times: float, contacts: float, bound: float) -> float:
 
 @cache
 def _rare(config: NoiseConfig) -> tuple[Floats, Floats]:
-    """Nodes of f, and the logarithms of their weights."""
+    """Nodes of f, even in its logarithm, and the logarithms of their weights."""
     many = 1 + max(1, round(_A_DECADE * np.log10(config.commonest / config.rarest)))
-    rare = np.geomspace(config.rarest, config.commonest, many)
-    nodes, weights = np.polynomial.legendre.leggauss(_OFTEN)
-    f = np.concatenate([rare, 0.5 * config.often * (nodes + 1.0)])
-    share = (1.0 - config.astray) / rare / (1.0 / rare).sum()
-    return frozen(f), frozen(np.log(np.concatenate([share, 0.5 * config.astray * weights])))
+    f = np.geomspace(config.rarest, config.commonest, many)
+    log_weights = (1.0 - _FALLING) * np.log(f)
+    return frozen(f), frozen(log_weights - logsumexp(log_weights))
 
 
 def _integrated(on: Floats, off: Floats, shares: Floats, f: Floats, log_weights: Floats) -> Floats:
