@@ -1,5 +1,7 @@
 """Evidence -> model: the faces that were felt become a boundary and a CSG tree, each part of it with its status.
 
+Where nothing that was felt closes the body, it is cut off at the last contacts, and that is told.
+
 A face is measured when contacts lie on it.  An edge is measured when a trace ran along it, or when both its faces
 are measured and were touched beside it: most of its points have a contact of each face within reach.  What is not
 measured is inferred from the surfaces that meet there.
@@ -19,10 +21,11 @@ from models.rays.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
 from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
-from primitives.fit import Fit
+from primitives.fit import Fit, fit
 from primitives.patch_graph import PatchGraph
 from primitives.shapes import parameters
 from recognition.assembly import Assembly, NotClosed, assemble
+from recognition.assembly.cut_off import cut_off
 from recognition.assembly.described import (
     LinkedBoundary,
     describe_edges,
@@ -48,7 +51,7 @@ class ReconstructOptions:
 
 @dataclass(frozen=True)
 class Reconstruction:
-    """A closed body, or why there is none; and what was felt either way."""
+    """A body, or why there is none; and what was felt either way."""
 
     assembly: Assembly | NotClosed
     boundary: LinkedBoundary | None
@@ -58,6 +61,7 @@ class Reconstruction:
     contacts: Contacts
     face_of_contact: Ints  # (n,) id of a face of the summary; -1 where it lies on none
     warnings: tuple[str, ...]
+    closed: bool = False  # whether faces close the body; else there is none, or it is cut off somewhere
 
     def brep_json(self) -> dict[str, Any]:
         """`brep.json`: the summary's faces and edges with loops, curves and vertices."""
@@ -93,6 +97,11 @@ def reconstruct(
         [len(table) for table in (*(face.contacts for face in felt), *loose)],
     ).astype(np.int64)
     assembly = _assembled(felt, box, free)
+    ends: list[_FeltFace] = []
+    if (past := _past(assembly, contacts)) > options.past and (ends := _ends(felt)):
+        whole = _assembled([*felt, *ends], box, free)
+        better = _past(whole, contacts) < past
+        assembly, ends = (whole, ends) if better else (assembly, [])
     if isinstance(assembly, NotClosed):
         rows = [_open_face(number, face.fit) for number, face in enumerate(felt)]
         reason = (f"no closed body: {assembly.reason}",)
@@ -108,9 +117,10 @@ def reconstruct(
     for row, edge in zip(edges, boundary.brep.edges, strict=True):
         if _touched_beside(edge, touched, options):
             row["status"] = "measured"
+    cut = _cut(assembly, ends)
     return Reconstruction(
         assembly, boundary, faces, edges, describe_primitives(assembly), contacts, face_of_contact,
-        (*assembly.warnings, *_untouched(assembly, faces, contacts, options)),
+        (*assembly.warnings, *cut, *_untouched(assembly, faces, contacts, options)), not cut,
     )  # fmt: skip
 
 
@@ -123,13 +133,36 @@ def _untouched(assembly: Assembly, faces: Rows, contacts: Contacts, options: Rec
     if share > options.inferred:
         which = ", ".join(str(face["id"]) for face in inferred)
         out.append(f"{share:.0%} of the surface is inferred, not touched: face {which}")
-    felt = contacts.points[contacts.touch != NOT_FELT]
-    if len(felt):
-        bounds = assembly.solid.bounds
-        past = float(max((felt.min(axis=0) - bounds[0]).max(), (bounds[1] - felt.max(axis=0)).max()))
-        if past > options.past:
+    past = _past(assembly, contacts)
+    if past > options.past:
+        out.append(f"the body reaches {past:.0f} mm past all that was touched, where nothing says it ends")
+    return out
+
+
+def _past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
+    """[mm] that the body reaches past all contacts; without end where none is closed."""
+    if isinstance(assembly, NotClosed):
+        return np.inf
+    felt, bounds = contacts.points[contacts.touch != NOT_FELT], assembly.solid.bounds
+    if not len(felt):
+        return 0.0
+    return float(max((felt.min(axis=0) - bounds[0]).max(), (bounds[1] - felt.max(axis=0)).max()))
+
+
+def _ends(felt: Sequence[_FeltFace]) -> list[_FeltFace]:
+    """Planes that end the body where contact ended."""
+    fitted = ((fit("plane", lot), lot) for lot in cut_off(felt))
+    return [_FeltFace(found, lot) for found, lot in fitted if isinstance(found, Fit)]
+
+
+def _cut(assembly: Assembly, ends: Sequence[_FeltFace]) -> list[str]:
+    """Where the body is cut off; `ends` are the last of its fits."""
+    first, out = len(assembly.fits) - len(ends), list[str]()
+    for number, end in enumerate(ends, start=first):
+        if assembly.surface_of_fit[number] is not None:
+            way = ", ".join(f"{v:.2f}" for v in end.contacts.normals[0])
             out.append(
-                f"the body reaches {past:.0f} mm past all that was touched, where nothing says it ends"
+                f"nothing that was felt ends the body along ({way}): it is cut off where contact ended"
             )
     return out
 
@@ -164,8 +197,8 @@ def _open_face(number: int, fit: Fit) -> dict[str, Any]:
 def _faces_of(assembly: Assembly, boundary: LinkedBoundary, contacts: Contacts, fit_of_contact: Ints) -> Ints:
     """(n,) the face of each contact: of those on its surface, the nearest."""
     owner = np.full(len(contacts), NO_FACE, dtype=np.int64)
-    for fit, speaker in enumerate(assembly.surface_of_fit):
-        rows = np.flatnonzero(fit_of_contact == fit)
+    for number, speaker in enumerate(assembly.surface_of_fit):
+        rows = np.flatnonzero(fit_of_contact == number)
         faces = [k for k, made in enumerate(boundary.fit_of_face) if speaker is not None and made == speaker]
         if len(faces) == 1 or not len(rows):
             owner[rows] = faces[0] if faces else NO_FACE

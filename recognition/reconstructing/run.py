@@ -94,7 +94,7 @@ def _summary(
 ) -> dict[str, Any]:
     assembly = None if isinstance(made.assembly, NotClosed) else made.assembly
     felt = source.felt
-    ended = "no closed body" if assembly is None else "closed"
+    ended = "closed" if made.closed else "no closed body"
     if source.explored is not None and ended == "closed":
         ended = source.explored.ended
     return {

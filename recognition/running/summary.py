@@ -38,7 +38,7 @@ def summarize(
 ) -> dict[str, Any]:
     """Everything that one exploration found; only `wall_seconds` differs from run to run of a seed."""
     assembly = None if isinstance(made.assembly, NotClosed) else made.assembly
-    closed = ended == CLOSED and assembly is not None
+    closed = ended == CLOSED and made.closed
     files = {"report": "report.html"}
     if assembly is not None:
         files = {"model": "model.csg", "mesh": "model.stl", **files}

@@ -3,10 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from models.boundary import labeled_boundary
 from models.csg import Cube, Cylinder
-from models.solid import Solid
+from models.solid import Solid, iou
 from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
 from primitives.patch_graph import PatchGraph
 from recognition.reconstruct import reconstruct
@@ -66,13 +67,34 @@ def test_of_two_faces_on_one_cylinder_only_the_touched_one_is_measured():
 
 
 def test_an_open_boundary_has_faces_without_extent_and_a_reason():
-    graph, _ = graph_of(Cube((20, 16, 12)), skip=(0,))
+    graph, _ = graph_of(Cube((20, 16, 12)), skip=range(1, 6))
     made = reconstruct(graph, [], BOX)
     assert not made.assembly
-    assert len(made.faces) == 5
-    assert {face["extent_mm"] for face in made.faces} == {None}
+    assert not made.closed
+    assert [face["extent_mm"] for face in made.faces] == [None]
     assert made.warnings[0].startswith("no closed body: ")
-    assert set(np.unique(made.face_of_contact)) == set(range(5))
+    assert set(np.unique(made.face_of_contact)) == {0}
+
+
+@pytest.mark.parametrize("missing", [(0,), (0, 3), (2, 4, 5)])
+def test_a_body_is_cut_off_where_contact_ended_and_nothing_closes_it(missing):
+    cube = Cube((40, 32, 24))
+    graph, _ = graph_of(cube, skip=missing, per_face=200)
+    made = reconstruct(graph, [], BOX)
+    assert made.assembly
+    assert not made.closed
+    assert iou(made.assembly.solid, Solid.from_csg(cube, 0.01)) > 0.9
+    assert sorted(face["status"] for face in made.faces).count("inferred") == len(missing)
+    assert sum("cut off where contact ended" in warning for warning in made.warnings) == len(missing)
+
+
+def test_a_round_body_is_cut_off_along_its_axis_alone():
+    rod = Cylinder(10, 60)
+    _, brep = graph_of(rod)
+    graph, _ = graph_of(rod, skip=[face.id for face in brep.faces if face.kind == "plane"], per_face=200)
+    made = reconstruct(graph, [], BOX)
+    assert [row["kind"] for row in made.primitives] == ["cylinder"]
+    assert len(made.faces) == 3
 
 
 def test_what_nobody_touched_of_a_body_is_told():
