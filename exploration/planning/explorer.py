@@ -16,6 +16,7 @@ from functools import partial
 import numpy as np
 
 from exploration.control.procedures.approach import ApproachConfig, retreat
+from exploration.control.procedures.settle import SettleConfig
 from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.planning.any_form import LATER, AnyForm
 from exploration.planning.consistency import flattened
@@ -40,6 +41,7 @@ from primitives.fit import Fit
 
 __all__ = ["Explorer", "ExplorerConfig", "Findings"]
 
+_GOLDEN = 0.6180339887498949  # of what was touched, from one look to the next: spreads them evenly
 _UNDER = 1.0  # [mm] that the workspace reaches under a table's top
 
 
@@ -63,6 +65,7 @@ class Explorer:
         self.found = Findings()
         self.pad = Pad(guard, box, announce, told=told, tools=tools)
         self._felt = SurfaceMap()
+        self._looked = 0  # times that the object was looked for again
         self._hidden = 0  # predicted places that what was told hides
         self._tried = Attempts(config.tries)
         self._study = Study(self.pad, self.found, config.attribution)
@@ -217,16 +220,23 @@ class Explorer:
         return False
 
     def _look_again(self) -> Done:
-        """Come down again beside a first contact that told nothing, each time from another side."""
-        turn = se3.turn_about(
-            self.pad.here.point,
-            self.guard.world_from_sensor[:3, self.guard.cost.touches % 2],
-            0.35 * (-1.0) ** (self.guard.cost.touches // 2),
-        )
+        """Come down again where something was touched, each time elsewhere and from another side."""
+        cells = np.concatenate([np.empty((0, 3)), *(points for points, _ in self.pad.felt)])
+        facing = np.concatenate([np.empty((0, 3)), *(normals for _, normals in self.pad.felt)])
+        tried = self._looked
+        self._looked += 1
+        point, normal = self.pad.here.point, self.pad.here.normal
+        if len(cells):
+            one = int(len(cells) * (tried * _GOLDEN % 1.0))
+            point, normal = cells[one], facing[one]
+        here = self.guard.world_from_sensor
+        level = se3.pose(self.pad.attitude(normal, here[:3, 0]), point)
+        turn = se3.turn_about(point, level[:3, tried % 2], 0.35 * (-1.0) ** (tried // 2))
         retreat(self.guard, 15.0)
-        target = turn @ self.guard.world_from_sensor
-        self.guard.go_to(target)
-        if not self.pad.come_down(target[:3, 2], 40.0):
-            self.guard.go_to(target)
+        back = turn @ level @ se3.pose(translation=[0.0, 0.0, -15.0])
+        self.guard.go_to(back)
+        settling = SettleConfig(shifts=0) if tried % 3 else None  # what is narrow is not rolled off
+        if not self.pad.touch(turn @ level, 15.0, 25.0, settling):
+            self.guard.go_to(back)
             return None, "looked for the object again in vain"
-        return self._study.face_here(), "came down beside the first contact"
+        return self._study.face_here(), "came down where something was touched"
