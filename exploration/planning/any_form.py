@@ -30,6 +30,7 @@ from exploration.planning.wall_facing import face_wall
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.fit import Fit
+from primitives.patch_graph import PatchGraph
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,7 @@ class AnyForm:
         self._open = Attempts(config.tries - 1, 2.5)
         self._entering = Entering(study, self.reach) if later else None
         self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
+        self._last: tuple[tuple[int, ...], PatchGraph, LocalFrontier] | None = None
         study.reconsider()
 
     def run(self) -> Iterator[str]:
@@ -84,12 +86,16 @@ class AnyForm:
         conclude(self.found, self.study.walls, self._frontier, self._stands)
 
     def _frontier(self) -> LocalFrontier:
-        free = self.pad.free.points
-        return LocalFrontier(self.found.graph.faces, self.reach.felt, free, self.config.feature)
+        """Of this moment: the last one, where nothing was felt since."""
+        graph, felt, free = self.found.graph, self.reach.felt, self.pad.free.points
+        known = (id(graph), len(felt.points), len(free))
+        if self._last is None or self._last[0] != known:
+            self._last = known, graph, LocalFrontier(graph.faces, felt, free, self.config.feature)
+        return self._last[-1]
 
     def _next(self, face: int | None) -> Callable[[], Done] | None:
         frontier = self._frontier()
-        opened, rims = frontier.open(), frontier.rims()
+        opened, rims = frontier.open, frontier.rims
         walls = [wall for wall in self.study.walls if not self._stands(wall)]
         self.found.open = len(opened.points) + len(rims) + len(walls)
         here = self.pad.guard.world_from_sensor[:3, 3]
@@ -113,7 +119,7 @@ class AnyForm:
             nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
             return lambda: self._come_down(left, nearest)
         if not todo and not self._entering:
-            openings = frontier.openings()
+            openings = frontier.openings
             straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in openings)]
             return self._holes.next(openings) or self._rim_walls.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None

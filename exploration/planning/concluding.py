@@ -46,7 +46,7 @@ def conclude(
     for lot in lots:
         _add(found, lot, _BY_RIMS)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
-    guessed = [rim for rim in frontier().openings() if not _looked_at(rim, found)]
+    guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
     holes, found.openings = holes_of([*found.rims, *guessed], inside)
     for hole in holes:
         _replace(found, hole.off)

@@ -32,6 +32,7 @@ class FeltFree:
     def __init__(self, config: FeltFreeConfig | None = None) -> None:
         self.config = config or FeltFreeConfig()
         self._cells: dict[tuple[int, int, int], Floats] = {}
+        self._points = np.empty((0, 3))
 
     def add(self, points: Floats) -> None:
         """Remember (n, 3) free places [mm]."""
@@ -42,19 +43,21 @@ class FeltFree:
     @property
     def points(self) -> Floats:
         """(n, 3) all of them [mm]."""
-        return np.array(list(self._cells.values())).reshape(-1, 3)
+        if len(self._points) < len(self._cells):
+            self._points = np.array(list(self._cells.values())).reshape(-1, 3)
+        return self._points
 
     def contradictions(self, body: HalfSpaces) -> Floats:
         """(n, 3) free places inside a predicted body."""
         if not self._cells:
             return np.empty((0, 3))
-        points = np.array(list(self._cells.values()))
-        inside = points[body.signed_distance(points) < -self.config.inside]
+        places = self.points
+        inside: Floats = places[body.signed_distance(places) < -self.config.inside]
         if len(inside) < self.config.least:
             return np.empty((0, 3))
         tree = KDTree(inside)
-        crowd = [len(near) for near in tree.query_ball_point(inside, self.config.beside)]
-        return np.asarray(inside[np.array(crowd) >= self.config.least])
+        crowd = tree.query_ball_point(inside, self.config.beside, return_length=True)
+        return np.asarray(inside[np.asarray(crowd) >= self.config.least])
 
     def opened(self, predicted: Floats, body: HalfSpaces) -> Bools:
         """(n,) whether (n, 3) predicted points lie beside a contradiction."""

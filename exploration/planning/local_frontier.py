@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -18,6 +19,7 @@ from exploration.planning.dents import dented
 from exploration.planning.frontier import Predicted
 from exploration.planning.gaps import gaps
 from exploration.planning.mouths import Mouth, mouths
+from exploration.planning.rim_sightings import by_heading, rim_sighting
 from exploration.planning.round_rims import RoundRim
 from exploration.planning.surface_map import SurfaceMap, clusters
 from primitives.arrays import Bools, Floats, frozen
@@ -51,10 +53,25 @@ class _Known:
     fit: Fit
     side: float  # of the shape's normals, outward
     cells: Floats  # (n, 3) touched places on it
+    free: Floats  # (n, 3) free places that say where it is not
+
+    @cached_property
+    def near(self) -> KDTree:
+        """Of its cells."""
+        return KDTree(self.cells)
+
+    @cached_property
+    def near_free(self) -> KDTree:
+        """Of its free places."""
+        return KDTree(self.free)
+
+    def touched(self, at: Floats, within: float) -> Bools:
+        """(n,) whether it was touched nearer than `within` [mm] to (n, 3) places."""
+        return np.asarray(self.near.query(at, distance_upper_bound=within)[0] < within)
 
 
 class LocalFrontier:
-    """The open things of one moment."""
+    """The open things of one moment; each is found once."""
 
     def __init__(
         self,
@@ -71,8 +88,10 @@ class LocalFrontier:
             if isinstance(face.fit, Fit):
                 side = 1.0 if face.fit.convex else -1.0
                 on = felt.on(face.fit.shape, side)
-                self.known.append(_Known(face, face.fit, side, felt.points[on]))
+                cells, away = felt.points[on], self._free_of(face.fit, side)
+                self.known.append(_Known(face, face.fit, side, cells, away))
 
+    @cached_property
     def open(self) -> Predicted:
         """Places where a face may go on and nothing was felt."""
         points, normals, ids = [np.empty((0, 3))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
@@ -87,6 +106,7 @@ class LocalFrontier:
             ids.append(np.full(len(at), own.face.id))
         return Predicted(np.concatenate(points), np.concatenate(normals), np.concatenate(ids))
 
+    @cached_property
     def rims(self) -> list[tuple[Sighting, int]]:
         """Rims that no known face explains, each as an edge seen from its face; the longest first."""
         found: list[tuple[int, Sighting, int]] = []
@@ -97,10 +117,16 @@ class LocalFrontier:
             for members in clusters(at, self.config.cluster):
                 if members.sum() < self.config.least_rim:
                     continue
-                for part in _by_heading(out[members]):
+                for part in by_heading(out[members]):
                     rows = np.flatnonzero(members)[part]
                     if len(rows) >= self.config.least_rim:
-                        found.append((len(rows), _sighting(own, at[rows], out[rows]), own.face.id))
+                        found.append(
+                            (
+                                len(rows),
+                                rim_sighting(own.fit.shape, own.side, at[rows], out[rows]),
+                                own.face.id,
+                            )
+                        )
         return [(edge, face) for _, edge, face in sorted(found, key=lambda item: -item[0])]
 
     def mouths(self) -> list[Mouth]:
@@ -114,6 +140,7 @@ class LocalFrontier:
                 found += mouths(own.cells, at[left], out[left], normal)
         return found
 
+    @cached_property
     def openings(self) -> list[RoundRim]:
         """Round gaps in flat faces, behind whose rim no face is known."""
         found: list[RoundRim] = []
@@ -121,7 +148,7 @@ class LocalFrontier:
             if own.fit.kind != "plane":
                 continue
             axis = own.side * own.fit.shape.direction
-            for rim in gaps(own.cells, self._free_of(own), axis, own.face.id):
+            for rim in gaps(own.cells, own.free, axis, own.face.id):
                 at, ways = rim.places()
                 if self._explained(own, at, -ways).mean() < self.config.known:
                     found.append(rim)
@@ -130,7 +157,7 @@ class LocalFrontier:
     def dented(self) -> bool:
         """Whether a flat face is not there among places where it is: no convex object has such."""
         return any(
-            own.fit.kind == "plane" and dented(own.cells, self._free_of(own), own.fit.shape.direction)
+            own.fit.kind == "plane" and dented(own.cells, own.free, own.fit.shape.direction)
             for own in self.known
         )
 
@@ -142,11 +169,11 @@ class LocalFrontier:
         return [self._without_bridges(own) for own in self.known]
 
     def _without_bridges(self, own: _Known) -> Face:
-        free, points = self._free_of(own), own.face.contacts.points
+        free, points = own.free, own.face.contacts.points
         if own.fit.kind != "plane" or not len(free) or not len(own.cells):
             return own.face
         away = own.fit.shape.project(free)
-        kept = np.asarray(KDTree(own.cells).query(points)[0] < KDTree(away).query(points)[0])
+        kept = np.asarray(own.near.query(points)[0] < KDTree(away).query(points)[0])
         kept |= own.face.contacts.touch == NOT_FELT
         if kept.all() or not kept.any():
             return own.face
@@ -162,16 +189,15 @@ class LocalFrontier:
         steps = [self.reach * (np.cos(a) * u + np.sin(a) * v) for a in _AROUND]
         at = own.fit.shape.project(np.concatenate([own.cells + step for step in steps]))
         came = np.tile(own.cells, (len(steps), 1))
-        fresh = KDTree(own.cells).query(at)[0] > 0.75 * self.reach
+        fresh = ~own.touched(at, 0.75 * self.reach)
         return at[fresh], came[fresh]
 
     def _past_rim(self, own: _Known, at: Floats, came: Floats) -> Bools:
-        free = self._free_of(own)
-        out = np.zeros(len(at), dtype=bool)
-        if len(free) and len(at):
-            tree = KDTree(free)
+        out, beside = np.zeros(len(at), dtype=bool), self.config.beside
+        if len(own.free) and len(at):
             for share in (0.6, 0.8, 1.0):
-                out |= tree.query(came + share * (at - came))[0] < self.config.beside
+                between = came + share * (at - came)
+                out |= own.near_free.query(between, distance_upper_bound=beside)[0] < beside
         return out
 
     def _behind_wall(self, own: _Known, at: Floats, came: Floats) -> Bools:
@@ -182,27 +208,25 @@ class LocalFrontier:
                 continue
             before = other.side * other.fit.shape.signed_distance(came)
             after = other.side * other.fit.shape.signed_distance(at)
-            near = KDTree(other.cells).query(at)[0] < self.config.felt
-            out |= near & (before > -1.0) & (after < 1.2) & (after < before - 0.3)
+            rows = np.flatnonzero(~out & (before > -1.0) & (after < 1.2) & (after < before - 0.3))
+            out[rows] = other.touched(at[rows], self.config.felt)
         return out
 
-    def _free_of(self, own: _Known) -> Floats:
-        """(n, 3) free places that say where the face is not."""
-        if not len(self.free):
-            return self.free
+    def _free_of(self, fit: Fit, side: float) -> Floats:
+        """(n, 3) free places that say where a face is not."""
         low, high = self.config.depth
-        above = own.side * own.fit.shape.signed_distance(self.free)
+        above = side * fit.shape.signed_distance(self.free)
         return self.free[(above > low) & (above < high)]
 
     def _rim(self, own: _Known) -> tuple[Floats, Floats]:
         """(n, 3) touched cells beside free ones, and the ways out of the face there."""
-        free = self._free_of(own)
+        free = own.free
         if not len(free) or not len(own.cells):
             return np.empty((0, 3)), np.empty((0, 3))
-        distance, found = KDTree(free).query(own.cells)
-        nearest = np.asarray(found)
-        at = own.cells[distance < self.config.rim]
-        out = free[nearest[distance < self.config.rim]] - at
+        distance, found = own.near_free.query(own.cells, distance_upper_bound=self.config.rim)
+        beside = np.asarray(distance < self.config.rim)
+        at = own.cells[beside]
+        out = free[np.asarray(found)[beside]] - at
         normals = own.fit.shape.normals(at)
         out = out - (out * normals).sum(axis=1, keepdims=True) * normals
         length = np.linalg.norm(out, axis=1)
@@ -216,29 +240,9 @@ class LocalFrontier:
                 continue
             near = np.abs(other.fit.shape.signed_distance(at)) < self.config.explained
             looks = (other.side * other.fit.shape.normals(at) * out).sum(axis=1) > 0.1
-            told |= near & looks & (KDTree(other.cells).query(at)[0] < self.config.felt)
+            rows = np.flatnonzero(~told & near & looks)
+            told[rows] = other.touched(at[rows], self.config.felt)
         return told
-
-
-def _sighting(own: _Known, at: Floats, out: Floats) -> Sighting:
-    outward = out.mean(axis=0)
-    point: Floats = at[int(np.argmin(np.linalg.norm(at - at.mean(axis=0), axis=1)))]
-    normal = own.side * own.fit.shape.normals(point[None])[0]
-    outward = outward - (outward @ normal) * normal
-    outward = outward / np.linalg.norm(outward)
-    tangent = np.cross(normal, outward)
-    return Sighting(point + outward, tangent, outward, normal, 1.0, float(np.ptp(at @ tangent)))
-
-
-def _by_heading(out: Floats) -> list[Bools]:
-    """Masks of the ways out that look alike: a rim that turns is several."""
-    left, parts = np.ones(len(out), dtype=bool), []
-    while left.any():
-        first = out[np.flatnonzero(left)[0]]
-        part = left & (out @ first > 0.7)
-        parts.append(part)
-        left &= ~part
-    return parts
 
 
 def _thinned(points: Floats, spacing: float) -> Floats:

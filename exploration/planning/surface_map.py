@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from primitives.arrays import Bools, Floats
@@ -70,15 +72,7 @@ class SurfaceMap:
 
 def clusters(points: Floats, within: float) -> list[Bools]:
     """Masks of (n, d) points that hang together, neighbors being `within` of each other."""
-    left, out = np.ones(len(points), dtype=bool), []
-    while left.any():
-        member = np.zeros(len(points), dtype=bool)
-        member[np.flatnonzero(left)[0]] = True
-        while True:
-            grown = left & (KDTree(points[member]).query(points)[0] < within)
-            if grown.sum() == member.sum():
-                break
-            member = grown
-        out.append(member)
-        left &= ~member
-    return out
+    pairs = KDTree(points).query_pairs(within, output_type="ndarray")
+    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(points), len(points)))
+    count, label = connected_components(graph, directed=False)
+    return [label == k for k in range(count)]

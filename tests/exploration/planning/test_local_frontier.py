@@ -41,7 +41,7 @@ def test_a_face_goes_on_where_nothing_was_felt_and_not_past_a_rim():
     beyond = grid((31.0, 40.0), (-10.0, 40.0), 1.0)
     free = np.column_stack([beyond, np.full(len(beyond), -0.5)])
     frontier = LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0)
-    opened = frontier.open().points
+    opened = frontier.open.points
     assert (opened[:, 0] < -1.0).any()
     assert (opened[:, 0] < 30.0).all()
 
@@ -51,13 +51,13 @@ def test_a_rim_is_open_until_the_face_behind_it_is_known():
     beyond = grid((31.0, 40.0), (-10.0, 40.0), 1.0)
     free = np.column_stack([beyond, np.full(len(beyond), -0.5)])
     top = plane_face(0, points, UP)
-    (rim, face), *_ = LocalFrontier([top], mapped((points, UP)), free, 10.0).rims()
+    (rim, face), *_ = LocalFrontier([top], mapped((points, UP)), free, 10.0).rims
     assert face == 0
     assert rim.outward @ [1.0, 0.0, 0.0] > 0.9
     side = np.column_stack([np.full(150, 30.0), *(grid((0.0, 30.0), (-20.0, 0.0)).T)])
     out = np.array([1.0, 0.0, 0.0])
     behind = plane_face(1, side, out)
-    assert not LocalFrontier([top, behind], mapped((points, UP), (side, out)), free, 10.0).rims()
+    assert not LocalFrontier([top, behind], mapped((points, UP), (side, out)), free, 10.0).rims
 
 
 def test_a_face_ends_at_a_touched_wall():
@@ -66,7 +66,7 @@ def test_a_face_ends_at_a_touched_wall():
     faces = [plane_face(0, points, UP), plane_face(1, wall, [-1.0, 0.0, 0.0])]
     none = np.empty((0, 3))
     felt = mapped((points, UP), (wall, np.array([-1.0, 0.0, 0.0])))
-    opened = LocalFrontier(faces, felt, none, 10.0).open()
+    opened = LocalFrontier(faces, felt, none, 10.0).open
     assert (opened.points[opened.face == 0][:, 0] < 32.0).all()
     assert (opened.points[opened.face == 1][:, 2] > -1.0).all()
 
@@ -92,7 +92,7 @@ def test_the_rim_of_a_hole_is_a_circle_of_its_radius():
     points = np.column_stack([flat, np.zeros(len(flat))])
     free = points[away < 9.0] - [0.0, 0.0, 0.5]
     points = points[away > 9.0]
-    (rim,) = LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0).openings()
+    (rim,) = LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0).openings
     assert abs(rim.radius - 9.0) < 1.0  # of what is felt, cells of 2 mm are kept
     assert np.linalg.norm(rim.center - [3.0, -2.0, 0.0]) < 1.0
 
@@ -103,7 +103,7 @@ def test_the_outline_of_a_disc_is_no_opening():
     points = np.column_stack([flat, np.zeros(len(flat))])
     free = points[away > 12.0] - [0.0, 0.0, 0.5]
     points = points[away < 12.0]
-    assert not LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0).openings()
+    assert not LocalFrontier([plane_face(0, points, UP)], mapped((points, UP)), free, 10.0).openings
 
 
 def test_a_narrow_face_that_reads_slightly_curved_is_a_plane_and_a_bar_is_none():
