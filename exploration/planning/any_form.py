@@ -15,16 +15,18 @@ from itertools import product
 
 import numpy as np
 
+from exploration.control.procedures.settle import SettleConfig
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.concluding import conclude
 from exploration.planning.entering import Entering
-from exploration.planning.findings import Attempts, Done, ExplorerConfig
+from exploration.planning.findings import Attempts, Done, ExplorerConfig, outward_normal
 from exploration.planning.frontier import Predicted
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.reach import Reach
 from exploration.planning.rim_walls import RimWalls
 from exploration.planning.round_holes import RoundHoles
+from exploration.planning.round_rims import RoundRim
 from exploration.planning.study import Study, Wall
 from exploration.planning.wall_facing import face_wall
 from primitives import pose as se3
@@ -44,6 +46,8 @@ class AnyFormConfig:
     wall_tries: int = 2
     rim_tries: int = 3
     beside: float = 9.0  # [mm] between tries that count as one thing
+    opposed: float = 0.9  # least cosine between a face and the reverse of another, that bound a plate
+    least_thick: float = 0.5  # [mm] of a plate
 
 
 LATER = AnyFormConfig(wall_tries=1, rim_tries=1)  # of what other arrays have tried before
@@ -120,9 +124,14 @@ class AnyForm:
             return lambda: self._come_down(left, nearest)
         if not todo and not self._entering:
             openings = frontier.openings
-            straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in openings)]
+            round_ = [opening for opening in openings if not self._refuted(opening)]
+            straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in round_)]
             return self._holes.next(openings) or self._rim_walls.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None
+
+    def _refuted(self, opening: RoundRim) -> bool:
+        """Whether a look has found no round rim there."""
+        return any(np.linalg.norm(opening.center - at) < opening.radius for at in self.found.refuted)
 
     def _lies(self) -> bool:
         """Whether the pad is still on something, and nothing is in the way of its housing."""
@@ -167,18 +176,30 @@ class AnyForm:
         """Roll over a rim onto the face behind it."""
         tried = self._rims.count(rim.point)
         self._rims.note(rim.point)
-        beyond = max(0.5 * min(self.pad.size) - self.own.overlap, 0.0)
+        beyond, settling = max(0.5 * min(self.pad.size) - self.own.overlap, 0.0), None
+        if (thick := self._thickness(rim)) is not None:
+            beyond, settling = 0.5 * thick, SettleConfig(shifts=0)
         rolls = self.own.rolls[tried % len(self.own.rolls) :] + self.own.rolls[: tried % len(self.own.rolls)]
         for give, roll, shift in product((False, True), rolls, (0.0, 7.0, -7.0)):
             angle = np.radians(roll)
             normal = np.cos(angle) * rim.normal + np.sin(angle) * rim.outward
             down = np.cos(angle) * rim.outward - np.sin(angle) * rim.normal
             at = rim.point + beyond * down + shift * rim.tangent
-            if self.reach.touch(se3.pose(self.pad.attitude(normal, rim.tangent), at), give):
+            if self.reach.touch(se3.pose(self.pad.attitude(normal, rim.tangent), at), give, settling):
                 return self.study.face_here(), "crossed a rim"
             if self.reach.led:
                 return None, "crossed a rim and met nothing"
         return None, "no way led over a rim"
+
+    def _thickness(self, rim: Sighting) -> float | None:
+        """[mm] from a rim to the face behind its own, where the pad is wider than that: it would roll off."""
+        behind = [
+            abs(float(face.fit.shape.signed_distance(rim.point[None])[0]))
+            for face in self.found.graph.faces
+            if isinstance(face.fit, Fit) and outward_normal(face, rim.point) @ rim.normal < -self.own.opposed
+        ]
+        thick = min(behind, default=np.inf)
+        return thick if self.own.least_thick < thick < min(self.pad.size) else None
 
     def _come_down(self, left: Predicted, nearest: int) -> Done:
         """Lie on open surface where the pad has room, with as much of it under the pad as may be."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from exploration.control.procedures.approach import retreat, touched
 from exploration.control.procedures.land import LandConfig
+from exploration.control.procedures.settle import SettleConfig
 from exploration.planning.pad import Pad
 from exploration.planning.routes import RoutesConfig, route
 from exploration.planning.surface_map import SurfaceMap
@@ -55,7 +56,7 @@ class Reach:
         """Whether nothing touched is in the way of the pad and its housing at a (4, 4) pose."""
         return bool(self.pad.tool.clear(pose[None], self._obstacles(), self.config.room, -1.0)[0])
 
-    def touch(self, target: Floats, give: bool = False) -> bool:
+    def touch(self, target: Floats, give: bool = False, settling: SettleConfig | None = None) -> bool:
         """Go round what is known to before a (4, 4) target, and touch it; may it `give`, from farther off."""
         off = self._off(target) if give else 0.0
         target = target @ se3.pose(translation=[0.0, 0.0, -off])
@@ -65,7 +66,7 @@ class Reach:
             return False
         if under > 0.0:
             self._inside = (target[:3, 3] - standoff * target[:3, 2], -target[:3, 2])
-        return self.pad.touch(target, standoff, self.config.overtravel + off)
+        return self.pad.touch(target, standoff, self.config.overtravel + off, settling)
 
     def _off(self, target: Floats) -> float:
         """[mm] before a (4, 4) target, at which nothing known is in its way; 0 where that is too far."""
