@@ -25,6 +25,7 @@ from recognition.identifying.policies import POLICY, Policy, gap_touch
 from recognition.matching import Belief, Evidence, Prior
 from recognition.matching.belief import UNKNOWN
 from recognition.matching.next_touch.choose import Choice, choose
+from recognition.matching.next_touch.placing import doubt, placing
 
 Announce = Callable[[str, Mapping[str, object]], None]
 
@@ -40,6 +41,8 @@ class IdentifyConfig:
     least: int = 4  # touches that met something, before which nothing is sure
     confirmed: int = 2  # touches in a row, after each of which the same name is sure enough
     patience: int = 8  # touches in a row, for which a name may be sure and its pose not
+    doubt: float = 0.2  # [mm] error of places of its surface, down to which it is touched when it is sure,
+    finishing: int = 3  # with so many touches at most
     blind: int = 1  # touches that met something, before which the widest gap is touched
     misses: int = 2  # touches in a row without a contact, after which belief is not asked where to touch
     idle: int = 3  # touches in a row that were chosen for want of one that tells
@@ -77,6 +80,7 @@ class Identifier:
     _idle: int = 0
     _agreed: int = 0
     _before: str = ""
+    _finishing: int = 0  # touches since it was sure, for the pose alone
 
     def run(self) -> Iterator[Step]:
         """Touch and match, one touch at a time."""
@@ -147,8 +151,16 @@ class Identifier:
         if self.belief.confidence < self.config.confidence:
             self._agreed = 0
         placed = name == UNKNOWN or is_placed(self.belief, self.library[name], self.config.confidence)
-        if self._agreed >= (self.config.confirmed if placed else self.config.patience):
+        if self._agreed < (self.config.confirmed if placed else self.config.patience):
+            self._finishing = 0
+        elif name == UNKNOWN or not placed or self._finishing >= self.config.finishing or self._exact(name):
             self.ended = "sure"
+        else:
+            self._finishing += 1
+
+    def _exact(self, name: str) -> bool:
+        best = self.belief.best(name) if self.belief is not None else None
+        return best is None or doubt(best, self.library[name]) <= self.config.doubt
 
     def _next(self, ball: Ball) -> tuple[Approach, Choice | None]:
         if self._spent():
@@ -158,6 +170,8 @@ class Identifier:
             policy = self.config.policy
             chosen = POLICY[policy] if isinstance(policy, str) else policy
             return chosen(ball, places, tried, self.rng), None
+        if self._finishing and (finish := self._finish(ball)) is not None:
+            return finish, None
         met = sum(t.met for t in self.touches)
         if self.belief is not None and met >= self.config.blind and self._missed() < self.config.misses:
             found = choose(
@@ -171,6 +185,16 @@ class Identifier:
             if self._idle > self.config.idle:
                 self.ended = found.reason
         return gap_touch(ball, places, tried, self.rng), None
+
+    def _finish(self, ball: Ball) -> Approach | None:
+        """The touch that tells most of where the object is that it is sure of."""
+        best = None if self.belief is None else self.belief.best(self.belief.decision)
+        if best is None:
+            return None
+        felt = self.evidence.contacts
+        noise = float(np.median(felt.sigma)), float(np.median(felt.normal_sigma))
+        entry, hand = self.library[best.name], self.hand
+        return placing(best, entry, ball, hand.pad, noise, self.rng, hand.reachable)
 
     def _places(self, ball: Ball) -> Floats:
         """(n, 3) [mm] where the pad lay, or whence it came where it met nothing."""
