@@ -19,13 +19,11 @@ from scipy.spatial import cKDTree
 from models.brep import Edge
 from models.rays.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints
-from primitives.errors import PalpateError
 from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
-from primitives.fit import Fit, fit
+from primitives.fit import Fit
 from primitives.patch_graph import PatchGraph
 from primitives.shapes import parameters
-from recognition.assembly import Assembly, NotClosed, assemble
-from recognition.assembly.cut_off import cut_off
+from recognition.assembly import Assembly, NotClosed
 from recognition.assembly.described import (
     LinkedBoundary,
     describe_edges,
@@ -34,6 +32,7 @@ from recognition.assembly.described import (
     link,
 )
 from recognition.assembly.uncertainty import face_sigma
+from recognition.best_body import FeltFace, best_body, reach_past
 
 Rows = list[dict[str, Any]]
 NO_FACE = -1
@@ -74,12 +73,6 @@ class Reconstruction:
         return whole
 
 
-@dataclass(frozen=True)
-class _FeltFace:
-    fit: Fit
-    contacts: Contacts
-
-
 def reconstruct(
     graph: PatchGraph,
     traces: Sequence[EdgeTrace],
@@ -89,19 +82,16 @@ def reconstruct(
 ) -> Reconstruction:
     """The body behind the faces of a graph, in the (2, 3) workspace `box` [mm]; (n, 3) `free` places are empty."""
     options = options or ReconstructOptions()
-    felt = [_FeltFace(face.fit, face.contacts) for face in graph.faces if isinstance(face.fit, Fit)]
+    shaped = [FeltFace(face.fit, face.contacts) for face in graph.faces if isinstance(face.fit, Fit)]
+    body = best_body(shaped, box, free, options.past)
+    assembly, felt = body.assembly, body.felt
     loose = [face.contacts for face in graph.faces if not isinstance(face.fit, Fit)]
+    loose += [face.contacts for face in body.left_out]
     contacts = Contacts.concatenate([*(face.contacts for face in felt), *loose])
     fit_of_contact = np.repeat(
         [*range(len(felt)), *(NO_FACE for _ in loose)],
         [len(table) for table in (*(face.contacts for face in felt), *loose)],
     ).astype(np.int64)
-    assembly = _assembled(felt, box, free)
-    ends: list[_FeltFace] = []
-    if (past := _past(assembly, contacts)) > options.past and (ends := _ends(felt)):
-        whole = _assembled([*felt, *ends], box, free)
-        better = _past(whole, contacts) < past
-        assembly, ends = (whole, ends) if better else (assembly, [])
     if isinstance(assembly, NotClosed):
         rows = [_open_face(number, face.fit) for number, face in enumerate(felt)]
         reason = (f"no closed body: {assembly.reason}",)
@@ -117,10 +107,9 @@ def reconstruct(
     for row, edge in zip(edges, boundary.brep.edges, strict=True):
         if _touched_beside(edge, touched, options):
             row["status"] = "measured"
-    cut = _cut(assembly, ends)
     return Reconstruction(
         assembly, boundary, faces, edges, describe_primitives(assembly), contacts, face_of_contact,
-        (*assembly.warnings, *cut, *_untouched(assembly, faces, contacts, options)), not cut,
+        (*assembly.warnings, *body.told(), *_untouched(assembly, faces, contacts, options)), not body.cut,
     )  # fmt: skip
 
 
@@ -133,49 +122,10 @@ def _untouched(assembly: Assembly, faces: Rows, contacts: Contacts, options: Rec
     if share > options.inferred:
         which = ", ".join(str(face["id"]) for face in inferred)
         out.append(f"{share:.0%} of the surface is inferred, not touched: face {which}")
-    past = _past(assembly, contacts)
+    past = reach_past(assembly, contacts)
     if past > options.past:
         out.append(f"the body reaches {past:.0f} mm past all that was touched, where nothing says it ends")
     return out
-
-
-def _past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
-    """[mm] that the body reaches past all contacts; without end where none is closed."""
-    if isinstance(assembly, NotClosed):
-        return np.inf
-    felt, bounds = contacts.points[contacts.touch != NOT_FELT], assembly.solid.bounds
-    if not len(felt):
-        return 0.0
-    return float(max((felt.min(axis=0) - bounds[0]).max(), (bounds[1] - felt.max(axis=0)).max()))
-
-
-def _ends(felt: Sequence[_FeltFace]) -> list[_FeltFace]:
-    """Planes that end the body where contact ended."""
-    fitted = ((fit("plane", lot), lot) for lot in cut_off(felt))
-    return [_FeltFace(found, lot) for found, lot in fitted if isinstance(found, Fit)]
-
-
-def _cut(assembly: Assembly, ends: Sequence[_FeltFace]) -> list[str]:
-    """Where the body is cut off; `ends` are the last of its fits."""
-    first, out = len(assembly.fits) - len(ends), list[str]()
-    for number, end in enumerate(ends, start=first):
-        if assembly.surface_of_fit[number] is not None:
-            way = ", ".join(f"{v:.2f}" for v in end.contacts.normals[0])
-            out.append(
-                f"nothing that was felt ends the body along ({way}): it is cut off where contact ended"
-            )
-    return out
-
-
-def _assembled(felt: Sequence[_FeltFace], box: Floats, free: Floats | None) -> Assembly | NotClosed:
-    """The assembly; surfaces that contradict each other leave no body, and that is an answer too."""
-    if not felt:
-        return NotClosed("no face was measured")
-    try:
-        return assemble(felt, box, free=free)
-    except (PalpateError, ArithmeticError, ValueError, RuntimeError) as error:  # LinAlgError, QhullError
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        return NotClosed(f"the measured faces contradict each other ({reason})")
 
 
 def _open_face(number: int, fit: Fit) -> dict[str, Any]:

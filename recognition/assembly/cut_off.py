@@ -1,6 +1,6 @@
 """Where the body ends that no felt face closes: at the last contacts, along the directions that it has.
 
-Three directions across each other, those of the faces with the most contacts first, then those along which the
+Three directions across each other, those of flat faces and of the most contacts first, then those along which the
 contacts spread (our derivation).  Where no contact as far out as they reach looks along one of them, a plane there
 ends the body.  Nobody felt that plane, and more of the object may be behind it.
 """
@@ -79,7 +79,7 @@ def cut_off(faces: Sequence[FittedFace], config: CutOffConfig = CutOffConfig()) 
 def _directions(faces: Sequence[FittedFace], points: Floats, config: CutOffConfig) -> list[Floats]:
     """Three unit directions across each other."""
     ways: list[Floats] = []
-    for face in sorted(faces, key=lambda face: -len(face.contacts)):
+    for face in sorted(faces, key=lambda face: (face.fit.kind != "plane", -len(face.contacts))):
         way = face.fit.shape.direction if face.fit.shape.tilts else None
         if way is not None and len(ways) < 2 and all(abs(float(way @ w)) < config.upright for w in ways):
             across = way - sum((float(way @ w) * w for w in ways), np.zeros(3))

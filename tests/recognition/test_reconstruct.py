@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from models.boundary import labeled_boundary
-from models.csg import Cube, Cylinder
+from models.csg import Cube, Cylinder, Sphere
 from models.solid import Solid, iou
 from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
 from primitives.patch_graph import PatchGraph
+from recognition import best_body
 from recognition.reconstruct import reconstruct
 
 BOX = np.array([[-150.0, -150, -150], [150, 150, 150]])
@@ -107,3 +108,23 @@ def test_what_nobody_touched_of_a_body_is_told():
     inferred, past = reconstruct(PatchGraph(tuple(seen)), [], BOX).warnings
     assert inferred.startswith("14% of the surface is inferred, not touched: face ")
     assert past.startswith("the body reaches 30 mm past all that was touched")
+
+
+def test_a_round_face_that_contradicts_the_others_is_left_out(monkeypatch):
+    graph, _ = graph_of(Cube((20, 16, 12)))
+    ball, _ = graph_of(Sphere(3.0), per_face=9)
+    (stray,) = ball.faces
+    assemble = best_body.assemble
+
+    def strict(felt, box, free):
+        if any(face.fit.kind == "sphere" for face in felt):
+            raise ValueError("singular")
+        return assemble(felt, box, free=free)
+
+    monkeypatch.setattr(best_body, "assemble", strict)
+    both = PatchGraph((*graph.faces, replace(stray, id=9)))
+    made = reconstruct(both, [], BOX)
+    assert made.closed
+    assert made.warnings[0] == "a face (sphere, 9 contacts) contradicts the others; left out"
+    assert len(made.contacts) == 6 * 80 + 9
+    assert (made.face_of_contact[-9:] == -1).all()

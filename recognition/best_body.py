@@ -1,0 +1,115 @@
+"""Fitted faces -> the best body that they allow: whole, cut off where nothing closes it, or of fewer faces.
+
+First all faces as they are.  A body that nothing closes is cut off at the last contacts.  Where the faces still
+leave none, as when a narrow edge was read as a cone, the round face with the fewest contacts is left out, and the
+rest is tried again; flat faces are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import Fit, fit
+from recognition.assembly import Assembly, NotClosed, assemble
+from recognition.assembly.cut_off import cut_off
+
+_LEFT_OUT = 8  # faces at most
+
+
+@dataclass(frozen=True)
+class FeltFace:
+    """A face that has a shape."""
+
+    fit: Fit
+    contacts: Contacts
+
+
+@dataclass(frozen=True)
+class Body:
+    """What was assembled of which faces; the fits of an assembly are those of `felt` and then of `ends`."""
+
+    assembly: Assembly | NotClosed
+    felt: tuple[FeltFace, ...]
+    ends: tuple[FeltFace, ...] = ()  # that nobody felt, where the body is cut off
+    left_out: tuple[FeltFace, ...] = ()
+
+    def told(self) -> list[str]:
+        """What was left out and where it is cut off, in words."""
+        if isinstance(self.assembly, NotClosed):
+            return []
+        out = [
+            f"a face ({face.fit.kind}, {len(face.contacts)} contacts) contradicts the others; left out"
+            for face in self.left_out
+        ]
+        return [
+            *out,
+            *(
+                "nothing that was felt ends the body along "
+                f"({', '.join(f'{v:.2f}' for v in end.contacts.normals[0])}): it is cut off where contact ended"
+                for end in self.cut
+            ),
+        ]
+
+    @property
+    def cut(self) -> tuple[FeltFace, ...]:
+        """The ends that the body has."""
+        if isinstance(self.assembly, NotClosed):
+            return ()
+        used = self.assembly.surface_of_fit[len(self.felt) :]
+        return tuple(end for end, own in zip(self.ends, used, strict=True) if own is not None)
+
+
+def best_body(felt: Sequence[FeltFace], box: Floats, free: Floats | None, past: float) -> Body:
+    """Of faces in a (2, 3) workspace `box` [mm]; one that reaches `past` mm past all contacts is cut off."""
+    whole = first = _closed(tuple(felt), box, free, past)
+    while isinstance(whole.assembly, NotClosed) and len(whole.left_out) < _LEFT_OUT:
+        rounds = [face for face in whole.felt if face.fit.kind != "plane"]
+        if not rounds or len(whole.felt) < 2:
+            return first
+        poorest = min(rounds, key=lambda face: len(face.contacts))
+        rest = tuple(face for face in whole.felt if face is not poorest)
+        found = _closed(rest, box, free, past)
+        whole = Body(found.assembly, rest, found.ends, (*whole.left_out, poorest))
+    return first if isinstance(whole.assembly, NotClosed) else whole
+
+
+def reach_past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
+    """[mm] that the body reaches past all contacts; without end where none is closed."""
+    if isinstance(assembly, NotClosed):
+        return np.inf
+    felt, bounds = contacts.points[contacts.touch != NOT_FELT], assembly.solid.bounds
+    if not len(felt):
+        return 0.0
+    return float(max((felt.min(axis=0) - bounds[0]).max(), (bounds[1] - felt.max(axis=0)).max()))
+
+
+def _closed(felt: tuple[FeltFace, ...], box: Floats, free: Floats | None, most: float) -> Body:
+    """All faces, and where they leave the body open, or it reaches too far, its ends."""
+    assembly = _assembled(felt, box, free)
+    contacts = Contacts.concatenate([face.contacts for face in felt])
+    if (past := reach_past(assembly, contacts)) > most:
+        fitted = ((fit("plane", lot), lot) for lot in cut_off(felt))
+        ends = tuple(FeltFace(found, lot) for found, lot in fitted if isinstance(found, Fit))
+        whole = _assembled((*felt, *ends), box, free) if ends else assembly
+        if reach_past(whole, contacts) < past:
+            return Body(whole, felt, ends)
+    return Body(assembly, felt)
+
+
+def _assembled(felt: tuple[FeltFace, ...], box: Floats, free: Floats | None) -> Assembly | NotClosed:
+    """The assembly; surfaces that contradict each other leave no body, and that is an answer too."""
+    if not felt:
+        return NotClosed("no face was measured")
+    try:
+        made = assemble(felt, box, free=free)
+    except (PalpateError, ArithmeticError, ValueError, RuntimeError) as error:  # LinAlgError, QhullError
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        return NotClosed(f"the measured faces contradict each other ({reason})")
+    empty = not isinstance(made, NotClosed) and not len(made.solid.triangles)
+    return NotClosed("the measured faces hold no space between them") if empty else made
