@@ -30,6 +30,7 @@ _BEFORE = 3.0  # [mm] in front of a face, from which a contact cannot be of one 
 _WIDE = 3.0  # [mm] standard deviation of a sound face's contacts across their longer extent
 _BULGE = 0.02  # [mm] rms about a plane, up to which a face is flat
 _SAGITTA = 0.05  # [mm] of bulge, which a pad that lies partly past a small face's rim may read into it
+_NO_WORSE = 1.3  # times the misfit of a curved face, up to which a plane explains as much
 _FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
@@ -89,11 +90,19 @@ def flattened(graph: PatchGraph) -> PatchGraph:
     """
     faces = []
     for face in graph.faces:
-        bulge = _bulge(face)
-        flat = None if bulge is None else fit("plane", face.contacts)
-        sound = isinstance(flat, Fit) and bulge is not None and (flat.rms < _BULGE or bulge < _SAGITTA)
-        faces.append(replace(face, fit=flat, ranked=()) if sound and flat is not None else face)
+        flat = _plane_of(face)
+        faces.append(face if flat is None else replace(face, fit=flat, ranked=()))
     return replace(graph, faces=tuple(faces))
+
+
+def _plane_of(face: Face) -> Fit | None:
+    """The plane that says of a hardly curved face what there is to say."""
+    bulge = _bulge(face)
+    flat = None if bulge is None else fit("plane", face.contacts)
+    if bulge is None or not isinstance(flat, Fit) or not isinstance(face.fit, Fit):
+        return None
+    told = flat.rms < _BULGE or bulge < _SAGITTA or flat.chi2 < _NO_WORSE * face.fit.chi2
+    return flat if told else None
 
 
 def _bulge(face: Face) -> float | None:

@@ -117,9 +117,14 @@ def test_a_narrow_face_that_reads_slightly_curved_is_a_plane_and_a_bar_is_none()
     bar = Contacts.of(
         np.concatenate([20.0 * ring + [0.0, y, 0.0] for y in (0.0, 20.0)]), np.tile(ring, (2, 1))
     )
+    rough = floor((-30.0, 30.0), (0.0, 20.0)) + 0.07 * UP * np.random.default_rng(0).normal(size=(300, 1))
+    poor = Contacts.of(rough, np.tile(UP, (300, 1)), 0.03, 0.02)
     faces = (
         Face(0, replace(curved, shape=Cylinder([3.0, 0.0, -850.0], [0.0, 1.0, 0.0], 850.0)), contacts),
         Face(1, fit("cylinder", bar), bar),
+        Face(
+            2, replace(fit("plane", poor), shape=Cylinder([0.0, 0.0, -1600.0], [0.0, 1.0, 0.0], 1600.0)), poor
+        ),
     )
     kinds = [face.fit.kind for face in flattened(PatchGraph(faces)).faces]
-    assert kinds == ["plane", "cylinder"]
+    assert kinds == ["plane", "cylinder", "plane"]
