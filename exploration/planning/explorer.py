@@ -129,13 +129,20 @@ class Explorer:
             if self.guard.cost.touches >= self.config.max_touches and sensor:
                 break
             if sensor != self.guard.active:
-                retreat(self.guard, self.config.change)
+                self._unless_met(partial(retreat, self.guard, self.config.change))
                 self.guard.use(sensor)
                 self.announce("array", {"name": array.array.name})
             form = AnyForm(self._study, self.config, LATER if sensor else None, bool(sensor))
             yield from form.run()
-            form.reach.come_out()
+            self._unless_met(form.reach.come_out)
         form.conclude()
+
+    def _unless_met(self, move: Callable[[], None]) -> None:
+        """Move, and stay where the guard stopped it: what comes next finds its way from there."""
+        try:
+            move()
+        except (OverPress, Collision) as error:
+            self.found.warnings.append(str(error))
 
     def _surveyed(self) -> Iterator[Findings]:
         rng = np.random.default_rng(self.config.seed)
@@ -215,9 +222,13 @@ class Explorer:
                     return True
             except (OverPress, Collision) as error:
                 self.found.warnings.append(str(error))
-            here = self.guard.world_from_sensor
-            self.guard.go_to(se3.pose(start[:3, :3], [here[0, 3], here[1, 3], start[2, 3]]))
+            self._unless_met(partial(self._rise_to, start))
         return False
+
+    def _rise_to(self, start: Floats) -> None:
+        """As high as where a sweep began, straight up."""
+        x, y, _ = self.guard.world_from_sensor[:3, 3]
+        self.guard.go_to(se3.pose(start[:3, :3], [x, y, start[2, 3]]))
 
     def _look_again(self) -> Done:
         """Come down again where something was touched, each time elsewhere and from another side."""
