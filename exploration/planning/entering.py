@@ -62,14 +62,15 @@ class Entering:
         """
         self.reach.lids = lids(across)
         wide = 2.0 * float(self.study.pad.tool.high[:2].min())
-        for mouth in innermost(across):
-            if mouth.width > wide and self._sounded.count(mouth.center) == 0 and not self._floored(mouth):
-                turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
-                poses = [
-                    se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns
-                ]
-                if room := [pose for pose in poses if self.reach.clear(pose)]:
-                    yield mouth.center, partial(self._sound, mouth, room)
+        for mouth in innermost([mouth for mouth in across if mouth.width > wide and self._untold(mouth)]):
+            turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
+            poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
+            if room := [pose for pose in poses if self.reach.clear(pose)]:
+                yield mouth.center, partial(self._sound, mouth, room)
+
+    def _untold(self, mouth: Mouth) -> bool:
+        """Whether neither a sounding nor a known floor tells what is behind a mouth."""
+        return self._sounded.count(mouth.center) == 0 and not self._floored(mouth)
 
     def _floored(self, mouth: Mouth) -> bool:
         """Whether a floor behind a mouth is known already."""

@@ -105,3 +105,13 @@ def test_on_the_floor_of_a_slot_both_its_walls_are_found(over_slot):
     study.found.graph, _ = study.found.graph.add_stroke(side)
     walls = inferred_walls(study.walls, study.found.graph.faces)
     assert sorted(float(np.median(lot.points[:, 0])) for lot in walls) == pytest.approx([-8.0, 8.0], abs=0.15)
+
+
+def test_a_mouth_that_was_sounded_in_vain_is_sounded_elsewhere(over_slot):
+    reach, guard, across = over_slot
+    entering = Entering(Study(reach.pad, Findings(), ExplorerConfig().attribution), reach)
+    guard.use(1)
+    ((middle, _),) = entering.ways_in(across, lambda normal: [])
+    entering._sounded.note(middle)
+    beside = [place for place, _ in entering.ways_in(across, lambda normal: [])]
+    assert [9.0 < abs(place[1] - middle[1]) < 24.0 for place in beside] == [True, True]
