@@ -40,7 +40,7 @@ class AnyFormConfig:
     """How walls, rims and open surface are gone for."""
 
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
-    overlap: tuple[float, ...] = (4.0, 11.0)  # [mm] of the pad that stays over the rim, in turn
+    overlap: float = 4.0  # [mm] of the pad that stays over the rim
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
     stuck: float = 1.0  # [mm] of a stroke, less than which there is no way from where the pad lies
     wall_tries: int = 2
@@ -176,9 +176,7 @@ class AnyForm:
         """Roll over a rim onto the face behind it."""
         tried = self._rims.count(rim.point)
         self._rims.note(rim.point)
-        half = 0.5 * min(self.pad.size)
-        overlap = min(self.own.overlap[tried % len(self.own.overlap)], 1.4 * half)
-        beyond, settling = half - overlap, None
+        beyond, settling = max(0.5 * min(self.pad.size) - self.own.overlap, 0.0), None
         if (thick := self._thickness(rim)) is not None:
             beyond, settling = 0.5 * thick, SettleConfig(shifts=0)
         rolls = self.own.rolls[tried % len(self.own.rolls) :] + self.own.rolls[: tried % len(self.own.rolls)]
