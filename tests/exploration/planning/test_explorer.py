@@ -1,8 +1,13 @@
+"""Whole explorations in simulation, and what ends them."""
+
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from exploration.devices.guard import Guard
+from exploration.devices.guard import Collision, Guard
 from exploration.devices.simulated import simulate
+from exploration.planning import explorer as module
 from exploration.planning.explorer import Explorer, ExplorerConfig
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
@@ -53,6 +58,31 @@ def test_an_empty_workspace_is_said_so():
     explorer.box = small
     assert list(explorer.run()) == []
     assert "nothing was found" in explorer.found.ended
+
+
+def test_a_collision_while_arrays_are_changed_is_told_and_the_next_one_goes_on(monkeypatch):
+    explorer, _ = explorer_over(Cube((10.0, 10.0, 10.0)), seed=0)
+    explorer.guard.sensors, explorer.guard.calibrations = (
+        2 * explorer.guard.sensors,
+        2 * explorer.guard.calibrations,
+    )
+
+    def collide(*_):
+        raise Collision("collision of lts210 by 0.05 mm")
+
+    class Form:
+        reach = SimpleNamespace(come_out=collide)
+
+        def __init__(self, *_):
+            self.conclude = lambda: None
+
+        def run(self):
+            yield f"felt with array {explorer.guard.active}"
+
+    monkeypatch.setattr(module, "retreat", collide)
+    monkeypatch.setattr(module, "AnyForm", Form)
+    assert list(explorer._any_form()) == ["felt with array 0", "felt with array 1"]
+    assert explorer.found.warnings == 3 * ["collision of lts210 by 0.05 mm"]
 
 
 @pytest.mark.slow
