@@ -43,18 +43,13 @@ class Body:
         """What was left out and where it is cut off, in words."""
         if isinstance(self.assembly, NotClosed):
             return []
-        out = [
+        left = [
             f"a face ({face.fit.kind}, {len(face.contacts)} contacts) contradicts the others; left out"
             for face in self.left_out
         ]
-        return [
-            *out,
-            *(
-                "nothing that was felt ends the body along "
-                f"({', '.join(f'{v:.2f}' for v in end.contacts.normals[0])}): it is cut off where contact ended"
-                for end in self.cut
-            ),
-        ]
+        ways = [", ".join(f"{v:.2f}" for v in end.contacts.normals[0]) for end in self.cut]
+        ended = "nothing that was felt ends the body along ({}): it is cut off where contact ended"
+        return [*left, *map(ended.format, ways)]
 
     @property
     def cut(self) -> tuple[FeltFace, ...]:

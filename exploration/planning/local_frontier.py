@@ -120,13 +120,8 @@ class LocalFrontier:
                 for part in by_heading(out[members]):
                     rows = np.flatnonzero(members)[part]
                     if len(rows) >= self.config.least_rim:
-                        found.append(
-                            (
-                                len(rows),
-                                rim_sighting(own.fit.shape, own.side, at[rows], out[rows]),
-                                own.face.id,
-                            )
-                        )
+                        edge = rim_sighting(own.fit.shape, own.side, at[rows], out[rows])
+                        found.append((len(rows), edge, own.face.id))
         return [(edge, face) for _, edge, face in sorted(found, key=lambda item: -item[0])]
 
     def mouths(self) -> list[Mouth]:
