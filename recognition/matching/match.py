@@ -3,7 +3,7 @@
     shortlist   objects by the distances and angles of pairs of contacts (`models.library.pair_table`)
     search      poses of each, scored on its distance field (`hypotheses`)
     sift        those poses of all objects that may still be the best (`sifted`)
-    refine      these on the exact surface, each once (`modes`), the likeliest by what the skin felt (`sharpened`)
+    refine      these on the exact surface, each once (`refining`); some by what the skin felt (`sharpened`)
     weigh       names, poses and "unknown" against each other
 
 Where the belief is not settled by the first objects of the shortlist, the next ones are searched too; and more of
@@ -29,9 +29,9 @@ from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
 from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods
 from recognition.matching.modes import Felt, Mode, modes_of, residual
-from recognition.matching.sharpened import sharpened
+from recognition.matching.refining import Refining
 from recognition.matching.shortlist import shortlist
-from recognition.matching.sifted import SiftConfig, sifted
+from recognition.matching.sifted import SiftConfig
 from recognition.matching.target import Target, target_of
 
 _ALIKE = 0.9  # share of unknown objects that are somewhat like one of the library
@@ -85,11 +85,12 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     ranked = shortlist(evidence.contacts, library, most, tuple(known))
     names = [*likely, *(name for name in ranked if name not in likely)]
     found: dict[str, Found] = {}
+    refining = Refining(library, evidence, prior, config.noise, config.sift, config.polished)
     belief = Belief((), {})
     for count in sorted({min(k, len(names)) for k in (config.first, config.most_objects, len(names))}):
         for name in names[len(found) : count]:
             found[name] = _searched(library[name], begun, known.get(name, []), config)
-        modes = _modes(found, library, evidence, prior, config)
+        modes = refining.modes(found)
         belief = _weighed(modes, library, evidence, prior, unknown, config)
         enough = told and count >= config.most_objects
         if (enough or _settled(belief, config)) and _fits(belief, evidence, config):
@@ -171,19 +172,6 @@ def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchCon
     first = np.stack(starts[: config.believed])
     there = scored(begun, target, first, config.search)
     return Found(np.concatenate([first, found.poses]), np.concatenate([there, found.costs]))
-
-
-def _modes(found: Mapping[str, Found], library: Mapping[str, Entry], evidence: Evidence, prior: Prior,
-           config: MatchConfig) -> list[Mode]:  # fmt: skip
-    """The modes of those poses that may be among the likeliest of all."""
-    seen = Felt.of(evidence)
-    kept = sifted(found, library, seen, evidence, config.noise, config.sift)
-    modes = [
-        mode
-        for name, poses in kept.items()
-        for mode in modes_of(library[name], poses, seen, evidence, prior, config.noise, config.polished)
-    ]
-    return sharpened(modes, library, seen, evidence, prior, config.noise)
 
 
 def _weighed(modes: list[Mode], library: Mapping[str, Entry], evidence: Evidence, prior: Prior, unknown: float,

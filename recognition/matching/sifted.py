@@ -9,7 +9,7 @@ with no more noise than the field's error, since the poses have descended on it:
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -41,24 +41,43 @@ class SiftConfig:
     steps: int = 4000  # contacts times poses that stay, at most, while contacts are few
 
 
-def sifted(found: Mapping[str, Found], library: Mapping[str, Entry], seen: Felt, evidence: Evidence,
-           noise: NoiseConfig, config: SiftConfig) -> dict[str, Floats]:  # fmt: skip
-    """(k, 3, 4) poses of each object that has any, best first."""
-    blind = seen.felt.sum() < 3
-    each, n = config.each_blind if blind else config.each, len(seen.points)
-    poses = {name: f.poses[:each] for name, f in found.items() if len(f.costs)}
-    if not poses:
-        return {}
-    there = {name: seen.places.log_density(target_of(library[name]).area, seen.shares) for name in poses}
-    scores = {name: there[name] - 0.5 * found[name].costs[:each] for name in poses}
-    behind = config.on_field + config.on_field_each * n
-    if evidence.scale_known and not blind:
-        few = spread(evidence.contacts, config.contacts)
-        for name in poses:
-            poses[name], like = _looked_at(library[name], poses[name], seen, few, noise, config)
-            scores[name] = there[name] + like * n / len(few)
-        behind = config.behind * n / len(few)
-    return _best(poses, scores, behind, max(config.in_all, config.steps // n, each))
+@dataclass
+class Sieve:
+    """Sifts more and more objects; what was looked at once is kept."""
+
+    library: Mapping[str, Entry]
+    seen: Felt
+    evidence: Evidence
+    noise: NoiseConfig
+    config: SiftConfig
+    _poses: dict[str, Floats] = field(default_factory=dict)
+    _scores: dict[str, Floats] = field(default_factory=dict)  # logarithms of what contacts say of each pose
+
+    def through(self, found: Mapping[str, Found]) -> dict[str, Floats]:
+        """(k, 3, 4) poses of each object that has any that may be the best of all, best first."""
+        blind, n = self.seen.felt.sum() < 3, len(self.seen.points)
+        each = self.config.each_blind if blind else self.config.each
+        exact = self.evidence.scale_known and not blind
+        few = spread(self.evidence.contacts, self.config.contacts) if exact else np.arange(n)
+        for name, f in found.items():
+            if len(f.costs) and name not in self._poses:
+                self._look(name, f.poses[:each], f.costs[:each], few, exact)
+        if not self._poses:
+            return {}
+        behind = self.config.behind * n / len(few)
+        if not exact:
+            behind = self.config.on_field + self.config.on_field_each * n
+        limit = max(self.config.in_all, self.config.steps // n, each)
+        return _best(self._poses, self._scores, behind, limit)
+
+    def _look(self, name: str, poses: Floats, costs: Floats, few: Ints, exact: bool) -> None:
+        entry, seen = self.library[name], self.seen
+        there = seen.places.log_density(target_of(entry).area, seen.shares)
+        scores = -0.5 * costs
+        if exact:
+            poses, like = _looked_at(entry, poses, seen, few, self.noise, self.config)
+            scores = like * len(seen.points) / len(few)
+        self._poses[name], self._scores[name] = poses, there + scores
 
 
 def _looked_at(entry: Entry, poses: Floats, seen: Felt, few: Ints, noise: NoiseConfig,

@@ -1,0 +1,54 @@
+"""The modes of the poses that were found, as more and more objects are searched.
+
+Of an object that was searched before only what is new is done: the exact surface takes most of the time where many
+objects are searched and none fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from models.library import Entry
+from primitives.arrays import Floats
+from recognition.matching.evidence import Evidence, Prior
+from recognition.matching.hypotheses import Found
+from recognition.matching.likelihood import NoiseConfig
+from recognition.matching.modes import Felt, Mode, modes_of
+from recognition.matching.sharpened import sharpened
+from recognition.matching.sifted import Sieve, SiftConfig
+
+
+@dataclass
+class Refining:
+    """Of one evidence; each object's poses are the same whenever they are asked for."""
+
+    library: Mapping[str, Entry]
+    evidence: Evidence
+    prior: Prior
+    noise: NoiseConfig
+    sift: SiftConfig
+    polished: int
+    _seen: Felt = field(init=False)
+    _sieve: Sieve = field(init=False)
+    _modes: dict[tuple[str, int], list[Mode]] = field(default_factory=dict)  # by how many of its poses stayed
+
+    def __post_init__(self) -> None:
+        self._seen = Felt.of(self.evidence)
+        self._sieve = Sieve(self.library, self._seen, self.evidence, self.noise, self.sift)
+
+    def modes(self, found: Mapping[str, Found]) -> list[Mode]:
+        """The modes of those poses that may be among the likeliest of all."""
+        kept = self._sieve.through(found)
+        modes = [mode for name, poses in kept.items() for mode in self._of(name, poses)]
+        return sharpened(modes, self.library, self._seen, self.evidence, self.prior, self.noise)
+
+    def _of(self, name: str, poses: Floats) -> list[Mode]:
+        """The best poses stay, so that their number says which."""
+        key = name, len(poses)
+        if key not in self._modes:
+            entry = self.library[name]
+            self._modes[key] = modes_of(
+                entry, poses, self._seen, self.evidence, self.prior, self.noise, self.polished
+            )
+        return self._modes[key]
