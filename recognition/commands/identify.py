@@ -19,7 +19,7 @@ def identify(
     device: flags.Device = None,
     library: flags.Library = None,
     policy: Annotated[
-        str, typer.Option(help="How touches are chosen: information, random, grid or largest-gap.")
+        str, typer.Option(help="How touches are chosen: information, random, grid, largest-gap or planar.")
     ] = "information",
     confidence: Annotated[float, typer.Option(help="Probability at which to stop.")] = 0.95,
     max_touches: Annotated[int, typer.Option(help="Touches after which it stops, sure or not.")] = 40,

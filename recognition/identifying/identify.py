@@ -26,6 +26,7 @@ from recognition.matching import Belief, Evidence, Prior
 from recognition.matching.belief import UNKNOWN
 from recognition.matching.next_touch.choose import Choice, choose
 from recognition.matching.next_touch.placing import doubt, placing
+from recognition.matching.next_touch.planar import planar
 
 Announce = Callable[[str, Mapping[str, object]], None]
 
@@ -166,8 +167,10 @@ class Identifier:
         if self._spent():
             return self.touches[-1].approach, None
         tried, places = len(self.touches), self._places(ball)
-        if self.config.policy != "information":
-            policy = self.config.policy
+        policy = self.config.policy
+        if policy == "planar":
+            return self._planar(ball) or gap_touch(ball, places, tried, self.rng), None
+        if policy != "information":
             chosen = POLICY[policy] if isinstance(policy, str) else policy
             return chosen(ball, places, tried, self.rng), None
         if self._finishing and (finish := self._finish(ball)) is not None:
@@ -185,6 +188,11 @@ class Identifier:
             if self._idle > self.config.idle:
                 self.ended = found.reason
         return gap_touch(ball, places, tried, self.rng), None
+
+    def _planar(self, ball: Ball) -> Approach | None:
+        if self.belief is None or self._missed() >= self.config.misses:
+            return None
+        return planar(self.belief, self.library, ball, self.hand.pad, self.rng, self.hand.reachable)
 
     def _finish(self, ball: Ball) -> Approach | None:
         """The touch that tells most of where the object is that it is sure of."""

@@ -9,7 +9,7 @@ from typing import ClassVar
 from primitives.errors import PalpateError
 from recognition.config import ExploreOptions
 
-POLICIES = ("information", "random", "grid", "largest-gap")
+POLICIES = ("information", "random", "grid", "largest-gap", "planar")
 
 
 @dataclass(frozen=True)

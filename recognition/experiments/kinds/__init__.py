@@ -185,7 +185,10 @@ KINDS = {
                 **_SENSOR,
                 **_POSE_NOISE,
                 "policy": Setting(
-                    str, "information", "who plans", choices=("information", "random", "grid", "largest-gap")
+                    str,
+                    "information",
+                    "who plans",
+                    choices=("information", "random", "grid", "largest-gap", "planar"),
                 ),
                 "stop_confidence": Setting(float, 0.95, "at which identification stops", 0.0, 1.0),
                 "max_touches": Setting(int, 30, "after which identification stops", 1),

@@ -12,6 +12,7 @@ from models.library import Library
 from models.solid import Solid
 from primitives import pose as se3
 from recognition.matching.next_touch import Choice, NoChoice, choose
+from recognition.matching.next_touch.planar import planar
 
 HOLE = np.array([25.0, 10.0, 0.0])
 
@@ -79,3 +80,18 @@ def test_a_planner_may_bring_its_own_utility() -> None:
     )  # fmt: skip
     assert isinstance(found, Choice)
     assert found.bits > 0.0
+
+
+def test_a_path_in_the_plane_comes_from_where_two_boxes_end_elsewhere() -> None:
+    solids = {
+        name: Solid.from_csg(Cube((long, 60.0, 40.0))) for name, long in (("short", 60.0), ("long", 66.0))
+    }
+    library, rng = Library.of(solids), np.random.default_rng(0)
+    hypotheses = tuple(_Posed(name, np.eye(4), np.log(0.5)) for name in library)
+    ball = Ball(np.zeros(3), 80.0)
+    found = planar(_Belief(hypotheses, dict.fromkeys(library, 0.5)), library, ball, (28.8, 18.0), rng)
+    assert found is not None
+    assert found.start[2, 3] == 0.0
+    assert abs(found.direction[0]) > 0.5  # from the side, 60 mm lie everywhere alike
+    one = _Belief(hypotheses[:1], {"short": 1.0})
+    assert planar(one, library, ball, (28.8, 18.0), rng) is None
