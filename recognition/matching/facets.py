@@ -126,6 +126,8 @@ def likeliest(p, m, felt, sigma, tau, cap, mesh, stack, reach, found):  # type: 
             continue
         for k in range(first, first + count):
             t = order[k]
+            if flat[t, 0] == 0.0 and flat[t, 1] == 0.0 and flat[t, 2] == 0.0:
+                continue  # no area, and so no normal: its neighbors hold its places
             if felt and best < bound:
                 along = m[0] * flat[t, 0] + m[1] * flat[t, 1] + m[2] * flat[t, 2]
                 widest = np.sqrt(best) * tau + 0.5

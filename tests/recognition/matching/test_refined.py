@@ -80,3 +80,14 @@ def test_how_sure_a_rod_lies_says_nothing_of_turns_about_itself():
     assert belief.decision == "rod"
     assert belief.hypotheses[0].rotation_sigma < 0.02
     assert belief.hypotheses[0].translation_sigma < 0.2
+
+
+def test_a_facet_without_area_is_passed_over():
+    mesh, each = facets_of(ROD.solid.body), np.ones(1)
+    corners, flat, normals = mesh.corners.copy(), mesh.flat.copy(), mesh.normals.copy()
+    touched = corners[0, :1] * [1.01, 1.01, 1.0]
+    corners[0], flat[0], normals[0] = touched, 0.0, 0.0
+    mesh = mesh._replace(corners=corners, flat=flat, normals=normals)
+    args = touched, np.zeros((1, 3)), each < 0, 0.1 * each, 0.02 * each, each
+    found = refine(np.eye(4)[None, :3].copy(), *args, mesh, 1.0, 0)
+    assert 0.1 < found.distances[0, 0] < 0.2  # on its neighbors
