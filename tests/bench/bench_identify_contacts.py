@@ -25,12 +25,14 @@ from primitives.evidence import Contacts
 from primitives.pose import inverse, pose, random_rotation
 from recognition.identifying.identify import Identifier, IdentifyConfig
 from recognition.identifying.options import POLICIES
+from recognition.matching import Belief
 from recognition.matching.align import refine
 from recognition.matching.facets import facets_of
 
 RUNS = int(os.environ.get("PALPATE_BENCH_RUNS", "20"))
 BOX = np.array([-300.0, -300.0, -300.0, 300.0, 300.0, 300.0])
 LONGEST = 400.0  # [s] over which the area is taken
+SURE = 0.95
 
 
 class Told(NamedTuple):
@@ -43,7 +45,19 @@ class Told(NamedTuple):
     seconds: float
     off: tuple[float, float] | None  # [mm], [deg]
     limit: tuple[float, float] | None  # of the likeliest pose
-    steps: tuple[tuple[float, bool], ...]  # device time, and whether the name was right then
+    steps: tuple[
+        tuple[float, bool, float], ...
+    ]  # device time; whether the name was right then; its probability
+
+    @property
+    def named(self) -> float:
+        """[s] of the device from which on the right name had `SURE`; of the whole run where it never had."""
+        at = self.seconds
+        for seconds, right, probability in reversed(self.steps):
+            if not (right and probability >= SURE):
+                break
+            at = seconds
+        return at
 
 
 def run() -> list[dict[str, Any]]:
@@ -66,7 +80,7 @@ def identified(library: Library, number: int, policy: str) -> Told:
     world = pose(turn, rng.uniform(-40.0, 40.0, 3) - turn @ solid.bounds.mean(axis=0))
     hand = RayHand(solid.placed(world), rng)
     identifier = Identifier(hand, library, BOX, IdentifyConfig(policy), np.random.default_rng([number, 1]))
-    steps = [(s.seconds, s.belief is not None and s.belief.decision == name) for s in identifier.run()]
+    steps = [(s.seconds, *_stated(s.belief, name)) for s in identifier.run()]
     belief = identifier.belief
     if belief is None:
         return Told(False, False, 0.0, hand.cost.touches, hand.cost.seconds, None, None, tuple(steps))
@@ -81,6 +95,10 @@ def identified(library: Library, number: int, policy: str) -> Told:
         belief.decision == name, identifier.ended == "sure", belief.confidence, hand.cost.touches,
         hand.cost.seconds, found, limit, tuple(steps),
     )  # fmt: skip
+
+
+def _stated(belief: Belief | None, name: str) -> tuple[bool, float]:
+    return (False, 0.0) if belief is None else (belief.decision == name, belief.confidence)
 
 
 def _off(entry: Entry, found: Floats, world: Floats) -> tuple[float, float]:
@@ -109,9 +127,9 @@ def _area(told: list[Told]) -> float:
     """Mean share of the time up to the longest, at which the name was right; the last one holds."""
     total = 0.0
     for t in told:
-        ends = [*(at for at, _ in t.steps[1:]), LONGEST]
+        ends = [*(at for at, _, _ in t.steps[1:]), LONGEST]
         total += sum(
-            max(min(end, LONGEST) - at, 0.0) * hit for (at, hit), end in zip(t.steps, ends, strict=True)
+            max(min(end, LONGEST) - at, 0.0) * hit for (at, hit, _), end in zip(t.steps, ends, strict=True)
         )
     return total / (LONGEST * len(told))
 
@@ -127,6 +145,7 @@ def _rows(policy: str, told: list[Told]) -> list[dict[str, Any]]:
         ("touches, 95th percentile", float(np.quantile(touches, 0.95)), "", "<= 20"),
         ("device time, median", float(np.median(seconds)), "s", None),
         ("device time, mean", float(np.mean(seconds)), "s", None),
+        ("device time until its name had 95 %, mean", float(np.mean([t.named for t in told])), "s", None),
         ("right", float(np.mean([t.right for t in told])), "share", None),
         (f"sure and wrong of {len(sure)} [{low:.3f}..{high:.3f}]", wrong / max(len(sure), 1), "share",
          f"<= {1.0 - float(np.mean([t.confidence for t in sure])) if sure else 0.0:.3f}"),

@@ -1,17 +1,18 @@
 """Recognizing where it is hard: twins that differ in one place, a half that is covered, poses that look alike.
 
 Twins stand alone in their library; beside their score is the limit, with the true object started at its true pose,
-and how often the touch that is proposed to tell them apart meets what differs.  PALPATE_BENCH_QUERIES sets the
-queries a row.
+and how often the touch that is proposed to tell them apart meets what differs.  Contacts of a robot hand are read
+from $PALPATE_DATA/contacts, where there are any.  PALPATE_BENCH_QUERIES sets the queries a row.
 """
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import numpy as np
 from bench_recognize import QUERIES, Table, trials_of
-from recognizing.objects import library, twins
+from recognizing.objects import DATA, library, twins
 from recognizing.trials import NOISE, TURN, Trial, add_s, on_surface
 
 from exploration.devices.protocols import StageLimits
@@ -26,6 +27,9 @@ from primitives.pose import pose, random_rotation, rotate, transform_points
 from recognition.identifying.placed import is_placed
 from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.next_touch import Choice, separating
+from recognition.recognizing.kept_model import kept_model
+from recognition.recognizing.run import Asked, evidence_of, prior_of
+from recognition.sources import read_source
 
 PAD = (28.8, 18.0)  # [mm]
 PITCH = 1.8  # [mm]
@@ -41,6 +45,7 @@ def run() -> list[dict[str, Any]]:
     near_duplicates(table)
     covered(table)
     tetrahedron(table)
+    fingers(table)
     return table.rows
 
 
@@ -156,3 +161,21 @@ def tetrahedron(table: Table) -> None:
         others.append(len(belief.hypotheses) - 1)
     table.share("palpate", "tetrahedron, 9 exact contacts, right basin", hits, "25 of 25")
     table.add("palpate", "tetrahedron, other modes told, mean", float(np.mean(others)), "")
+
+
+def fingers(table: Table) -> None:
+    """Contacts of a robot hand, without normals and of unknown noise, on models of their objects."""
+    for name, asked in (("lego", 6.90), ("cleaner", 6.86), ("robot", 5.48)):
+        contacts, model = DATA / "contacts" / f"{name}.csv", DATA / "contacts" / f"{name}.off"
+        if not model.exists():
+            continue
+        request = Asked(str(contacts))
+        evidence = evidence_of(request, read_source(request.source))
+        entry, _ = kept_model(str(model), "m", 1.0)
+        known = Library({entry.name: lambda entry=entry: entry})
+        for _ in range(2):  # the first one loads what is compiled
+            began = time.process_time()
+            belief = match(evidence, known, prior_of(request, evidence), unknown=0.0)
+            seconds = time.process_time() - began
+        table.add("palpate", f"{name}, mean distance", belief.hypotheses[0].residual, "mm", f"<= {asked}")
+        table.add("palpate", f"{name}, processor time", seconds, "s", "<= 0.5")

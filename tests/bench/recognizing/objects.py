@@ -14,6 +14,7 @@ from models.library import Library
 from models.part import load_part
 from models.solid import Solid
 
+DATA = Path(os.environ.get("PALPATE_DATA", Path(__file__).parents[4] / "shared"))
 BUILT_IN = (
     "bracket", "wedge", "hex_nut", "stepped_shaft", "gusset_bracket", "clevis", "z_bracket", "t_plate",
     "slotted_plate", "lug", "spur_gear", "v_block", "t_slot_block", "dovetail_block", "bearing_block",
@@ -36,10 +37,10 @@ def library(count: int = 50) -> Library:
 def solids(count: int = 50) -> dict[str, Solid]:
     """By name."""
     found = {part: sized(Solid.from_csg(parts.build(part))) for part in BUILT_IN[:count]}
-    data = Path(os.environ.get("PALPATE_DATA", Path(__file__).parents[4] / "shared")) / "parts"
+    parts_of_others = DATA / "parts"
     for file, scale in OUTSIDE.items():
-        if (data / file).exists() and len(found) < count:
-            found[Path(file).stem] = load_part(data / file, "mm", scale).solid
+        if (parts_of_others / file).exists() and len(found) < count:
+            found[Path(file).stem] = load_part(parts_of_others / file, "mm", scale).solid
     for k in range(count - len(found)):
         found[f"generated{k}"] = sized(Solid.from_csg(generate(np.random.default_rng(1000 + k))))
     return found
