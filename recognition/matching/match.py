@@ -7,7 +7,7 @@
     weigh       names, poses and "unknown" against each other
 
 Where the belief is not settled by the first objects of the shortlist, the next ones are searched too; and more of
-them, before it is called unknown.
+them, before it is called unknown.  Where nothing fits at last, the likeliest poses are slid (`sliding`).
 """
 
 from __future__ import annotations
@@ -54,6 +54,7 @@ class MatchConfig:
     unusual: float = 2.5  # standard deviations of a fit, beyond which more objects are searched
     believed: int = 4  # poses of an object that were believed, and are looked at before new ones
     polished: int = 24  # of these, refined again to the least mean distance
+    slid: int = 2  # poses that are slid along what is known least of them, where nothing fits
     most: int = 400  # contacts that are searched with; of more, those that lie farthest apart
     weighed: int = 1500  # contacts that weigh what was found; of more, every so many-th
     again: int = 16  # hypotheses that these weigh
@@ -85,7 +86,7 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     ranked = shortlist(evidence.contacts, library, most, tuple(known))
     names = [*likely, *(name for name in ranked if name not in likely)]
     found: dict[str, Found] = {}
-    refining = Refining(library, evidence, prior, config.noise, config.sift, config.polished)
+    refining = Refining(library, evidence, prior, config.noise, config.sift, config.polished, config.slid)
     belief = Belief((), {})
     for count in sorted({min(k, len(names)) for k in (config.first, config.most_objects, len(names))}):
         for name in names[len(found) : count]:
@@ -95,6 +96,9 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
         enough = told and count >= config.most_objects
         if (enough or _settled(belief, config)) and _fits(belief, evidence, config):
             break
+    if modes and not _fits(belief, evidence, config):
+        modes = refining.beside(modes, begun, config.search)
+        belief = _weighed(modes, library, evidence, prior, unknown, config)
     if told_where and not belief.hypotheses:
         _require_near(told_where, evidence, max(target_of(library[name]).size for name in found))
     if len(evidence.contacts) == len(whole.contacts) or not belief.hypotheses:

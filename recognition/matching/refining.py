@@ -12,11 +12,15 @@ from dataclasses import dataclass, field
 from models.library import Entry
 from primitives.arrays import Floats
 from recognition.matching.evidence import Evidence, Prior
-from recognition.matching.hypotheses import Found
+from recognition.matching.hypotheses import Begun, Found, SearchConfig
 from recognition.matching.likelihood import NoiseConfig
 from recognition.matching.modes import Felt, Mode, modes_of
-from recognition.matching.sharpened import sharpened
+from recognition.matching.sharpened import among, sharpened
 from recognition.matching.sifted import Sieve, SiftConfig
+from recognition.matching.sliding import slid
+from recognition.matching.target import target_of
+
+_MORE = 0.5  # of log likelihood, by which a mode is more than another that its covariance spans
 
 
 @dataclass
@@ -29,6 +33,7 @@ class Refining:
     noise: NoiseConfig
     sift: SiftConfig
     polished: int
+    slid: int
     _seen: Felt = field(init=False)
     _sieve: Sieve = field(init=False)
     _modes: dict[tuple[str, int], list[Mode]] = field(default_factory=dict)  # by how many of its poses stayed
@@ -43,6 +48,22 @@ class Refining:
         modes = [mode for name, poses in kept.items() for mode in self._of(name, poses)]
         return sharpened(modes, self.library, self._seen, self.evidence, self.prior, self.noise)
 
+    def beside(self, modes: list[Mode], begun: Begun, search: SearchConfig) -> list[Mode]:
+        """The modes, and those that the likeliest slide to."""
+        fresh: list[Mode] = []
+        for h in [m.hypothesis for m in sorted(modes, key=lambda m: -m.log_known)[: self.slid]]:
+            entry = self.library[h.name]
+            poses = slid(h, begun, target_of(entry), search)
+            found = modes_of(entry, poses, self._seen, self.evidence, self.prior, self.noise, self.polished)
+            fresh += [m for m in found if not among(_as_good(modes, m), m, entry)]
+        if not fresh:
+            return modes
+        kept: list[Mode] = []
+        for mode in sorted([*modes, *fresh], key=lambda m: -m.log_known):
+            if not among(kept, mode, self.library[mode.hypothesis.name]):
+                kept.append(mode)
+        return sharpened(kept, self.library, self._seen, self.evidence, self.prior, self.noise)
+
     def _of(self, name: str, poses: Floats) -> list[Mode]:
         """The best poses stay, so that their number says which."""
         key = name, len(poses)
@@ -52,3 +73,7 @@ class Refining:
                 entry, poses, self._seen, self.evidence, self.prior, self.noise, self.polished
             )
         return self._modes[key]
+
+
+def _as_good(modes: list[Mode], than: Mode) -> list[Mode]:
+    return [m for m in modes if m.log_known > than.log_known - _MORE]

@@ -71,14 +71,14 @@ def sharpened(modes: Sequence[Mode], library: Mapping[str, Entry], seen: Felt, e
         entry = library[mode.hypothesis.name]
         if k < config.most and mode.log_known > ranked[0].log_known - config.behind:
             better = _sharper(mode, entry, seen, evidence, prior, noise, config)
-            if not _among(kept, better, entry):
+            if not among(kept, better, entry):
                 kept.append(better)
-        elif not _among(kept, mode, entry):
+        elif not among(kept, mode, entry):
             kept.append(mode)
     return kept
 
 
-def _among(kept: Sequence[Mode], mode: Mode, entry: Entry) -> bool:
+def among(kept: Sequence[Mode], mode: Mode, entry: Entry) -> bool:
     """Whether a mode is one that is there already."""
     target = target_of(entry)
     own = [m.hypothesis for m in kept if m.hypothesis.name == entry.name]

@@ -1,0 +1,52 @@
+"""Poses that a likely one slides to along what the contacts tell least: round an axis, or along a bar.
+
+Where a body is nearly one of revolution, or nearly a bar, a few contacts in a hole or at an end alone tell how far
+it is turned or shifted.  A descent finds them only from close by; elsewhere they pass for contacts that stray.  So
+the whole way is tried: with the covariance C of (v, w) and the size s, the twist x is the eigenvector of
+D C D, D = diag(1, s / 2), that belongs to its largest value, as a turn or a shift, whichever it is more of.  Of
+the poses along it those are kept that cost least on the distance field, neighbors too, for the field blurs what is
+smaller than its cells (our derivation).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from primitives.arrays import Floats
+from primitives.pose import exp, inverse, pose
+from recognition.matching.belief import Hypothesis
+from recognition.matching.hypotheses import Begun, SearchConfig, scored
+from recognition.matching.target import Target
+
+
+@dataclass(frozen=True)
+class SlideConfig:
+    """How far, how finely, and how many."""
+
+    step: float = 0.8  # [mm] at half the size from the middle
+    kept: int = 12  # poses, the best
+
+
+def slid(h: Hypothesis, begun: Begun, target: Target, search: SearchConfig,
+         config: SlideConfig = SlideConfig()) -> Floats:  # fmt: skip
+    """(k, 3, 4) poses object_from_world beside that of a hypothesis, best first."""
+    twist, longest = _loosest(h.covariance, 0.5 * target.size)
+    count = max(3, int(longest / config.step))
+    shares = np.linspace(-longest, longest, 2 * count + 1)
+    about = pose(None, target.center) @ exp(shares[:, None] * twist) @ pose(None, -target.center)
+    poses = np.ascontiguousarray((about @ inverse(h.pose))[:, :3])
+    costs = scored(begun, target, poses, search)
+    return poses[np.argsort(costs, kind="stable")[: config.kept]]
+
+
+def _loosest(covariance: Floats, arm: float) -> tuple[Floats, float]:
+    """(6,) twist of a millimeter at the end of an arm [mm], and how many of these there are to either side."""
+    scale = np.array([1.0, 1.0, 1.0, arm, arm, arm])
+    x = np.linalg.eigh(covariance * np.outer(scale, scale))[1][:, -1] / scale
+    v, w = x[:3], x[3:]
+    if arm * float(np.linalg.norm(w)) > float(np.linalg.norm(v)):
+        v = v - w * float(w @ v) / float(w @ w)  # a turn about an axis, without a pitch
+        return np.concatenate([v, w]) / (arm * float(np.linalg.norm(w))), np.pi * arm
+    return np.concatenate([v / float(np.linalg.norm(v)), np.zeros(3)]), arm
