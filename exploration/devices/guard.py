@@ -29,6 +29,7 @@ from primitives.pose import apart
 _STALE = 0.1  # [s] without a frame, in which a stage of itself ends what it was told
 _TRAIL = 80  # ticks of the way back that are remembered
 _TRAIL_STEP = 10  # ticks between its stops
+_OFF = 0.3  # cosine of a way with the array's own back, from which it leads off what the array touches
 
 
 @dataclass(frozen=True)
@@ -218,12 +219,21 @@ class Guard:
             raise PalpateError(f"the stage would leave its travel at {at} mm; widen reach")
 
     def _back_off(self, distance: float = 5.0) -> None:
-        """Back along the way that the array came, which was free, and then off the surface."""
+        """Back along the way that the array came, which was free, and then off the surface.
+
+        An array that was on its way off the surface has met something behind it, and stays in front of that.
+        """
         self.stage.stop()
         self._following.rest()
-        way_back = list(self._trail)[-2::-_TRAIL_STEP]
-        lift = se3.pose(translation=[0.0, 0.0, -distance])
-        for world_from_sensor in [*way_back, (way_back[-1] if way_back else self.world_from_sensor) @ lift]:
+        trail = list(self._trail)
+        way_back = trail[-2::-_TRAIL_STEP]
+        if trail:
+            way_back.append(trail[0])
+            lift = se3.pose(translation=[0.0, 0.0, -distance])
+            came = trail[-1][:3, 3] - trail[0][:3, 3]
+            if float(came @ -trail[-1][:3, 2]) <= _OFF * float(np.linalg.norm(came)):
+                way_back.append(trail[0] @ lift)
+        for world_from_sensor in way_back:
             self.stage.go_to(world_from_sensor @ se3.inverse(self.sensor.flange_from_sensor))
             while self.stage.moving:
                 self._read()
