@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.consistency import concave, drop_contradicted, drop_edges
+from exploration.planning.consistency import concave, drop_contradicted, drop_edges, drop_rims
 from primitives.arrays import Floats, Ints
 from primitives.classify import RankOptions
 from primitives.evidence import Contacts
@@ -92,7 +92,7 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
             loose = without(loose, lot)
             break
     hollow = not config.convex or concave(graph)
-    kept = drop_edges(graph if hollow else drop_contradicted(graph))
+    kept = drop_rims(drop_edges(graph)) if hollow else drop_edges(drop_contradicted(graph))
     staying = {face.id for face in kept.faces}
     dropped = [face.contacts for face in graph.faces if face.id not in staying]
     graph, loose = _settled(kept, Contacts.concatenate([loose, *dropped]), config)

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from primitives.arrays import Floats
-from primitives.evidence import Contacts
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit
 from primitives.patch_graph import Face, PatchGraph
 from primitives.shapes import Shape
@@ -33,6 +33,7 @@ _SAGITTA = 0.05  # [mm] of bulge, which a pad that lies partly past a small face
 _NO_WORSE = 1.3  # times the misfit of a curved face, up to which a plane explains as much
 _FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
+_AT_RIM = 0.5  # [mm] from a larger face, within which a contact of a pad that lies on its rim is
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
 
 
@@ -49,6 +50,27 @@ def drop_edges(graph: PatchGraph) -> PatchGraph:
         near = _ON_EDGE if len(face.contacts) < _FEW else _SAME
         on_larger = ((away[larger] < near) & (facing[larger] > _FACING)).any(axis=0)
         if float(on_edge.mean()) > _EDGE_SHARE or float(on_larger.mean()) > _EDGE_SHARE:
+            graph = _without(graph, face.id)
+    return graph
+
+
+def drop_rims(graph: PatchGraph) -> PatchGraph:
+    """The graph less its faces that were read where a pad lay on a rim, or across a step from rim to rim.
+
+    All contacts of such a face lie on larger ones, and look another way than those do.
+    """
+    for face in sorted(graph.faces, key=lambda f: len(f.contacts)):
+        felt = face.contacts.select(face.contacts.touch != NOT_FELT)
+        larger = [
+            f
+            for f in graph.faces
+            if isinstance(f.fit, Fit) and len(f.contacts) > _LARGER * len(face.contacts)
+        ]
+        if not len(felt) or not larger:
+            continue
+        away = np.array([np.abs(_shape(f).signed_distance(felt.points)) for f in larger])
+        facing = np.array([(_outward(f, felt) * felt.normals).sum(axis=1) for f in larger])
+        if float(((away < _AT_RIM) & (facing < _FACING)).any(axis=0).mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
 

@@ -98,3 +98,20 @@ def test_a_ball_felt_at_one_end_gets_a_contact_of_the_other(seed):
     taken = take_in(graph, NONE, far, CONFIG)
     assert [len(face.contacts) for face in taken.graph.faces] == [11]
     assert abs(taken.graph.faces[0].fit.shape.radius - 28.0) < 0.06
+
+
+def test_what_a_pad_reads_on_a_rim_is_no_face_of_a_hollow_object(corner):
+    """Beside the rim of the upper side, turned by 30 degrees: as a pad lies from there to the edge of a step."""
+    hollow = AttributionConfig(convex=False)
+    along = np.linspace(-12.0, 12.0, 9)
+    rows = np.concatenate(
+        [np.column_stack([along, np.full(9, -14.5 - s), np.full(9, 15.0 - 0.58 * s)]) for s in (0.0, 0.7)]
+    )
+    tilted = np.tile([0.0, -0.5, np.sqrt(0.75)], (len(rows), 1))
+    taken = take_in(corner, NONE, Contacts.of(rows, tilted, sigma=0.03, normal_sigma=0.01, touch=7), hollow)
+    assert len(taken.graph.faces) == 2
+    assert len(taken.loose) == len(rows)
+    farther = Contacts.of(
+        rows + np.outer(np.arange(18) % 6, [0.0, -2.0, -1.155]), tilted, 0.03, 0.01, touch=8
+    )
+    assert len(take_in(corner, NONE, farther, hollow).graph.faces) == 3
