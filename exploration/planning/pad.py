@@ -25,6 +25,7 @@ from exploration.control.track_surface import Stroke, StrokeConfig, follow_surfa
 from exploration.devices.guard import Guard, Observation
 from exploration.planning.felt_free import FeltFree
 from exploration.planning.routes import Tool
+from exploration.planning.swept_cells import SweptCells
 from exploration.planning.told import Told
 from exploration.planning.touched import Touched
 from exploration.planning.transit import Support, TransitConfig, box_supports, keeps_clear, way
@@ -68,7 +69,7 @@ class Pad:
     ) -> None:
         self.guard, self.box, self.announce, self.config, self.told = guard, box, announce, config, told
         self.covered = Touched()
-        self.free = FeltFree()
+        self.free, self.swept = FeltFree(), SweptCells(box)
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self._watched: Floats | None = None  # (3,) where the skin was last looked at for free space
         self.most: int | None = None  # touches that are allowed
@@ -227,7 +228,8 @@ class Pad:
         return found
 
     def _watch(self, seen: Observation) -> None:
-        """Note what the skin leaves free, every few mm of whatever the pad does in contact."""
+        """Note where the array is, and what the skin leaves free, every few mm of whatever it does in contact."""
+        self.swept.pass_through(seen.world_from_sensor, self.tool.low, self.tool.high)
         at = seen.world_from_sensor[:3, 3]
         if self._watched is not None and float(np.linalg.norm(at - self._watched)) < self.config.watch:
             return

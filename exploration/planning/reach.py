@@ -6,11 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.control.feel import feel
+from exploration.control.kept_contacts import touched_cells
 from exploration.control.procedures.approach import retreat, touched
 from exploration.control.procedures.land import LandConfig
 from exploration.control.procedures.settle import SettleConfig
+from exploration.devices.guard import Collision, Observation, OverPress
 from exploration.planning.pad import Pad
-from exploration.planning.routes import RoutesConfig, route
+from exploration.planning.routes import RoutesConfig, on_the_way, route
 from exploration.planning.surface_map import SurfaceMap
 from primitives import pose as se3
 from primitives.arrays import Floats
@@ -28,6 +31,8 @@ class ReachConfig:
     wide: float = 3.5  # [mm] round what is carried on long arms, where ways are as free as that
     room: float = 0.6  # [mm] round the housing, where the pad is to lie
     alike: float = 0.85  # cosine from which two ways out are one
+    slow: float = 4.0  # [mm] between stops where nobody has been
+    slow_turn: float = 0.05  # [rad] the same
     give: float = 8.0  # [mm] off a place that what is known reaches into, from where it is come at yet
     step: float = 1.6  # [mm] between such tries
 
@@ -45,6 +50,7 @@ class Reach:
         wide = RoutesConfig(margin=config.wide)  # of edges the places felt last lie a taxel inside
         self._routes = (wide, RoutesConfig()) if pad.tool.carried else (RoutesConfig(),)
         self._felt = SurfaceMap()
+        self._barred: list[Floats] = []  # (4, 4) where something unknown stopped the array on its way
 
     @property
     def felt(self) -> SurfaceMap:
@@ -107,21 +113,52 @@ class Reach:
         self.led = False
         self.come_out()
         standoff = target @ se3.pose(translation=[0.0, 0.0, -back])
-        obstacles, guard = self._obstacles(), self.pad.guard
+        obstacles = self._obstacles()
         if not self.clear(target) or not self.pad.tool.clear(standoff[None], obstacles, 1.0, 1.0)[0]:
             return False
-        known = np.concatenate([obstacles, self.lids[0]])
-        start, ways = guard.world_from_sensor, self._ways()
-        tried = (route(self.pad.tool, start, standoff, known, ways, config) for config in self._routes)
+        return self.go(standoff)
+
+    def go(self, goal: Floats) -> bool:
+        """Round what is known to a (4, 4) goal; whether the pad got there, `led` whether there was a way."""
+        known, start = np.concatenate([self._obstacles(), self.lids[0]]), self.pad.guard.world_from_sensor
+        tool, ways, barred = self.pad.tool, self._ways(), self._barred
+        tried = (route(tool, start, goal, known, ways, config, barred) for config in self._routes)
         poses = next((found for found in tried if found is not None), None)
-        if poses is None:
-            return False
-        self.led = True
-        for k, pose in enumerate(poses):
-            if guard.go_to(pose, until=None if k == 0 else lambda seen: touched(seen.image)) is not None:
+        self.led = poses is not None
+        return poses is not None and all(self._fly(pose, k == 0) for k, pose in enumerate(poses))
+
+    def _fly(self, goal: Floats, first: bool) -> bool:
+        """Straight to a (4, 4) goal, slowly where nobody has been; false where it touched something."""
+        guard = self.pad.guard
+        for stop in self._stops(goal):
+            try:
+                met = guard.go_to(stop, until=None if first else lambda seen: touched(seen.image))
+            except (Collision, OverPress) as error:
+                self._bar(error.seen)
+                raise
+            if met is not None:
+                self._bar(met)
                 retreat(guard, self.config.back)
                 return False
         return True
+
+    def _stops(self, goal: Floats) -> list[Floats]:
+        """Where to stand still on the way to a (4, 4) goal: who stops often is slow, and soon at rest."""
+        tool, seen = self.pad.tool, self.pad.swept
+        here = self.pad.guard.world_from_sensor
+        poses = on_the_way(here, goal, tool.mount, self.config.slow, self.config.slow_turn)
+        known = [seen.holds_box(pose, tool.low, tool.high) for pose in poses]
+        stops = [pose for pose, a, b in zip(poses[:-1], known[:-1], known[1:], strict=True) if not (a and b)]
+        return [*stops[1:], goal] if not known[0] else [*stops, goal]
+
+    def _bar(self, seen: Observation | None) -> None:
+        """Remember where something unknown was in the way, and what of it the skin felt."""
+        if seen is None:
+            return
+        self._barred.append(seen.world_from_sensor)
+        if felt := feel(seen.image):
+            cells = touched_cells(seen, felt)
+            self.pad.felt.append((cells, np.broadcast_to(-seen.world_from_sensor[:3, 2], cells.shape)))
 
     def _obstacles(self) -> Floats:
         """(n, 3) places of all that is known to stand."""

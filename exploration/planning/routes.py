@@ -30,6 +30,9 @@ class RoutesConfig:
     turn: float = 0.15  # [rad] the same
     swing: float = 8.0  # [mm] of the farthest corner, the same where the tool is long
     lever: float = 60.0  # [mm] of way that a radian costs
+    barred: float = 4.0  # [mm] from a pose at which something was in the way, that it is so yet
+    barred_turn: float = 0.15  # of the attitude's matrix, the same
+    leading_off: float = 0.1  # share of these, by which a way may come nearer than it began
 
 
 @dataclass(frozen=True)
@@ -114,14 +117,16 @@ def route(
     obstacles: Floats,
     ways: Floats,
     config: RoutesConfig = RoutesConfig(),
+    barred: Sequence[Floats] = (),
 ) -> list[Floats] | None:
     """The shortest free way that was found from one pose to another; None where there is none.
 
-    `ways` (n, 3) are directions that may lead out, beside those of the pad's own normals.
+    `ways` (n, 3) are directions that may lead out, beside those of the pad's own normals; at poses near to (4, 4)
+    `barred` ones something unknown was in the way.
     """
     turns: dict[tuple[bytes, bytes], float] = {}
     tried = sorted(_candidates(start, goal, ways, config), key=lambda way: _length(start, way, config, turns))
-    legs = _Legs(tool, obstacles, config)
+    legs = _Legs(tool, obstacles, config, np.array(barred).reshape(-1, 4, 4))
     return next((poses for poses in tried if legs.free(start, poses)), None)
 
 
@@ -147,8 +152,8 @@ def _lifted(pose: Floats, by: Floats) -> Floats:
 class _Legs:
     """The legs of one search; many ways share their first and their last."""
 
-    def __init__(self, tool: Tool, obstacles: Floats, config: RoutesConfig) -> None:
-        self._tool, self._obstacles, self._config = tool, obstacles, config
+    def __init__(self, tool: Tool, obstacles: Floats, config: RoutesConfig, barred: Floats) -> None:
+        self._tool, self._obstacles, self._config, self._barred = tool, obstacles, config, barred
         self._turn = min(config.turn, config.swing / float(np.linalg.norm(tool.corners, axis=1).max()))
         self._known: dict[tuple[bytes, bytes, bool, bool], bool] = {}
 
@@ -166,8 +171,25 @@ class _Legs:
             front = 0.0 if first or last else self._config.margin
             margin = 0.3 if first else self._config.margin
             between = between[2:] if first else between  # the pad leaves what it lies beside
-            self._known[key] = bool(self._tool.clear(between, self._obstacles, margin, front).all())
+            self._known[key] = not self._is_barred(a, between) and bool(
+                self._tool.clear(between, self._obstacles, margin, front).all()
+            )
         return self._known[key]
+
+    def _is_barred(self, start: Floats, poses: Floats) -> bool:
+        """Whether a (k, 4, 4) leg comes near to a barred pose; one that starts near to it must lead off."""
+        if not len(self._barred) or not len(poses):
+            return False
+        nearest = _apart(poses[:, None], self._barred[None], self._config).min(axis=0)
+        before = _apart(start[None], self._barred, self._config)
+        return bool((nearest < np.minimum(1.0, before - self._config.leading_off)).any())
+
+
+def _apart(a: Floats, b: Floats, config: RoutesConfig) -> Floats:
+    """How far (..., 4, 4) poses are apart, 1 being where what is in the way at one need not be so at the other."""
+    off = a - b
+    turned = np.abs(off[..., :3, :3]).max(axis=(-1, -2)) / config.barred_turn
+    return np.asarray(np.maximum(np.linalg.norm(off[..., :3, 3], axis=-1) / config.barred, turned))
 
 
 def on_the_way(a: Floats, b: Floats, mount: Floats, most: float, most_turn: float) -> Floats:

@@ -1,0 +1,84 @@
+"""Cells of space that an array and its housing have passed through: nothing stands there.
+
+A cell counts as swept once its middle was in the box of skin and housing, a margin inside.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from primitives.arrays import Bools, Floats, Ints
+
+_CELL = 4.0  # [mm]
+_MOST = 256  # cells along one side of the workspace; in a larger one they are larger
+_STEP = 3.0  # [mm] of the way, after which the box is noted again
+_TURN = 0.1  # of the attitude's matrix, likewise
+_WITHIN = 1.0  # [mm] of the housing, where there is surely nothing else
+_SKIN = 1.6  # [mm] behind the skin, as deep as anything may press into it
+
+
+class SweptCells:
+    """Of a (6,) workspace box [mm]; grows with every motion."""
+
+    def __init__(self, box: Floats) -> None:
+        self._low, high = np.asarray(box[:3], dtype=float), np.asarray(box[3:], dtype=float)
+        self.cell = max(_CELL, float((high - self._low).max()) / _MOST)
+        self._swept = np.zeros(np.ceil((high - self._low) / self.cell).astype(int) + 1, dtype=bool)
+        self._last: Floats | None = None
+
+    def pass_through(self, pose: Floats, low: Floats, high: Floats) -> None:
+        """Note the box between two (3,) corners [mm] at a (4, 4) pose, unless it hardly moved."""
+        if self._last is not None:
+            moved = np.abs(pose - self._last)[:3]
+            if moved[:, 3].max() < _STEP and moved[:, :3].max() < _TURN:
+                return
+        self._last = pose
+        rows, at = self._under(pose, low, high)
+        inner, outer = low + _WITHIN, high - np.array([_WITHIN, _WITHIN, _SKIN])
+        self._mark(rows[((at > inner) & (at < outer)).all(axis=1)])
+
+    def note(self, places: Floats) -> None:
+        """Take (n, 3) places [mm] for swept."""
+        self._mark(self._rows(places))
+
+    def holds(self, places: Floats) -> Bools:
+        """(n,) whether the cell of each of (n, 3) places was swept; none outside the workspace was."""
+        rows = self._rows(places)
+        inside = self._inside(rows)
+        out = np.zeros(len(places), dtype=bool)
+        out[inside] = self._swept[tuple(rows[inside].T)]
+        return out
+
+    def holds_box(self, pose: Floats, low: Floats, high: Floats) -> bool:
+        """Whether every cell in a box at a (4, 4) pose was swept, as far as the workspace reaches."""
+        rows, at = self._under(pose, low, high)
+        rows = rows[((at > low) & (at < high)).all(axis=1)]
+        return bool(self._swept[tuple(rows.T)].all())
+
+    def between(self, low: Floats, high: Floats, swept: bool) -> Floats:
+        """(n, 3) middles [mm] of the cells between two (3,) corners that were swept, or of those that were not."""
+        rows = self._lattice(self._rows(low[None])[0], self._rows(high[None])[0])
+        return np.asarray(self._low + self.cell * rows[self._swept[tuple(rows.T)] == swept])
+
+    def _under(self, pose: Floats, low: Floats, high: Floats) -> tuple[Ints, Floats]:
+        """(n, 3) the cells about a box at a (4, 4) pose, and (n, 3) where their middles are in the box's frame."""
+        middle, half = pose[:3, :3] @ (0.5 * (low + high)), np.abs(pose[:3, :3]) @ (0.5 * (high - low))
+        ends = pose[:3, 3] + middle + np.outer([-1.0, 1.0], half)
+        rows = self._lattice(*self._rows(ends))
+        return rows, (self._low + self.cell * rows - pose[:3, 3]) @ pose[:3, :3]
+
+    def _lattice(self, first: Ints, last: Ints) -> Ints:
+        """(n, 3) all cells of the workspace from one to another."""
+        top = np.array(self._swept.shape) - 1
+        spans = zip(np.clip(first, 0, top + 1), np.clip(last, -1, top), strict=True)
+        axes = [np.arange(a, b + 1) for a, b in spans]
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+    def _mark(self, rows: Ints) -> None:
+        self._swept[tuple(rows[self._inside(rows)].T)] = True
+
+    def _inside(self, rows: Ints) -> Bools:
+        return np.asarray(((rows >= 0) & (rows < self._swept.shape)).all(axis=1))
+
+    def _rows(self, places: Floats) -> Ints:
+        return np.asarray(np.round((places - self._low) / self.cell).astype(np.int64))
