@@ -23,6 +23,7 @@ from exploration.planning.entering import Entering
 from exploration.planning.findings import Attempts, Done, ExplorerConfig, outward_normal
 from exploration.planning.frontier import Predicted
 from exploration.planning.local_frontier import LocalFrontier
+from exploration.planning.looking import Looking
 from exploration.planning.reach import Reach
 from exploration.planning.rim_walls import RimWalls
 from exploration.planning.round_holes import RoundHoles
@@ -44,6 +45,8 @@ class AnyFormConfig:
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
     stuck: float = 1.0  # [mm] of a stroke, less than which there is no way from where the pad lies
     wall_tries: int = 2
+    vain: int = 12  # looks at walls that were not there, from which no more of them are believed
+    worth: int = 3  # of those, that a wall found makes up for
     rim_tries: int = 3
     beside: float = 9.0  # [mm] between tries that count as one thing
     opposed: float = 0.9  # least cosine between a face and the reverse of another, that bound a plate
@@ -67,6 +70,8 @@ class AnyForm:
         self._open = Attempts(config.tries - 1, 2.5)
         self._entering = Entering(study, self.reach) if later else None
         self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
+        self._vain = 0
+        self._looking = Looking(study, self.reach)
         self._last: tuple[tuple[int, ...], PatchGraph, LocalFrontier] | None = None
         study.reconsider()
 
@@ -87,6 +92,8 @@ class AnyForm:
 
     def conclude(self) -> None:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
+        if len(felt := self.reach.felt.points):
+            self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0), swept=True))
         conclude(self.found, self.study.walls, self._frontier, self._stands)
 
     def _frontier(self) -> LocalFrontier:
@@ -114,6 +121,7 @@ class AnyForm:
             return min(into, key=lambda item: _away(item[0], here))[1]
         todo: list[tuple[float, Callable[[], Done]]] = []
         standing = [wall for wall in walls if not self._walls.given_up(wall.point)]
+        standing = standing if self._vain < self.own.vain else []
         todo += [(_away(wall.point, here), partial(self._face_wall, wall)) for wall in standing]
         leading = [
             rim for rim, _ in rims if not self._rims.given_up(rim.point) and not self.reach.at_lid(rim.point)
@@ -126,7 +134,7 @@ class AnyForm:
             openings = frontier.openings
             round_ = [opening for opening in openings if not self._refuted(opening)]
             straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in round_)]
-            return self._holes.next(openings) or self._rim_walls.next(straight)
+            return self._looking.next() or self._holes.next(openings) or self._rim_walls.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None
 
     def _refuted(self, opening: RoundRim) -> bool:
@@ -170,7 +178,9 @@ class AnyForm:
     def _face_wall(self, wall: Wall) -> Done:
         """Turn to face what a stroke met, just above the face that the pad lay on."""
         self._walls.note(wall.point)
-        return face_wall(self.study, self.reach, wall)
+        done, note = face_wall(self.study, self.reach, wall)
+        self._vain = max(0, self._vain - self.own.worth) if done is not None else self._vain + self.reach.led
+        return done, note
 
     def _cross(self, rim: Sighting) -> Done:
         """Roll over a rim onto the face behind it."""

@@ -47,7 +47,7 @@ class Findings:
 
     graph: PatchGraph = field(default_factory=lambda: PatchGraph(options=CONVEX))
     traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
-    inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] in what an array went into
+    inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] that an array was in
     rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
     refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
     wall_rims: list[tuple[Sighting, int]] = field(default_factory=list)  # others looked at, and their face
