@@ -15,16 +15,17 @@ from exploration.planning.consistency import drop_poor, flattened
 from exploration.planning.findings import Findings
 from exploration.planning.inferred_walls import inferred_walls
 from exploration.planning.local_frontier import LocalFrontier
-from exploration.planning.rim_walls import SeenRim, rim_walls
+from exploration.planning.rim_walls import SeenRim, rim_walls, upright_walls
 from exploration.planning.round_holes import holes_of
 from exploration.planning.round_rims import RoundRim
 from exploration.planning.study import Wall
 from primitives.evidence import Contacts
-from primitives.fit import Fit
+from primitives.fit import Fit, fit
 from primitives.patch_graph import Face
 
 _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped"
 _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two others"
+_BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 
@@ -39,28 +40,38 @@ def conclude(
     found.graph = drop_poor(flattened(found.graph))
     for lot in inferred_walls([wall for wall in walls if not stands(wall)], found.graph.faces):
         _add(found, lot, _BY_STOPS)
-    left = [rim for rim in found.wall_rims if not _explained(rim, found.graph.faces)]
-    if lots := rim_walls(left, found.graph.faces):
+    if lots := rim_walls(_unexplained(found), found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}
         _replace(found, lambda face: placed.get(face.id, face))
     for lot in lots:
         _add(found, lot, _BY_RIMS)
+    for lot in upright_walls(_unexplained(found), found.graph.faces):
+        _add(found, lot, _BY_RIM)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
     holes, found.openings = holes_of([*found.rims, *guessed], inside)
     for hole in holes:
         _replace(found, hole.off)
-        _add(found, hole.wall(), _BY_ENDS)
+        _add(found, hole.wall(), _BY_ENDS, "cylinder")
     found.warnings.extend(rim.told() for rim in found.openings)
 
 
-def _add(found: Findings, lot: Contacts, why: str) -> None:
-    found.graph, _ = found.graph.add_stroke(lot)
+def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> None:
+    """Add a face that is known to be of one `kind`: a short one fits others as well."""
+    found.graph, own = found.graph.add_stroke(lot)
+    made = fit(kind, lot)
+    if len(found.graph.face(own).contacts) == len(lot) and isinstance(made, Fit):
+        _replace(found, lambda face: replace(face, fit=made, ranked=()) if face.id == own else face)
     found.warnings.append(why)
 
 
 def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
     found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
+
+
+def _unexplained(found: Findings) -> list[SeenRim]:
+    """The rims that were looked at and that no face is known behind."""
+    return [rim for rim in found.wall_rims if not _explained(rim, found.graph.faces)]
 
 
 def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:

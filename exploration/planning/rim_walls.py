@@ -25,6 +25,7 @@ from primitives.fit import Fit
 from primitives.patch_graph import Face
 
 SeenRim = tuple[Sighting, int]  # a rim, and the face that ends there
+Wall = tuple[Floats, Floats]  # (n, 3) places [mm], and the (3,) way that it looks
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,9 @@ class RimWallsConfig:
     known: float = 0.998  # least cosine between a wall's direction and one that the object has
     faces: float = 0.9  # most cosine between the faces of the two rims
     same: float = 0.6  # [mm] between walls that are one
+    most: int = 16  # walls of one rim each
+    deep: float = 3.0  # [mm] of such a wall, where nothing tells more
+    felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
     sigma: float = 0.1  # [mm]
     normal_sigma: float = 0.02  # [rad]
 
@@ -80,38 +84,77 @@ def rim_walls(
     rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig = RimWallsConfig()
 ) -> list[Contacts]:
     """Contacts of each wall that two rims agree on."""
-    ways = [f.fit.shape.direction for f in faces if isinstance(f.fit, Fit) and f.fit.kind == "plane"]
-    found: list[tuple[Floats, Floats]] = []  # places and normal
+    ways = _directions(faces)
+    found: list[Wall] = []
     for k, (a, face) in enumerate(rims):
         for b, other in rims[k + 1 :]:
-            if face == other or (normal := _across(a, b, ways, config)) is None:
-                continue
-            points = _between(_along(a), _along(b))
-            for j, (places, known) in enumerate(found):
-                if (
-                    known @ normal > config.known
-                    and abs((places.mean(axis=0) - points.mean(axis=0)) @ normal) < config.same
-                ):
-                    found[j] = (np.concatenate([places, points]), known)
-                    break
-            else:
-                found.append((points, normal))
+            if face != other and (normal := _across(a, b, ways, config)) is not None:
+                _join(found, (_between(_along(a), _along(b)), normal), config)
     found += [side for floor in list(found) for side in _sides(rims, floor, ways, config)]
+    return _contacts(found, config)
+
+
+def upright_walls(
+    rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig = RimWallsConfig()
+) -> list[Contacts]:
+    """Contacts of a wall below each rim that no other agrees with: upright on its face, as most walls are."""
+    ways = _directions(faces)
+    found: list[Wall] = []
+    for rim, face in sorted(rims, key=lambda seen: -seen[0].length)[: config.most]:
+        normal = max(ways, key=lambda way: abs(float(way @ rim.outward)), default=rim.outward)
+        normal = np.asarray(normal * np.sign(normal @ rim.outward))
+        normal = normal if float(normal @ rim.outward) > config.known else rim.outward
+        if abs(float(normal @ rim.normal)) < config.parallel:
+            down = _depth(rim, face, faces, config) * rim.normal
+            _join(found, (_between(_along(rim), _along(rim) - down), normal), config)
+    return _contacts(found, config)
+
+
+def _depth(rim: Sighting, own: int, faces: Sequence[Face], config: RimWallsConfig) -> float:
+    """[mm] from a rim down to the next flat face that is parallel to its own, where one was felt beside it."""
+    deep = [config.deep]
+    for face in faces:
+        if face.id == own or not isinstance(face.fit, Fit) or face.fit.kind != "plane":
+            continue
+        if abs(float(face.fit.shape.direction @ rim.normal)) > config.known:
+            away = rim.point - face.contacts.points
+            down = np.median(away @ rim.normal)
+            aside = np.linalg.norm(away - np.outer(away @ rim.normal, rim.normal), axis=1)
+            deep += [float(down)] if down > 0.0 and aside.min() < config.felt else []
+    return min(deep[1:], default=config.deep)
+
+
+def _directions(faces: Sequence[Face]) -> list[Floats]:
+    return [f.fit.shape.direction for f in faces if isinstance(f.fit, Fit) and f.fit.kind == "plane"]
+
+
+def _join(found: list[Wall], wall: Wall, config: RimWallsConfig) -> None:
+    """Add a wall to those found, or to the one of them that it is."""
+    points, normal = wall
+    for j, (places, known) in enumerate(found):
+        apart = abs(float((places.mean(axis=0) - points.mean(axis=0)) @ normal))
+        if known @ normal > config.known and apart < config.same:
+            found[j] = (np.concatenate([places, points]), known)
+            return
+    found.append(wall)
+
+
+def _contacts(walls: Sequence[Wall], config: RimWallsConfig) -> list[Contacts]:
     return [
         Contacts.of(p, np.broadcast_to(n, p.shape), config.sigma, config.normal_sigma, touch=NOT_FELT)
-        for p, n in found
+        for p, n in walls
     ]
 
 
 def _sides(
     rims: Sequence[SeenRim],
-    floor: tuple[Floats, Floats],
+    floor: Wall,
     ways: Sequence[Floats],
     config: RimWallsConfig,
-) -> list[tuple[Floats, Floats]]:
+) -> list[Wall]:
     """Upright walls from a floor to two rims of one face that look to each other across it."""
     places, up = floor
-    out: list[tuple[Floats, Floats]] = []
+    out: list[Wall] = []
     for k, (a, face) in enumerate(rims):
         for b, other in rims[k + 1 :]:
             if face != other or a.normal @ up < config.known or a.outward @ b.outward > -config.known:

@@ -49,6 +49,7 @@ class RoundHolesConfig:
     sigmas: float = 2.0  # of the radii, on top of both
     guessed: float = 0.6  # [mm] of a rim that was not looked at
     least_depth: float = 2.0  # [mm] that an array went in
+    row: float = 8.0  # [mm] between places that follow each other
     sigma: float = 0.02  # [mm] of the wall, besides the radius' own
     normal_sigma: float = 0.02  # [rad]
     mouth: float = 1.0  # [mm] before a hole, that is its mouth
@@ -160,8 +161,8 @@ def holes_of(
     while (pair := _nearest_ends(left, config)) is not None:
         left = [rim for rim in left if rim is not pair[0] and rim is not pair[1]]
         out.append(_between(*pair))
-    for rim in [rim for rim in left if rim.measured]:
-        depth = _gone_in(rim, inside)
+    for rim in list(left):
+        depth = _gone_in(rim, inside, config)
         if depth > config.least_depth:
             left = [other for other in left if other is not rim]
             out.append(_between(rim, replace(rim, center=rim.center - depth * rim.axis, axis=-rim.axis)))
@@ -192,11 +193,13 @@ def _ends_of_one(a: RoundRim, b: RoundRim, config: RoundHolesConfig) -> bool:
     )
 
 
-def _gone_in(rim: RoundRim, inside: Floats) -> float:
-    """[mm] behind a rim, of the deepest of (n, 3) places where an array was in its hole."""
+def _gone_in(rim: RoundRim, inside: Floats, config: RoundHolesConfig) -> float:
+    """[mm] behind a rim, down to which (n, 3) places where an array was follow each other in its hole."""
     deep = (rim.center - inside) @ rim.axis
     aside = np.linalg.norm(inside - rim.center + deep[:, None] * rim.axis, axis=1)
-    return float(deep[(aside < rim.radius) & (deep > 0.0)].max(initial=0.0))
+    row = np.sort(deep[(aside < rim.radius) & (deep > 0.0)])
+    breaks = np.flatnonzero(np.diff(row, prepend=0.0) > config.row)
+    return float(row[: breaks[0] if len(breaks) else len(row)].max(initial=0.0))
 
 
 def _between(a: RoundRim, b: RoundRim) -> Hole:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from exploration.control.sighting import Sighting
-from exploration.planning.rim_walls import rim_walls
+from exploration.planning.rim_walls import rim_walls, upright_walls
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 
@@ -63,3 +63,13 @@ def test_upright_walls_join_a_known_floor_to_rims_that_look_to_each_other():
         assert abs(place - there) < 0.2
         assert 0.0 < low < 3.0
     assert len(rim_walls([TOP_LEFT, top_right], FACES)) == 0
+
+
+def test_below_a_rim_of_its_own_a_wall_stands_upright_down_to_the_next_face():
+    step = flat(4, Z, np.array([8.0, 0.0, 6.0]))
+    tilted = rim([-8.0, 0.0, 15.0], Y, np.cos(0.02) * X + np.sin(0.02) * Y, Z), 0
+    (wall,) = upright_walls([tilted], [*FACES, step])
+    assert (wall.touch == NOT_FELT).all()
+    assert (wall.normals @ X > 0.999999).all()  # as the object's other faces stand
+    assert np.abs(wall.points[:, 0] + 8.0).max() < 0.2
+    assert 6.0 < wall.points[:, 2].min() < 8.0
