@@ -29,6 +29,7 @@ from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
 
+_HEARSAY = 4  # inferred contacts that count as much as one that was felt
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
 
 
@@ -159,9 +160,10 @@ def _is_concave(
 def _touched(
     shape: Shape, speaker_of: int, speaker: Sequence[int], fits: Sequence[Fit], faces: Sequence[FittedFace]
 ) -> tuple[Floats, Floats]:
-    """Contacts of every face on a surface, put on it, with the normals that it has there."""
+    """Contacts of every face on a surface, put on it, with the normals it has there; few of those inferred."""
     mine = [faces[i].contacts for i, s in enumerate(speaker) if s == speaker_of]
     felt = Contacts.concatenate(mine)
+    felt = felt.select((felt.touch != NOT_FELT) | (np.arange(len(felt)) % _HEARSAY == 0))
     points = shape.project(felt.points)
     normals = shape.normals(points)
     known = felt.has_normal
