@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
-from exploration.planning.findings import Done
+from exploration.planning.findings import Attempts, Done
 from exploration.planning.reach import Reach
 from exploration.planning.round_ball import Ball, way_round
 from exploration.planning.study import Study
@@ -31,6 +31,8 @@ class LookingConfig:
     out: float = 30.0  # [mm] that a ball about all that was felt is larger than that
     start: float = 20.0  # [mm] outside that ball, where an approach begins
     there: float = 1.0  # [mm] from where an approach begins, that is there
+    same: float = 15.0  # [mm] between the beginnings of approaches that are one
+    beside: float = 12.0  # [mm] from what was met on the way round, where it is looked for
     back: float = 6.0  # [mm] from what was met on the way round
 
 
@@ -39,7 +41,7 @@ class Looking:
 
     def __init__(self, study: Study, reach: Reach, config: LookingConfig = LookingConfig()) -> None:
         self.study, self.reach, self.config = study, reach, config
-        self._left = config.most
+        self._left, self._failed = config.most, Attempts(1, config.same)
 
     def next(self) -> Callable[[], Done] | None:
         """The approach that sees most; None where none is worth it."""
@@ -53,7 +55,6 @@ class Looking:
     def _look(self, view: View) -> Done:
         self._left -= 1
         pad, guard = self.study.pad, self.study.pad.guard
-        pad.swept.note(view.unseen)  # seen, or looked for in vain: not worth another try
         felt = self.reach.felt.points
         middle = 0.5 * (felt.min(axis=0) + felt.max(axis=0))
         ball = Ball(middle, float(np.linalg.norm(felt - middle, axis=1).max()) + self.config.out)
@@ -61,7 +62,13 @@ class Looking:
         way, at = view.target[:3, 2], view.target[:3, 3]
         start = se3.pose(view.target[:3, :3], at - (float((at - middle) @ way) + far) * way)
         if not self._round(start, ball):
-            return None, "met something on the way round"
+            if self._failed.count(start[:3, 3]):
+                pad.swept.note(view.unseen)  # not worth a third try
+            self._failed.note(start[:3, 3])
+            if pad.come_down(guard.world_from_sensor[:3, 2], self.config.beside):
+                return self.study.face_here(), "met something on the way round"
+            return None, "met something on the way round, and lost it"
+        pad.swept.note(view.unseen)  # seen, or behind what will be met
         if not pad.come_down(way, 2.0 * far, ApproachConfig().search_speed):
             guard.go_to(start)
             return None, "looked from afar and met nothing"

@@ -51,6 +51,7 @@ class Reach:
         self._routes = (wide, RoutesConfig()) if pad.tool.carried else (RoutesConfig(),)
         self._felt = SurfaceMap()
         self._barred: list[Floats] = []  # (4, 4) where something unknown stopped the array on its way
+        self._suspect: Floats = np.empty((0, 3))  # [mm] before it there, where that may stand
 
     @property
     def felt(self) -> SurfaceMap:
@@ -120,7 +121,9 @@ class Reach:
 
     def go(self, goal: Floats) -> bool:
         """Round what is known to a (4, 4) goal; whether the pad got there, `led` whether there was a way."""
-        known, start = np.concatenate([self._obstacles(), self.lids[0]]), self.pad.guard.world_from_sensor
+        self._suspect = self._suspect[~self.pad.swept.holds(self._suspect)]
+        known = np.concatenate([self._obstacles(), self.lids[0], self._suspect])
+        start = self.pad.guard.world_from_sensor
         tool, ways, barred = self.pad.tool, self._ways(), self._barred
         tried = (route(tool, start, goal, known, ways, config, barred) for config in self._routes)
         poses = next((found for found in tried if found is not None), None)
@@ -155,10 +158,12 @@ class Reach:
         """Remember where something unknown was in the way, and what of it the skin felt."""
         if seen is None:
             return
-        self._barred.append(seen.world_from_sensor)
+        here, tool = seen.world_from_sensor, self.pad.tool
+        self._barred.append(here)
+        self._suspect = np.concatenate([self._suspect, self.pad.swept.ahead(here, tool.low, tool.high)])
         if felt := feel(seen.image):
             cells = touched_cells(seen, felt)
-            self.pad.felt.append((cells, np.broadcast_to(-seen.world_from_sensor[:3, 2], cells.shape)))
+            self.pad.felt.append((cells, np.broadcast_to(-here[:3, 2], cells.shape)))
 
     def _obstacles(self) -> Floats:
         """(n, 3) places of all that is known to stand."""

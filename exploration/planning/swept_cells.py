@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from primitives.arrays import Bools, Floats, Ints
+from primitives.pose import inverse
 
 _CELL = 4.0  # [mm]
 _MOST = 256  # cells along one side of the workspace; in a larger one they are larger
@@ -33,9 +34,13 @@ class SweptCells:
             if moved[:, 3].max() < _STEP and moved[:, :3].max() < _TURN:
                 return
         self._last = pose
-        rows, at = self._under(pose, low, high)
-        inner, outer = low + _WITHIN, high - np.array([_WITHIN, _WITHIN, _SKIN])
-        self._mark(rows[((at > inner) & (at < outer)).all(axis=1)])
+        self._mark(self._filled(pose, low, high))
+
+    def ahead(self, pose: Floats, low: Floats, high: Floats) -> Floats:
+        """(n, 3) middles [mm] of the cells not swept that the box at a (4, 4) pose was about to move into."""
+        last = pose if self._last is None else self._last
+        rows = self._filled(pose @ inverse(last) @ pose, low, high)
+        return np.asarray(self._low + self.cell * rows[~self._swept[tuple(rows.T)]])
 
     def note(self, places: Floats) -> None:
         """Take (n, 3) places [mm] for swept."""
@@ -66,6 +71,12 @@ class SweptCells:
         ends = pose[:3, 3] + middle + np.outer([-1.0, 1.0], half)
         rows = self._lattice(*self._rows(ends))
         return rows, (self._low + self.cell * rows - pose[:3, 3]) @ pose[:3, :3]
+
+    def _filled(self, pose: Floats, low: Floats, high: Floats) -> Ints:
+        """(n, 3) the cells whose middles are surely in the box at a (4, 4) pose."""
+        rows, at = self._under(pose, low, high)
+        inner, outer = low + _WITHIN, high - np.array([_WITHIN, _WITHIN, _SKIN])
+        return np.asarray(rows[((at > inner) & (at < outer)).all(axis=1)])
 
     def _lattice(self, first: Ints, last: Ints) -> Ints:
         """(n, 3) all cells of the workspace from one to another."""
