@@ -9,7 +9,7 @@ wall is marked as inferred (our derivation).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -42,6 +42,9 @@ class RimWallsConfig:
     faces: float = 0.9  # most cosine between the faces of the two rims
     same: float = 0.6  # [mm] between walls that are one
     most: int = 16  # walls of one rim each
+    likely: float = (
+        0.93  # least cosine between the way out of such a rim and one that the object has, to be that
+    )
     deep: float = 3.0  # [mm] of such a wall, where nothing tells more
     felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
     sigma: float = 0.1  # [mm]
@@ -99,14 +102,20 @@ def upright_walls(
 ) -> list[Contacts]:
     """Contacts of a wall below each rim that no other agrees with: upright on its face, as most walls are."""
     ways = _directions(faces)
-    found: list[Wall] = []
+    found, unsure = list[Wall](), list[Wall]()
     for rim, face in sorted(rims, key=lambda seen: -seen[0].length)[: config.most]:
         normal = max(ways, key=lambda way: abs(float(way @ rim.outward)), default=rim.outward)
         normal = np.asarray(normal * np.sign(normal @ rim.outward))
-        normal = normal if float(normal @ rim.outward) > config.known else rim.outward
+        sure = float(normal @ rim.outward) > config.known
+        normal = normal if float(normal @ rim.outward) > config.likely else rim.outward
         if abs(float(normal @ rim.normal)) < config.parallel:
+            straight = replace(rim, tangent=np.cross(normal, rim.normal))
             down = _depth(rim, face, faces, config) * rim.normal
-            _join(found, (_between(_along(rim), _along(rim) - down), normal), config)
+            wall = _between(_along(straight), _along(straight) - down), normal
+            _join(found if sure else unsure, wall, config)
+    for points, normal in unsure:
+        if not any(_one(wall, (points, normal), 2.0 * config.same, config) for wall in found):
+            found.append((points, normal))
     return _contacts(found, config)
 
 
@@ -130,13 +139,17 @@ def _directions(faces: Sequence[Face]) -> list[Floats]:
 
 def _join(found: list[Wall], wall: Wall, config: RimWallsConfig) -> None:
     """Add a wall to those found, or to the one of them that it is."""
-    points, normal = wall
     for j, (places, known) in enumerate(found):
-        apart = abs(float((places.mean(axis=0) - points.mean(axis=0)) @ normal))
-        if known @ normal > config.known and apart < config.same:
-            found[j] = (np.concatenate([places, points]), known)
+        if _one((places, known), wall, config.same, config):
+            found[j] = (np.concatenate([places, wall[0]]), known)
             return
     found.append(wall)
+
+
+def _one(first: Wall, second: Wall, within: float, config: RimWallsConfig) -> bool:
+    """Whether two walls look the same way, `within` mm of each other."""
+    apart = abs(float((first[0].mean(axis=0) - second[0].mean(axis=0)) @ second[1]))
+    return bool(first[1] @ second[1] > config.known and apart < within)
 
 
 def _contacts(walls: Sequence[Wall], config: RimWallsConfig) -> list[Contacts]:
