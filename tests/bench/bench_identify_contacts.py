@@ -59,6 +59,11 @@ class Told(NamedTuple):
             at = seconds
         return at
 
+    @property
+    def met(self) -> float:
+        """[s] of the device until something was met, whatever the policy is."""
+        return next((at for at, _, probability in self.steps if probability > 0.0), self.seconds)
+
 
 def run() -> list[dict[str, Any]]:
     """Rows of the table."""
@@ -146,6 +151,7 @@ def _rows(policy: str, told: list[Told]) -> list[dict[str, Any]]:
         ("device time, median", float(np.median(seconds)), "s", None),
         ("device time, mean", float(np.mean(seconds)), "s", None),
         ("device time until its name had 95 %, mean", float(np.mean([t.named for t in told])), "s", None),
+        ("of that, until anything was met, mean", float(np.mean([t.met for t in told])), "s", None),
         ("right", float(np.mean([t.right for t in told])), "share", None),
         (f"sure and wrong of {len(sure)} [{low:.3f}..{high:.3f}]", wrong / max(len(sure), 1), "share",
          f"<= {1.0 - float(np.mean([t.confidence for t in sure])) if sure else 0.0:.3f}"),
