@@ -2,7 +2,7 @@
 
 First all faces as they are.  A body that nothing closes is cut off at the last contacts.  Where the faces still
 leave none, as when a narrow edge was read as a cone, the round face with the fewest contacts is left out, and the
-rest is tried again; flat faces are not.
+rest is tried again; flat faces are not.  Where most contacts lie off the body, their hull takes its place.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit
 from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import cut_off
+from recognition.hulled import hulled
 
 _LEFT_OUT = 8  # faces at most
 
@@ -38,6 +39,7 @@ class Body:
     felt: tuple[FeltFace, ...]
     ends: tuple[FeltFace, ...] = ()  # that nobody felt, where the body is cut off
     left_out: tuple[FeltFace, ...] = ()
+    hulled: bool = False  # whether it is the hull of all contacts, and no face its own
 
     def told(self) -> list[str]:
         """What was left out and where it is cut off, in words."""
@@ -52,6 +54,11 @@ class Body:
         return [*left, *map(ended.format, ways)]
 
     @property
+    def whole(self) -> bool:
+        """Whether its faces close it."""
+        return not self.cut and not self.hulled
+
+    @property
     def cut(self) -> tuple[FeltFace, ...]:
         """The ends that the body has."""
         if isinstance(self.assembly, NotClosed):
@@ -60,8 +67,22 @@ class Body:
         return tuple(end for end, own in zip(self.ends, used, strict=True) if own is not None)
 
 
-def best_body(felt: Sequence[FeltFace], box: Floats, free: Floats | None, past: float) -> Body:
-    """Of faces in a (2, 3) workspace `box` [mm]; one that reaches `past` mm past all contacts is cut off."""
+def best_body(
+    felt: Sequence[FeltFace], box: Floats, free: Floats | None, past: float, loose: Contacts | None = None
+) -> Body:
+    """Of faces in a (2, 3) workspace `box` [mm]; one that reaches `past` mm past all contacts is cut off.
+
+    Where most contacts lie off it, the `loose` ones of no face among them, their hull is taken instead.
+    """
+    body = _of_faces(felt, box, free, past)
+    contacts = Contacts.concatenate([face.contacts for face in (*body.felt, *body.left_out)])
+    hull = hulled(
+        body.felt, Contacts.concatenate([contacts, *([] if loose is None else [loose])]), body.assembly
+    )
+    return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
+
+
+def _of_faces(felt: Sequence[FeltFace], box: Floats, free: Floats | None, past: float) -> Body:
     whole = first = _closed(tuple(felt), box, free, past)
     while isinstance(whole.assembly, NotClosed) and len(whole.left_out) < _LEFT_OUT:
         rounds = [face for face in whole.felt if face.fit.kind != "plane"]

@@ -83,9 +83,9 @@ def reconstruct(
     """The body behind the faces of a graph, in the (2, 3) workspace `box` [mm]; (n, 3) `free` places are empty."""
     options = options or ReconstructOptions()
     shaped = [FeltFace(face.fit, face.contacts) for face in graph.faces if isinstance(face.fit, Fit)]
-    body = best_body(shaped, box, free, options.past)
-    assembly, felt = body.assembly, body.felt
     loose = [face.contacts for face in graph.faces if not isinstance(face.fit, Fit)]
+    body = best_body(shaped, box, free, options.past, Contacts.concatenate(loose))
+    assembly, felt = body.assembly, body.felt
     loose += [face.contacts for face in body.left_out]
     contacts = Contacts.concatenate([*(face.contacts for face in felt), *loose])
     fit_of_contact = np.repeat(
@@ -109,7 +109,7 @@ def reconstruct(
             row["status"] = "measured"
     return Reconstruction(
         assembly, boundary, faces, edges, describe_primitives(assembly), contacts, face_of_contact,
-        (*assembly.warnings, *body.told(), *_untouched(assembly, faces, contacts, options)), not body.cut,
+        (*assembly.warnings, *body.told(), *_untouched(assembly, faces, contacts, options)), body.whole,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ sideways.  What was tried in vain a few times is given up, and left unknown.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 
@@ -32,8 +32,8 @@ from exploration.planning.study import Study, Wall
 from exploration.planning.wall_facing import face_wall
 from primitives import pose as se3
 from primitives.arrays import Floats
-from primitives.fit import Fit
-from primitives.patch_graph import PatchGraph
+from primitives.fit import Fit, NoFit
+from primitives.patch_graph import Face, PatchGraph
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,7 @@ class AnyFormConfig:
     least_thick: float = 0.5  # [mm] of a plate
 
 
+_NAMELESS = NoFit("contacts that named no face")
 LATER = AnyFormConfig(wall_tries=1, rim_tries=1)  # of what other arrays have tried before
 
 
@@ -95,6 +96,10 @@ class AnyForm:
         if len(felt := self.reach.felt.points):
             self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0), swept=True))
         conclude(self.found, self.study.walls, self._frontier, self._stands)
+        if len(self.study.loose):
+            graph = self.found.graph
+            rest = Face(1 + max((f.id for f in graph.faces), default=-1), _NAMELESS, self.study.loose)
+            self.found.graph = replace(graph, faces=(*graph.faces, rest))
 
     def _frontier(self) -> LocalFrontier:
         """Of this moment: the last one, where nothing was felt since."""

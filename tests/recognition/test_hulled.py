@@ -1,0 +1,45 @@
+"""The hull of what was felt, where faces tell too little."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import fit
+from recognition.assembly import NotClosed
+from recognition.best_body import FeltFace, best_body
+from recognition.hulled import hulled
+
+BOX = np.array([[-100.0] * 3, [100.0] * 3])
+AXES = np.concatenate([np.eye(3), -np.eye(3)])
+
+
+def side(normal, half=20.0):
+    u, v = np.roll(normal, 1), np.roll(normal, 2)
+    steps = np.linspace(-0.9 * half, 0.9 * half, 6)
+    points = half * normal + np.array([a * u + b * v for a in steps for b in steps])
+    felt = Contacts.of(points, np.tile(normal, (len(points), 1)), 0.01, 0.005)
+    return FeltFace(fit("plane", felt), felt)
+
+
+def crumpled(radius=40.0):
+    """Places all over something round, that name no face."""
+    ways = np.random.default_rng(0).normal(size=(600, 3))
+    return Contacts.of(radius * ways / np.linalg.norm(ways, axis=1, keepdims=True), sigma=0.05)
+
+
+def test_most_contacts_off_the_faces_make_their_hull_the_body():
+    body = best_body([side(way) for way in AXES], BOX, None, 15.0, crumpled())
+    assert body.hulled
+    assert not body.whole
+    assert "hull" in body.assembly.warnings[0]
+    assert 0.85 < body.assembly.solid.volume / (4.0 / 3.0 * np.pi * 40.0**3) < 1.0
+
+
+def test_a_body_that_explains_what_was_felt_stays():
+    faces, few = [side(way) for way in AXES], crumpled().select(np.arange(40))
+    body = best_body(faces, BOX, None, 15.0, few)
+    assert body.whole
+    assert abs(body.assembly.solid.volume - 64000.0) < 10.0
+    inferred = replace(crumpled(), touch=np.full(600, NOT_FELT))
+    assert hulled(faces, inferred, NotClosed("nothing was felt")) is None
