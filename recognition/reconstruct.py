@@ -45,6 +45,7 @@ class ReconstructOptions:
     beside: float = 10.0  # [mm] from a point of an edge to the nearest contact of a face that meets there
     most: float = 0.5  # share of an edge's points that must have such contacts
     inferred: float = 0.1  # share of the surface on faces that nobody touched, from which that is told
+    named: int = 12  # of those faces, that are named
     past: float = 15.0  # [mm] past all contacts, from which it is told how far the body reaches
 
 
@@ -120,7 +121,8 @@ def _untouched(assembly: Assembly, faces: Rows, contacts: Contacts, options: Rec
     inferred = [face for face in faces if face["status"] != "measured"]
     share = sum(face["area_mm2"] for face in inferred) / max(total, 1e-9)
     if share > options.inferred:
-        which = ", ".join(str(face["id"]) for face in inferred)
+        which = ", ".join(str(face["id"]) for face in inferred[: options.named])
+        which += f" and {len(inferred) - options.named} more" if len(inferred) > options.named else ""
         out.append(f"{share:.0%} of the surface is inferred, not touched: face {which}")
     past = reach_past(assembly, contacts)
     if past > options.past:
