@@ -97,8 +97,7 @@ def log_known(on: Floats, off: Floats, shares: Floats, config: NoiseConfig) -> F
 
 def log_unlike(on: Floats, off: Floats, shares: Floats) -> Floats:
     """(k,) logarithms of p(Z | an unknown like it)."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    return _integrated(on, off, shares, 0.5 * (nodes + 1.0), np.log(0.5 * weights))
+    return _integrated(on, off, shares, *_anything())
 
 
 def log_astray(times: float, contacts: float, bound: float) -> float:
@@ -108,6 +107,13 @@ def log_astray(times: float, contacts: float, bound: float) -> float:
     over that of the contacts alone; never less than `bound`, what they leave of the known one.
     """
     return max(bound, float(gammaln(times + 1) + gammaln(contacts + 2) - gammaln(contacts + times + 2)))
+
+
+@cache
+def _anything() -> tuple[Floats, Floats]:
+    """Gauss-Legendre nodes between 0 and 1, and the logarithms of their weights."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    return frozen(0.5 * (nodes + 1.0)), frozen(np.log(0.5 * weights))
 
 
 @cache

@@ -14,13 +14,13 @@ along the surface, whose widths are shares of how far the contacts scatter).
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.distance import cdist
-from scipy.special import logsumexp
 
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 
 _WIDTHS = (0.6, 0.2, 0.06)  # of the contacts' root mean square distance from their middle
 _LEAST = 0.5  # [mm] of a width
@@ -41,13 +41,21 @@ class Places(NamedTuple):
 
     def log_density(self, area: float, counts: Floats) -> float:
         """Logarithm of p(places | object), each of n places counted (n,) so much."""
-        return float(logsumexp(np.log(self.densities(area)) @ counts, b=self.weights))
+        each = np.log(self.densities(area)) @ counts
+        most = float(each.max())
+        return most + float(np.log(self.weights @ np.exp(each - most)))
 
 
 def places_of(points: Floats) -> Places:
     """Of (n, 3) points [mm], in the order in which they were felt."""
+    return Places(_local(points), *_shares())
+
+
+@cache
+def _shares() -> tuple[Floats, Floats]:
+    """Gauss-Legendre nodes between 0 and 1, and their weights."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    return Places(_local(points), 0.5 * (nodes + 1.0), 0.5 * weights)
+    return frozen(0.5 * (nodes + 1.0)), frozen(0.5 * weights)
 
 
 def _local(points: Floats) -> Floats:
