@@ -75,10 +75,9 @@ def best_body(
     Where most contacts lie off it, the `loose` ones of no face among them, their hull is taken instead.
     """
     body = _of_faces(felt, box, free, past)
-    contacts = Contacts.concatenate([face.contacts for face in (*body.felt, *body.left_out)])
-    hull = hulled(
-        body.felt, Contacts.concatenate([contacts, *([] if loose is None else [loose])]), body.assembly
-    )
+    named = [face.contacts for face in (*body.felt, *body.left_out)]
+    contacts = Contacts.concatenate([*named, *([] if loose is None else [loose])])
+    hull = hulled(body.felt, contacts, body.assembly, free)
     return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
 
 

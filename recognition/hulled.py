@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, Delaunay, QhullError, cKDTree
 
 from models.csg import Polyhedron
 from models.solid import Solid
@@ -25,19 +25,27 @@ _OFF = 1.0  # [mm] from the body, from which a contact is not on it
 _MOST = 0.4  # share of the contacts off the body, from which their hull is looked at
 _BETTER = 0.75  # of that share, as which less must be off the hull
 _LEAST = 30  # contacts
+_EMPTY = 0.25  # share of a hull, of which more is known to be empty, that is no body
+_BESIDE = 3.0  # [mm] from a place known to be empty, that is so too
+_SAMPLES = 4000
 _COARSE = 40  # places along the longest side of the hull that are told apart
 
 _TOLD = "most of what was felt lies on no face that was recognized; the body is the hull of all contacts"
 
 
-def hulled(faces: Sequence[FittedFace], contacts: Contacts, body: Assembly | NotClosed) -> Assembly | None:
-    """The hull, where contacts are on it that are off the body; None where the body is to be kept."""
+def hulled(
+    faces: Sequence[FittedFace], contacts: Contacts, body: Assembly | NotClosed, free: Floats | None = None
+) -> Assembly | None:
+    """The hull, where contacts are on it that are off the body; None where the body is to be kept.
+
+    It is, too, where much of the hull is empty: (n, 3) places `free` are.
+    """
     felt = contacts.points[contacts.touch != NOT_FELT]
     before = _off(body, felt)
     if len(felt) < _LEAST or not faces or before < _MOST:
         return None
     hull = _hull(felt)
-    if hull is None:
+    if hull is None or _emptied(np.array(hull.points), free) > _EMPTY:
         return None
     piece = Piece("polyhedron", "add", hull, np.eye(4), None, ())
     fits = tuple(outward(with_shared_error(face.fit, face.contacts)) for face in faces)
@@ -52,6 +60,16 @@ def _off(body: Assembly | NotClosed, felt: Floats) -> float:
     if isinstance(body, NotClosed) or not len(felt):
         return 1.0
     return float(np.mean(np.abs(body.solid.signed_distance(felt)) > _OFF))
+
+
+def _emptied(corners: Floats, free: Floats | None) -> float:
+    """Share of the hull of (n, 3) corners that lies beside (m, 3) places which hold nothing."""
+    if free is None or not len(free):
+        return 0.0
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    some = low + (high - low) * np.random.default_rng(0).random((_SAMPLES, 3))
+    some = some[Delaunay(corners).find_simplex(some) >= 0]
+    return float(np.mean(cKDTree(free).query(some)[0] < _BESIDE)) if len(some) else 0.0
 
 
 def _hull(felt: Floats) -> Polyhedron | None:

@@ -33,6 +33,8 @@ def test_most_contacts_off_the_faces_make_their_hull_the_body():
     assert body.hulled
     assert not body.whole
     assert "hull" in body.assembly.warnings[0]
+    inside = np.array(np.meshgrid(*[np.arange(-28.0, 29.0, 4.0)] * 3)).reshape(3, -1).T
+    assert not best_body([side(way) for way in AXES], BOX, inside, 15.0, crumpled()).hulled  # a shell
     assert 0.85 < body.assembly.solid.volume / (4.0 / 3.0 * np.pi * 40.0**3) < 1.0
 
 
