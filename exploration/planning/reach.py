@@ -122,10 +122,15 @@ class Reach:
     def go(self, goal: Floats) -> bool:
         """Round what is known to a (4, 4) goal; whether the pad got there, `led` whether there was a way."""
         self._suspect = self._suspect[~self.pad.swept.holds(self._suspect)]
-        known = np.concatenate([self._obstacles(), self.lids[0], self._suspect])
-        start = self.pad.guard.world_from_sensor
-        tool, ways, barred = self.pad.tool, self._ways(), self._barred
-        tried = (route(tool, start, goal, known, ways, config, barred) for config in self._routes)
+        known = np.concatenate([self._obstacles(), self.lids[0]])
+        both = (np.concatenate([known, self._suspect]), known) if len(self._suspect) else (known,)
+        start, tool = self.pad.guard.world_from_sensor, self.pad.tool
+        ways, barred = self._ways(), self._barred
+        tried = (
+            route(tool, start, goal, places, ways, config, barred)
+            for places in both  # who stands among what is only suspect may go through it
+            for config in self._routes
+        )
         poses = next((found for found in tried if found is not None), None)
         self.led = poses is not None
         return poses is not None and all(self._fly(pose, k == 0) for k, pose in enumerate(poses))
