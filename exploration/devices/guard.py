@@ -17,7 +17,7 @@ import numpy as np
 
 from exploration.devices.following import Following
 from exploration.devices.pending import Pending
-from exploration.devices.protocols import MotionStage, TactileSensor
+from exploration.devices.protocols import MotionStage, StageEvent, TactileSensor
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.frame import TactileImage, TaxelFrame
 from exploration.sensing.load import NO_LOAD, load_of
@@ -219,27 +219,40 @@ class Guard:
             raise PalpateError(f"the stage would leave its travel at {at} mm; widen reach")
 
     def _back_off(self, distance: float = 5.0) -> None:
-        """Back along the way that the array came, which was free, and then off the surface.
+        """Back along the way that the array came, which was free, and then off the surface if there is room.
 
         An array that was on its way off the surface has met something behind it, and stays in front of that.
         """
         self.stage.stop()
         self._following.rest()
-        trail = list(self._trail)
-        way_back = trail[-2::-_TRAIL_STEP]
-        if trail:
-            way_back.append(trail[0])
+        if trail := list(self._trail):
+            for here in [*trail[-2::-_TRAIL_STEP], trail[0]]:
+                self._back_to(here, through=True)
             lift = se3.pose(translation=[0.0, 0.0, -distance])
             came = trail[-1][:3, 3] - trail[0][:3, 3]
-            if float(came @ -trail[-1][:3, 2]) <= _OFF * float(np.linalg.norm(came)):
-                way_back.append(trail[0] @ lift)
-        for world_from_sensor in way_back:
-            self.stage.go_to(world_from_sensor @ se3.inverse(self.sensor.flange_from_sensor))
-            while self.stage.moving:
-                self._read()
-            if self.stage.events():  # the way back presses, too: let the next leg of it be gone
-                self.stage.stop()
+            on = float(came @ -trail[-1][:3, 2]) <= _OFF * float(np.linalg.norm(came))
+            if on and not self._back_to(trail[0] @ lift):
+                self._back_to(trail[0], through=True)
         self._trail.clear()
+
+    def _back_to(self, world_from_sensor: Floats, through: bool = False) -> bool:
+        """Straight back, no farther than a housing meets something, unless `through` that; false where it did.
+
+        The skin may press on, on its way back: let the next leg of it be gone.
+        """
+        self.stage.go_to(world_from_sensor @ se3.inverse(self.sensor.flange_from_sensor))
+        alarms: list[StageEvent] = []
+        while self.stage.moving and (through or not _collided(alarms)):
+            self._read()
+            alarms += self.stage.events()
+        alarms += self.stage.events()
+        if alarms:
+            self.stage.stop()
+        return not _collided(alarms)
+
+
+def _collided(alarms: Sequence[StageEvent]) -> bool:
+    return any(alarm.kind == "collision" for alarm in alarms)
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -16,9 +16,12 @@ from primitives.errors import PalpateError
 DOWN = np.diag([1.0, -1.0, -1.0])
 
 
-def guard_over(start, mount=None, **limits) -> Guard:
+BLOCK = Cube((40.0, 40.0, 40.0))
+
+
+def guard_over(start, mount=None, part=BLOCK, **limits) -> Guard:
     stage, arrays = simulate(
-        Solid.from_csg(Cube((40.0, 40.0, 40.0))),
+        Solid.from_csg(part),
         [load_sensor("lts210")],
         np.random.default_rng(0),
         start_pose=start,
@@ -75,6 +78,17 @@ def test_a_limit_passed_on_the_way_back_does_not_lock_the_stage():
         keep_moving(guard, 10.0)
     guard.go_to(se3.pose(DOWN, [0.0, 0.0, 60.0]))
     assert guard.world_from_sensor[2, 3] == pytest.approx(60.0, abs=0.1)
+
+
+def test_backing_off_ends_in_the_open_where_there_is_no_room_behind():
+    low, high = housing_box(load_sensor("lts210"))
+    ceiling = 20.0 + 2.0 + float(high[2] - low[2]) + 3.0
+    jaws = Cube((40.0, 40.0, 40.0)) | Cube((40.0, 40.0, 10.0)).at(0.0, 0.0, ceiling + 5.0)
+    guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 22.0]), part=jaws)
+    for _ in range(3):
+        with pytest.raises(Fault):
+            keep_moving(guard, 10.0)
+        guard.hold()  # a housing left in the jaw would be told of again
 
 
 def test_the_housing_meeting_the_object_is_a_collision():
