@@ -23,11 +23,12 @@ from primitives.pose import pose
 from primitives.shapes import Plane, Shape, Sphere, Torus
 from recognition.assembly.arrangement import arrange
 from recognition.assembly.closure import NotClosed
+from recognition.assembly.exchange import exchanged
 from recognition.assembly.labels import solid_cells
 from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces, round_piece, slab_cube
 from recognition.assembly.prisms import prism
-from recognition.assembly.search import State, Step, shortest
+from recognition.assembly.search import SearchOptions, State, Step, shortest
 from recognition.assembly.separators import separators, stops
 from recognition.assembly.vocabulary import Vocabulary, frame_of
 
@@ -90,7 +91,7 @@ def _listed(
     vocabulary = Vocabulary(shapes, found.outside)
     scale = _SPACE * len(points) / max(float(found.volume.sum()), 1e-9)
     weight = _VOTE * (found.solid_votes + found.free_votes) + scale * found.volume
-    state = shortest(vocabulary, solid, weight)
+    state = exchanged(shortest(vocabulary, solid, weight), vocabulary, solid, weight, SearchOptions())
     if not state.steps:
         return NotClosed("no list of primitives explains the contacts")
     against = _VOTE * float(np.where(solid, found.free_votes, found.solid_votes).sum())

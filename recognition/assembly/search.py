@@ -106,7 +106,7 @@ def _with_one_more(
         worth = weight * open_ * ((solid & ~held).astype(float) - (~solid & ~held))
         for _, candidate in vocabulary.best(worth, options.tried):
             steps = (*before, Step("add", candidate), *after)
-            yield _replayed(steps, vocabulary, solid, weight, options)
+            yield replayed(steps, vocabulary, solid, weight, options)
 
 
 def _held(steps: Sequence[Step], vocabulary: Vocabulary, held: Bools) -> Bools:
@@ -115,9 +115,10 @@ def _held(steps: Sequence[Step], vocabulary: Vocabulary, held: Bools) -> Bools:
     return held
 
 
-def _replayed(
+def replayed(
     steps: Sequence[Step], vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
 ) -> State:
+    """What a list holds, and its cost."""
     held = _held(steps, vocabulary, np.zeros(len(solid), dtype=bool))
     price = options.leaf * sum(step.candidate.price for step in steps)
     return State(tuple(steps), held, float(weight[held != solid].sum()), price)
@@ -185,7 +186,7 @@ def pruned(
             steps = [step for k, step in enumerate(state.steps) if k != skip]
             if steps[0].operation != "add":
                 continue
-            shorter = _replayed(steps, vocabulary, solid, weight, options)
+            shorter = replayed(steps, vocabulary, solid, weight, options)
             if shorter.cost < state.cost - 1e-9:
                 state, improved = shorter, True
                 break

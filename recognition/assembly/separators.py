@@ -16,7 +16,8 @@ import numpy as np
 from primitives.arrays import Floats
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
-_TANGENT = 0.01  # [rad], and share of a radius, within which a plane touches a cylinder
+_TANGENT = 0.01  # [rad] within which directions are one
+_SHARE = 0.02  # of a radius, within which a plane touches a cylinder that was felt at a few places
 _TOUCHING = 0.05  # [mm] the same, however small the radius
 _MOST = 12  # stops
 
@@ -26,7 +27,7 @@ def separators(shapes: Sequence[Shape]) -> list[Plane]:
     found: list[Plane] = []
     planes = [shape for shape in shapes if isinstance(shape, Plane)]
     for shape, plane, away in _along(shapes):
-        if abs(away - shape.radius) <= max(_TANGENT * shape.radius, _TOUCHING):
+        if abs(away - shape.radius) <= max(_SHARE * shape.radius, _TOUCHING):
             _add(Plane(shape.origin, np.cross(shape.axis, plane.normal)), found, planes)
     return found
 

@@ -12,9 +12,10 @@ from primitives.fit import Fit, refit
 from primitives.pose import pose, random_rotation
 from primitives.shapes import Cylinder, Plane, Torus
 from recognition.assembly import assemble
+from recognition.assembly.exchange import exchanged
 from recognition.assembly.search import SearchOptions, State, Step, mended
 from recognition.assembly.separators import separators, stops
-from recognition.assembly.vocabulary import Vocabulary
+from recognition.assembly.vocabulary import Candidate, Vocabulary
 from recognition.truth import LabeledFaces, TruthOptions, sample_surface
 
 BOX = np.array([[-300.0] * 3, [300.0] * 3])
@@ -103,3 +104,24 @@ def test_what_would_refill_a_hole_is_added_before_it():
     after = mended(early, vocabulary, cross, weight, options)
     assert [step.operation for step in after.steps] == ["add", "add", "subtract"]
     assert (after.held == cross).all()
+
+
+def test_a_bar_that_was_left_open_past_its_round_end_ends_at_its_axis():
+    x, y = np.eye(3)[:2]
+    sides = [Plane(k * y, y) for k in (-4.0, 4.0)] + [Plane(k * x, x) for k in (-10.0, 10.0)]
+    end = Cylinder(10.0 * x, np.eye(3)[2], 4.0)
+    grid = np.array([[a, b, 0.0] for a in np.arange(-14.5, 20.0) for b in np.arange(-7.5, 8.0)])
+    outside = np.stack([s.signed_distance(grid) > 0 for s in (*sides, end)], axis=1)
+    vocabulary, weight = Vocabulary([*sides, end], outside), np.ones(len(grid))
+    bar = (abs(grid[:, 1]) < 4) & (abs(grid[:, 0]) < 10) | ~outside[:, 4]
+    frame = next(k for k, axes in enumerate(vocabulary.frames) if None not in axes[:2])
+    slabs = tuple(
+        (2, None) if axis is not None and vocabulary.directions[axis].axis @ x > 0.5 else (0, 1)
+        for axis in vocabulary.frames[frame][:2]
+    )
+    open_ = Candidate("cube", frame=frame, slabs=(*slabs, (None, None)))
+    left = vocabulary.mask(open_)
+    early = State((Step("add", open_),), left, float(weight[left != bar].sum()), 20.0)
+    after = exchanged(early, vocabulary, bar, weight, SearchOptions())
+    assert [step.candidate.kind for step in after.steps] == ["cube", "cylinder"]
+    assert (after.held == bar).all()

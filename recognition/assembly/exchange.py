@@ -1,0 +1,82 @@
+"""A list of primitives bettered by another end of one of them, and one primitive more where that leaves a gap.
+
+The search takes what explains most first.  A bar with a round end is then explained by a box open past that end,
+and nothing that is added or subtracted later takes the corners away: the box must end at the round end's axis,
+and the cylinder be added (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from primitives.arrays import Bools, Floats
+from recognition.assembly.search import SearchOptions, State, Step, pruned, replayed
+from recognition.assembly.vocabulary import Candidate, Slab, Vocabulary
+
+_ROUNDS = 8  # exchanges at most
+
+
+def exchanged(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    """The cheapest list that single exchanges lead to."""
+    for _ in range(_ROUNDS):
+        if state.wrong <= options.leaf:
+            break
+        tried = _others(state, vocabulary, solid, weight, options)
+        better = min(tried, key=lambda after: after.cost, default=state)
+        if better.cost >= state.cost - 1e-9:
+            break
+        state = pruned(better, vocabulary, solid, weight, options)
+    return state
+
+
+def _others(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> Iterator[State]:
+    for place, step in enumerate(state.steps):
+        for candidate in _other_ends(step.candidate, vocabulary):
+            steps = (*state.steps[:place], Step(step.operation, candidate), *state.steps[place + 1 :])
+            other = replayed(steps, vocabulary, solid, weight, options)
+            yield other
+            if other.wrong > options.leaf:
+                yield from _filled(other, place, vocabulary, solid, weight, options)
+
+
+def _filled(
+    state: State, place: int, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> Iterator[State]:
+    """With the primitive added, right after a place, that holds most of what is missing."""
+    missing = solid & ~state.held
+    worth = weight * (missing.astype(float) - (~solid & ~state.held))
+    for _, candidate in vocabulary.best(worth, 2):
+        steps = (*state.steps[: place + 1], Step("add", candidate), *state.steps[place + 1 :])
+        yield replayed(steps, vocabulary, solid, weight, options)
+
+
+def _other_ends(candidate: Candidate, vocabulary: Vocabulary) -> Iterator[Candidate]:
+    """The same box or round body with one end at another plane of its direction, or open."""
+    for k, (slab, planes) in enumerate(zip(candidate.slabs, _planes(candidate, vocabulary), strict=True)):
+        for other in _other_slabs(slab, planes):
+            yield replace(candidate, slabs=(*candidate.slabs[:k], other, *candidate.slabs[k + 1 :]))
+
+
+def _planes(candidate: Candidate, vocabulary: Vocabulary) -> list[Sequence[int]]:
+    """The planes, in order, that each slab may end at."""
+    axes: tuple[int | None, ...]
+    if candidate.frame is not None:
+        axes = vocabulary.frames[candidate.frame]
+    else:
+        axes = (None if candidate.body is None else vocabulary.along(candidate.body),)
+    slabs = len(candidate.slabs)
+    return [() if axis is None else vocabulary.directions[axis].planes for axis in axes[:slabs]]
+
+
+def _other_slabs(slab: Slab, planes: Sequence[int]) -> Iterator[Slab]:
+    order = {plane: k for k, plane in enumerate(planes)}
+    low, high = slab
+    first = -1 if low is None else order[low]
+    last = len(planes) if high is None else order[high]
+    yield from ((p, high) for p in (None, *planes[:last]) if p != low and (p is None or order[p] < last))
+    yield from ((low, p) for p in (*planes[first + 1 :], None) if p != high)
