@@ -2,8 +2,8 @@
 
 A wall ends at a rim on each face that it meets, and lies in the plane of both: across t1 x t2 where the rims are
 not parallel, else across t x (p2 - p1).  Two rims are of one wall where that plane holds both, runs as the
-object's other faces do, and both faces are open to the same side of it.  That is likely and not measured, so the
-wall is marked as inferred (our derivation).
+object's other faces do or stands upright on two that are parallel, and both faces are open to the same side of
+it.  That is likely and not measured, so the wall is marked as inferred (our derivation).
 """
 
 from __future__ import annotations
@@ -198,9 +198,21 @@ def _across(a: Sighting, b: Sighting, ways: Sequence[Floats], config: RimWallsCo
     if normal @ b.outward < 0.5 or normal @ a.outward < 0.5:
         return None
     turned = max(ways, key=lambda way: abs(float(way @ normal)), default=normal)
-    if abs(float(turned @ normal)) < config.known or abs(float(apart @ turned)) > config.coplanar:
+    if abs(float(turned @ normal)) < config.known:
+        turned = _upright(a, b, normal, config)
+    if turned is None or abs(float(apart @ turned)) > config.coplanar:
         return None
     return np.asarray(turned * np.sign(turned @ normal))
+
+
+def _upright(a: Sighting, b: Sighting, normal: Floats, config: RimWallsConfig) -> Floats | None:
+    """(3,) of a wall straight down from one rim to another that looks the same way; None where it leans."""
+    alike = float(a.outward @ b.outward) > config.known and float(a.normal @ b.normal) < -config.known
+    if not alike or abs(float(normal @ a.normal)) > config.parallel:
+        return None
+    upright = a.outward + b.outward
+    upright = upright - float(upright @ a.normal) * a.normal
+    return np.asarray(upright / np.linalg.norm(upright))
 
 
 def _along(rim: Sighting) -> Floats:

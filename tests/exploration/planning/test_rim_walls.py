@@ -49,6 +49,18 @@ def test_rims_that_share_no_plane_or_look_to_each_other_are_of_no_wall():
     assert rim_walls([NEAR_LEFT, apart], FACES) == []
 
 
+def test_a_wall_that_runs_as_no_face_does_stands_upright_between_rims_of_parallel_faces():
+    out = np.array([0.5, np.sqrt(0.75), 0.0])
+    along = np.cross(out, Z)
+    top = rim([5.0, 3.0, 15.0], along, out, Z), 0
+    below = rim([5.0, 3.0, -15.0] + 4.0 * along, along, out, -Z), 4
+    (wall,) = rim_walls([top, below], FACES)
+    assert (wall.normals @ out > 0.999).all()
+    assert np.abs((wall.points - [5.0, 3.0, 0.0]) @ out).max() < 1e-6
+    leaning = rim([5.0, 3.0, -15.0] + 2.0 * out, along, out, -Z), 4
+    assert rim_walls([top, leaning], FACES) == []
+
+
 def test_upright_walls_join_a_known_floor_to_rims_that_look_to_each_other():
     top_right = rim([8.0, 3.0, 15.0], Y, -X, Z), 0
     walls = rim_walls([TOP_LEFT, top_right, NEAR_FLOOR, FAR_FLOOR], FACES)
