@@ -27,6 +27,7 @@ _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped
 _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two others"
 _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
+_ALONG = 0.4  # most cosine between a rim and the way that the face behind it looks
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 
 
@@ -40,12 +41,12 @@ def conclude(
     found.graph = drop_poor(flattened(found.graph))
     for lot in inferred_walls([wall for wall in walls if not stands(wall)], found.graph.faces):
         _add(found, lot, _BY_STOPS)
-    if lots := rim_walls(_unexplained(found), found.graph.faces):
+    if lots := rim_walls(unexplained(found), found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}
         _replace(found, lambda face: placed.get(face.id, face))
     for lot in lots:
         _add(found, lot, _BY_RIMS)
-    for lot in upright_walls(_unexplained(found), found.graph.faces):
+    for lot in upright_walls(unexplained(found), found.graph.faces):
         _add(found, lot, _BY_RIM)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
@@ -69,19 +70,20 @@ def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
     found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
 
 
-def _unexplained(found: Findings) -> list[SeenRim]:
+def unexplained(found: Findings) -> list[SeenRim]:
     """The rims that were looked at and that no face is known behind."""
     return [rim for rim in found.wall_rims if not _explained(rim, found.graph.faces)]
 
 
 def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
-    """Whether a face is known behind a rim by now."""
+    """Whether a face is known by now that passes behind a rim and along it: at its end another may pass, too."""
     seen, own = rim
     for face in faces:
         if face.id != own and isinstance(face.fit, Fit):
             at, side = seen.point[None], 1.0 if face.fit.convex else -1.0
+            normal = side * face.fit.shape.normals(at)[0]
             near = abs(float(face.fit.shape.signed_distance(at)[0])) < _BEHIND
-            if near and side * face.fit.shape.normals(at)[0] @ seen.outward > 0.3:
+            if near and normal @ seen.outward > 0.3 and abs(float(normal @ seen.tangent)) < _ALONG:
                 return True
     return False
 
