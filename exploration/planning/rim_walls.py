@@ -197,9 +197,9 @@ def _across(a: Sighting, b: Sighting, ways: Sequence[Floats], config: RimWallsCo
     normal = normal / length * np.sign(normal @ a.outward)
     if normal @ b.outward < 0.5 or normal @ a.outward < 0.5:
         return None
-    turned = max(ways, key=lambda way: abs(float(way @ normal)), default=normal)
-    if abs(float(turned @ normal)) < config.known:
-        turned = _upright(a, b, normal, config)
+    nearest = max(ways, key=lambda way: abs(float(way @ normal)), default=normal)
+    known = abs(float(nearest @ normal)) > config.known
+    turned = nearest if known else _upright(a, b, normal, config)
     if turned is None or abs(float(apart @ turned)) > config.coplanar:
         return None
     return np.asarray(turned * np.sign(turned @ normal))
