@@ -42,9 +42,7 @@ class RimWallsConfig:
     faces: float = 0.9  # most cosine between the faces of the two rims
     same: float = 0.6  # [mm] between walls that are one
     most: int = 16  # walls of one rim each
-    likely: float = (
-        0.93  # least cosine between the way out of such a rim and one that the object has, to be that
-    )
+    likely: float = 0.93  # least cosine between the way out of such a rim and one that the object has
     deep: float = 3.0  # [mm] of such a wall, where nothing tells more
     felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
     sigma: float = 0.1  # [mm]
