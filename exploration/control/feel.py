@@ -12,10 +12,11 @@ from typing import Literal
 
 import numba
 import numpy as np
-from scipy.ndimage import uniform_filter
 
 from exploration.sensing.frame import TactileImage, TaxelArray
 from primitives.arrays import Bools, Floats
+
+NO_TAXEL, NOTHING, TOUCHED = range(3)
 
 
 @dataclass(frozen=True)
@@ -57,31 +58,27 @@ class NotTouching:
 def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTouching:
     """Fit the local paraboloid to one frame."""
     array = image.array
-    live = np.isfinite(image.sigma)
-    if not live.any():
-        return NotTouching("every taxel is dead")
-    depth = np.where(live, image.depth, 0.0)
-    touching, mask, inner, centroid, c = _fitted(
-        depth,
-        uniform_filter(depth, 3, mode="nearest"),
+    found, touched, inner, numbers, hessian = _fitted(
+        image.depth,
         image.sigma,
         array.x,
         array.y,
+        image.spread,
         (config.sigmas, config.share, _taxels(config.rim * image.spread, array), config.enough),
         (config.prior_curvature, config.prior_sigma),
     )
-    if not touching:
+    if found == NO_TAXEL:
+        return NotTouching("every taxel is dead")
+    if found == NOTHING:
         return NotTouching()
-    k = np.array([[c[3], c[4]], [c[4], c[5]]])
-    middle, spread = (c[3] + c[5]) / 2.0, float(np.hypot((c[3] - c[5]) / 2.0, c[4]))
     return Felt(
-        depth=float(c[0] + 0.5 * image.spread**2 * max(c[3] + c[5], 0.0)),
-        slope=c[1:3] + k @ centroid,
-        centroid=centroid,
-        curvature=np.array([middle + spread, middle - spread]),
-        hessian=k,
-        area=float(mask.sum()) * array.pitch[0] * array.pitch[1],
-        mask=mask,
+        depth=float(numbers[0]),
+        slope=numbers[1:3],
+        centroid=numbers[3:5],
+        curvature=numbers[5:7],
+        hessian=hessian,
+        area=float(numbers[7]) * array.pitch[0] * array.pitch[1],
+        mask=touched,
         inner=inner,
     )
 
@@ -94,59 +91,139 @@ def _taxels(length: float, array: TaxelArray) -> int:
 @numba.njit(cache=True, error_model="numpy")
 def _fitted(
     depth: Floats,
-    smooth: Floats,
     noise: Floats,
     x: Floats,
     y: Floats,
+    spread: float,
     taxels: tuple[float, float, int, int],
     prior: tuple[float, float],
-) -> tuple[bool, Bools, Bools, Floats, Floats]:
-    """Whether anything is touched, the masks, their centroid, and d, g and K about it."""
+) -> tuple[int, Bools, Bools, Floats, Floats]:
+    """What is touched, the masks, the numbers of `Felt` up to its curvature and a count of taxels, and K."""
     sigmas, share, rim, enough = taxels
     curvature, curvature_sigma = prior
-    live = np.isfinite(noise)
-    sigma = np.median(noise.ravel()[live.ravel()])
+    numbers, hessian = np.zeros(8), np.zeros((2, 2))
+    mask, inner = np.zeros(depth.shape, np.bool_), np.zeros(depth.shape, np.bool_)
+    smooth, sigma = _smoothed(depth, noise)
+    if not np.isfinite(sigma):
+        return NO_TAXEL, mask, inner, numbers, hessian
     peak = smooth.max()
-    mask = live & (smooth > max(share * peak, 1.5 * sigma))
-    inner = mask.copy()
+    if not peak >= sigmas * sigma / 2.0:
+        return NOTHING, mask, inner, numbers, hessian
+    least = max(share * peak, 1.5 * sigma)
+    count = 0
+    for i in range(len(y)):
+        for j in range(len(x)):
+            mask[i, j] = inner[i, j] = noise[i, j] < np.inf and smooth[i, j] > least
+            count += mask[i, j]
     for _ in range(rim):
         inner = _eroded(inner)
-    centroid, c = np.zeros(2), np.zeros(6)
-    if peak < sigmas * sigma / 2.0:
-        return False, mask, inner, centroid, c
-    rows, columns = (inner if inner.sum() >= enough and _spans(inner, 3) else mask).nonzero()
-    total = 0.0
-    for i, j in zip(rows, columns):  # noqa: B905 (numba's zip knows no strict)
-        weight = max(smooth[i, j], 0.0)
-        total += weight
-        centroid[0] += weight * x[j]
-        centroid[1] += weight * y[i]
-    centroid /= total
-    basis = np.empty((len(rows), 6))
-    felt = np.empty(len(rows))
-    for k in range(len(rows)):
-        u, v = x[columns[k]] - centroid[0], y[rows[k]] - centroid[1]
-        basis[k] = (1.0, u, v, -0.5 * u * u, -u * v, -0.5 * v * v)
-        felt[k] = depth[rows[k], columns[k]]
-    hold = curvature_sigma**-2.0
-    information = basis.T @ basis / sigma**2 + np.diag(np.array([0.0, 1.0, 1.0, hold, hold, hold]))
-    right = basis.T @ felt / sigma**2 + np.array([0.0, 0.0, 0.0, hold * curvature, 0.0, hold * curvature])
-    return True, mask, inner, centroid, np.linalg.solve(information, right)
+    use = inner if _is_enough(inner, enough, 3) else mask
+    total, cx, cy = 0.0, 0.0, 0.0
+    for i in range(len(y)):
+        for j in range(len(x)):
+            if use[i, j]:
+                weight = max(smooth[i, j], 0.0)
+                total += weight
+                cx += weight * x[j]
+                cy += weight * y[i]
+    cx, cy = cx / total, cy / total
+    information, right, row = np.zeros((6, 6)), np.zeros(6), np.empty(6)
+    for i in range(len(y)):
+        for j in range(len(x)):
+            if use[i, j]:
+                u, v = x[j] - cx, y[i] - cy
+                row[0], row[1], row[2], row[3], row[4], row[5] = 1.0, u, v, -0.5 * u * u, -u * v, -0.5 * v * v
+                for a in range(6):
+                    right[a] += row[a] * depth[i, j]
+                    for b in range(a + 1):
+                        information[a, b] += row[a] * row[b]
+    hold = (sigma / curvature_sigma) ** 2
+    for a in range(1, 6):
+        information[a, a] += hold if a > 2 else sigma**2
+    right[3] += hold * curvature
+    right[5] += hold * curvature
+    c = _solved(information, right)
+    numbers[0] = c[0] + 0.5 * spread**2 * max(c[3] + c[5], 0.0)
+    numbers[1], numbers[2] = c[1] + c[3] * cx + c[4] * cy, c[2] + c[4] * cx + c[5] * cy
+    numbers[3], numbers[4] = cx, cy
+    middle, half = (c[3] + c[5]) / 2.0, np.hypot((c[3] - c[5]) / 2.0, c[4])
+    numbers[5], numbers[6], numbers[7] = middle + half, middle - half, count
+    hessian[0, 0], hessian[0, 1], hessian[1, 0], hessian[1, 1] = c[3], c[4], c[4], c[5]
+    return TOUCHED, mask, inner, numbers, hessian
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _smoothed(depth: Floats, noise: Floats) -> tuple[Floats, float]:
+    """Means of 3 x 3 taxels, of dead ones as zero and the rim's own beyond it; the living ones' median noise."""
+    rows, columns = depth.shape
+    across, out, living = np.empty(depth.shape), np.empty(depth.shape), np.empty(depth.size)
+    n = 0
+    for i in range(rows):
+        before = here = depth[i, 0] if np.isfinite(noise[i, 0]) else 0.0
+        for j in range(columns):
+            if np.isfinite(noise[i, j]):
+                living[n] = noise[i, j]
+                n += 1
+            k = min(j + 1, columns - 1)
+            after = depth[i, k] if np.isfinite(noise[i, k]) else 0.0
+            across[i, j] = before + here + after
+            before, here = here, after
+    for i in range(rows):
+        up, down = max(i - 1, 0), min(i + 1, rows - 1)
+        for j in range(columns):
+            out[i, j] = (across[up, j] + across[i, j] + across[down, j]) / 9.0
+    return out, (np.median(living[:n]) if n else np.inf)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _solved(lower: Floats, right: Floats) -> Floats:
+    """Of positive definite normal equations, whose lower half is given (Cholesky, in place)."""
+    n = len(right)
+    for a in range(n):
+        for b in range(a + 1):
+            value = lower[a, b]
+            for k in range(b):
+                value -= lower[a, k] * lower[b, k]
+            lower[a, b] = np.sqrt(value) if a == b else value / lower[b, b]
+    for a in range(n):
+        for k in range(a):
+            right[a] -= lower[a, k] * right[k]
+        right[a] /= lower[a, a]
+    for a in range(n - 1, -1, -1):
+        for k in range(a + 1, n):
+            right[a] -= lower[k, a] * right[k]
+        right[a] /= lower[a, a]
+    return right
 
 
 @numba.njit(cache=True)
 def _eroded(mask: Bools) -> Bools:
     """Without the taxels beside one that is not touched; what lies off the pad counts as touched."""
-    out = mask.copy()
-    out[1:] &= mask[:-1]
-    out[:-1] &= mask[1:]
-    out[:, 1:] &= mask[:, :-1]
-    out[:, :-1] &= mask[:, 1:]
+    rows, columns = mask.shape
+    out = np.empty(mask.shape, np.bool_)
+    for i in range(rows):
+        for j in range(columns):
+            out[i, j] = (
+                mask[i, j]
+                and mask[max(i - 1, 0), j]
+                and mask[min(i + 1, rows - 1), j]
+                and mask[i, max(j - 1, 0)]
+                and mask[i, min(j + 1, columns - 1)]
+            )
     return out
 
 
 @numba.njit(cache=True)
-def _spans(mask: Bools, least: int) -> bool:
-    """Whether the mask covers at least so many rows and columns."""
-    rows, columns = mask.nonzero()
-    return len(np.unique(rows)) >= least and len(np.unique(columns)) >= least
+def _is_enough(mask: Bools, taxels: int, least: int) -> bool:
+    """Whether a mask holds so many taxels, over at least so many rows and columns."""
+    count, rows = 0, 0
+    in_column = np.zeros(mask.shape[1], np.bool_)
+    for i in range(mask.shape[0]):
+        any_here = False
+        for j in range(mask.shape[1]):
+            if mask[i, j]:
+                count += 1
+                any_here = True
+                in_column[j] = True
+        rows += any_here
+    return count >= taxels and rows >= least and in_column.sum() >= least
