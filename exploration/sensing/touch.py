@@ -23,7 +23,7 @@ from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.hough import voted_lines
 from exploration.sensing.lines.line import Line
 from exploration.sensing.lines.line_fit import softened
-from exploration.sensing.lines.outline import Outline, find_outline, outline_of
+from exploration.sensing.lines.outline import BOSS, Outline, find_outline, outline_of
 from exploration.sensing.lines.region_fit import RegionFit
 from exploration.sensing.lines.single_edge import NOTHING as NO_EDGE
 from exploration.sensing.lines.single_edge import first_look
@@ -48,6 +48,7 @@ LIKELY = 0.95  # probability of a reading from which its lines are told
 SHARPENS = 9.0  # [chi2] that a ridge which sharpens toward an apex must gain on one that does not
 UNKNOWN = 5.0  # [chi2] that each unknown more must gain: log of the number of taxels
 STRIP = 9.0  # [chi2] that a flat strip must gain on a flank, which claims less
+PIN = 19.0  # odds from which a lone rim is that of a flat pin, and no ball, which claims less
 UNEXPLAINED = 3.0  # [standard deviations of chi2] of misfit from which the whole outline is looked for
 
 
@@ -138,7 +139,8 @@ def _strip_or_flank(
         felt = softened(image) if outline.fit.region.signs else image  # what the outline was fitted to
         flank = flank_of(felt, smooth, limit, outline.lines, len(outline.arcs))
     if flank is None or flank.chi2 > outline.chi2 + STRIP + UNKNOWN * (flank.dof - outline.dof):
-        face = _flat_face(image, contact, outline.fit)
+        doubted = outline.fit.region == BOSS and kinds["edge"] < PIN * kinds["curved"]
+        face = smooth if doubted else _flat_face(image, contact, outline.fit)
         return _touch(image, contact, kinds, outline.lines, face, outline.arcs)
     share = 1.0 / (1.0 + exp(min(0.5 * (flank.chi2 - outline.chi2), 50.0)))
     kinds = {k: (1.0 - share) * v for k, v in kinds.items()}

@@ -67,7 +67,7 @@ class Outline:
 
 
 NOTHING = Outline()
-_BOSS = Region((), NO_TERMS, (1.0,))
+BOSS = Region((), NO_TERMS, (1.0,))
 DEFAULT = OutlineConfig()
 LIKELIEST = OutlineConfig(line_odds=-2.94, straight_odds=-5.0)  # lines, unless another is clearly likelier
 UNMISTAKABLE = OutlineConfig(narrow=False, corner_odds=2.94)  # nothing that might as well be a smooth surface
@@ -106,7 +106,7 @@ def find_outline(
     gain = smooth.chi2 - best.chi2 if smooth.converged else inf
     if not _likely(image, best, contact, smooth, config):
         return Outline((), (), smooth.chi2, smooth.dof, gain)
-    if best.region == _BOSS:
+    if best.region == BOSS:
         best = _leveled(soft, response, best)
     if soft is not image:
         best = on_its_skin(image, best)
