@@ -16,6 +16,7 @@ from exploration.sensing.contact_mask import usable
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.arc import Arc
 from exploration.sensing.lines.edges import edge_points
+from exploration.sensing.lines.estimate_bias import bias_of
 from exploration.sensing.lines.line import Line, normalized
 from exploration.sensing.lines.line_fit import softened
 from exploration.sensing.lines.outline_evidence import is_wall, log_odds, log_over, log_weight
@@ -23,7 +24,7 @@ from exploration.sensing.lines.outline_search import Evidence, SearchConfig, sea
 from exploration.sensing.lines.parallel import made_parallel
 from exploration.sensing.lines.peaks import peaks
 from exploration.sensing.lines.region import NO_TERMS, Region
-from exploration.sensing.lines.region_fit import LEVEL, RegionFit, fit_region
+from exploration.sensing.lines.region_fit import LEAST_RADIUS, LEVEL, RegionFit, fit_region
 from exploration.sensing.lines.seen import seen_of_disc, seen_of_line
 from exploration.sensing.lines.short_skin import on_its_skin
 from exploration.sensing.response import Response, response_of
@@ -110,7 +111,7 @@ def find_outline(
         best = _leveled(soft, response, best)
     if soft is not image:
         best = on_its_skin(image, best)
-    return outline_of(image, best, gain, config)
+    return outline_of(image, best, gain, config, response)
 
 
 def _leveled(image: TactileImage, response: Response, fit: RegionFit) -> RegionFit:
@@ -145,7 +146,11 @@ def _likely(
 
 
 def outline_of(
-    image: TactileImage, fit: RegionFit, gain: float = 0.0, config: OutlineConfig = DEFAULT
+    image: TactileImage,
+    fit: RegionFit,
+    gain: float = 0.0,
+    config: OutlineConfig = DEFAULT,
+    response: Response | None = None,
 ) -> Outline:
     """Lines and arcs of a fit, over what the pad sees of them; sides that may be parallel are."""
     lines, arcs = [], []
@@ -153,6 +158,7 @@ def outline_of(
     p, covariance = fit.parameters, fit.covariance * fit.inflation
     size = image.array.size
     n = len(fit.region.sides)
+    bias = bias_of(image, response_of(image, response), free) if fit.region.signs else np.zeros(len(p))
     for i, side in enumerate(fit.region.sides):
         rows = slice(3 + 2 * i, 5 + 2 * i)
         angle, offset, turned = normalized(float(p[rows.start]), float(p[rows.start + 1]), int(side))
@@ -174,26 +180,13 @@ def outline_of(
         rim = np.stack([np.cos(turn), np.sin(turn)], axis=1)
         height, strength = _height(p, covariance, (p[rows][:2] + p[rows][2] * rim).mean(axis=0))
         shared = frozen(covariance[rows, rows])
-        center, radius = _unbent(p[rows], shared)
+        disc = p[rows] - bias[rows] / (1.0 + max(0.0, float(bias[rows][2] / p[rows][2])))
         if strength > config.strength:
-            arcs.append(Arc(center, radius, shared, sign > 0, step * len(turn), strength, height))
+            arc = frozen(disc[:2]), max(LEAST_RADIUS, float(disc[2])), shared, sign > 0
+            arcs.append(Arc(*arc, step * len(turn), strength, height))
     lines.sort(key=lambda line: -line.strength)
     arcs.sort(key=lambda arc: -arc.strength)
     return Outline(tuple(lines), tuple(arcs), fit.chi2, fit.dof, gain, free)
-
-
-def _unbent(disc: Floats, covariance: Floats) -> tuple[Floats, float]:
-    """Center and radius (2,), [mm]; the rim's point that is nearest the pad's center stays where it is.
-
-    What a short arc tells is its curvature k, within normal errors; the mean of 1/k is R (1 + sigma_R^2/R^2) to
-    second order, and that much is taken back.
-    """
-    radius = float(disc[2])
-    away = float(np.hypot(disc[0], disc[1]))
-    less = radius - radius / (1.0 + float(covariance[2, 2]) / radius**2)
-    if away < radius / 2:
-        return frozen(disc[:2]), radius
-    return frozen(disc[:2] * (1.0 - less / away)), radius - less
 
 
 def _height(p: Floats, covariance: Floats, at: Floats) -> tuple[float, float]:

@@ -12,14 +12,16 @@ from dataclasses import dataclass
 from itertools import product
 from math import hypot
 
+import numpy as np
 from perception.scene import Scene
 
 from exploration.sensing.frame import TactileImage
+from exploration.sensing.lines.estimate_bias import bias_of
 from exploration.sensing.lines.line_fit import softened
 from exploration.sensing.lines.outline import LIKELIEST, find_outline
 from exploration.sensing.lines.outline_evidence import log_over, log_weight
 from exploration.sensing.lines.region import NO_TERMS, WHOLE, Region, Terms
-from exploration.sensing.lines.region_fit import RegionFit, fit_region
+from exploration.sensing.lines.region_fit import LEVEL, SLOPE, RegionFit, fit_region
 from exploration.sensing.response import response_of
 from primitives.arrays import Floats
 
@@ -63,7 +65,9 @@ def is_missed(fit: RegionFit, image: TactileImage) -> bool:
 
 
 def told_disc(scene: Scene, image: TactileImage, boss: bool) -> Floats:
-    """(3,) center and radius [mm] of the likeliest boss or hole."""
+    """(3,) center and radius [mm] of the likeliest boss or hole, less what those are off on average."""
     region = Region((), NO_TERMS if boss else WHOLE, (1.0 if boss else -1.0,))
-    fit = fit_region(softened(image), response_of(image), region, scene.found[0])
-    return fit.parameters[3:]
+    soft, response = softened(image), response_of(image)
+    fit = fit_region(soft, response, region, scene.found[0], slope=LEVEL if boss else SLOPE)
+    off = bias_of(soft, response, fit) if fit.converged else np.zeros(region.unknowns)
+    return np.asarray((fit.parameters - off)[3:])
