@@ -26,6 +26,7 @@ class RankOptions:
         default_factory=lambda: {"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.08, "torus": 0.07}
     )
     largest_radius: float = 2000.0  # [mm] what is rounder than this is its simpler neighbor
+    largest_torus: float = np.inf  # [extents of the contacts] likewise, of either radius of a torus
     least_angle: float = 0.004  # [rad] a cone steeper than this is a cylinder
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
@@ -48,7 +49,8 @@ def rank(
     """Fits of the kinds, best first; empty where the contacts determine none."""
     options = options or RankOptions()
     tried = [kind for kind in kinds if options.prior.get(kind, 0.0) > 0.0]
-    fits = [found for kind in tried if _usable(found := fit(kind, contacts, options.fit), options)]
+    extent = float(np.ptp(contacts.points, axis=0).max()) if len(contacts) else 0.0
+    fits = [found for kind in tried if _usable(found := fit(kind, contacts, options.fit), options, extent)]
     good = [found for found in fits if isinstance(found, Fit)]
     if not good:
         return ()
@@ -70,10 +72,13 @@ def score(found: Fit, options: RankOptions, excess: float = 1.0) -> float:
     return float(found.chi2 / excess + price - 2.0 * np.log(prior))
 
 
-def _usable(found: Fit | NoFit, options: RankOptions) -> bool:
+def _usable(found: Fit | NoFit, options: RankOptions, extent: float) -> bool:
+    """Whether a fit is no simpler shape in disguise; the contacts reach over `extent` [mm]."""
     if not isinstance(found, Fit):
         return False
     shape = found.shape
+    if isinstance(shape, Torus) and max(shape.sizes) > options.largest_torus * extent:
+        return False
     if isinstance(shape, Cone):
         return shape.semi_angle > options.least_angle
     return not isinstance(shape, Cylinder | Sphere | Torus) or shape.radius < options.largest_radius

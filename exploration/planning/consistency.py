@@ -57,7 +57,8 @@ def drop_edges(graph: PatchGraph) -> PatchGraph:
 def drop_rims(graph: PatchGraph) -> PatchGraph:
     """The graph less its faces that were read where a pad lay on a rim, or across a step from rim to rim.
 
-    All contacts of such a face lie on larger ones, and look another way than those do.
+    All contacts of such a face lie on larger ones, and most look another way than those do: so does what a pad
+    reads off the crest of a narrow ring, which it takes for flat.
     """
     for face in sorted(graph.faces, key=lambda f: len(f.contacts)):
         felt = face.contacts.select(face.contacts.touch != NOT_FELT)
@@ -70,18 +71,21 @@ def drop_rims(graph: PatchGraph) -> PatchGraph:
             continue
         away = np.array([np.abs(_shape(f).signed_distance(felt.points)) for f in larger])
         facing = np.array([(_outward(f, felt) * felt.normals).sum(axis=1) for f in larger])
-        if float(((away < _AT_RIM) & (facing < _FACING)).any(axis=0).mean()) > _EDGE_SHARE:
+        if float((away < np.where(facing < _FACING, _AT_RIM, _SAME)).any(axis=0).mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
 
 
 def concave(graph: PatchGraph) -> bool:
-    """Whether two sound faces cannot both bound a convex body: many contacts of one lie well before the other."""
+    """Whether sound faces cannot all bound a convex body: many contacts of one lie well before another.
+
+    A torus turns away from its own far side, so that no half-space stands for it.
+    """
     sound = [f for f in graph.faces if isinstance(f.fit, Fit) and len(f.contacts) >= _SOUND and _broad(f)]
     for face in sound:
         assert isinstance(face.fit, Fit)
         side = 1.0 if face.fit.convex else -1.0
-        if not face.fit.convex and face.fit.kind != "plane":
+        if (not face.fit.convex and face.fit.kind != "plane") or face.fit.kind == "torus":
             return True
         for other in sound:
             away = side * face.fit.shape.signed_distance(other.contacts.points)

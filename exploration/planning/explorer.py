@@ -118,7 +118,9 @@ class Explorer:
         self.found.ended = "budget"
 
     def _dented(self) -> bool:
-        """Whether what was felt of a face proves that the object is not convex."""
+        """Whether what was felt of a face proves that the object is not convex, or it bounds no half-space."""
+        if any(isinstance(face.fit, Fit) and face.fit.kind == "torus" for face in self.found.graph.faces):
+            return True
         self._felt.take(self.pad.felt)
         faces, free = self.found.graph.faces, self.pad.free.points
         return LocalFrontier(faces, self._felt, free, self.config.feature).dented()

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from exploration.planning.attribution import CONVEX, AttributionConfig, known_face, take_in
+from exploration.planning.consistency import concave, drop_rims
 from primitives.evidence import Contacts
-from primitives.patch_graph import PatchGraph
+from primitives.fit import fit
+from primitives.patch_graph import Face, PatchGraph
+from primitives.shapes import Torus
 
 CONFIG = AttributionConfig()
 NONE = Contacts.of(np.empty((0, 3)))
@@ -115,3 +118,22 @@ def test_what_a_pad_reads_on_a_rim_is_no_face_of_a_hollow_object(corner):
         rows + np.outer(np.arange(18) % 6, [0.0, -2.0, -1.155]), tilted, 0.03, 0.01, touch=8
     )
     assert len(take_in(corner, NONE, farther, hollow).graph.faces) == 3
+
+
+def test_a_ring_is_a_torus_and_what_is_read_flat_off_its_crest_goes():
+    """A crest of 7 mm radius fills so few taxels across that some frames are read as a strip of a plane."""
+    rng = np.random.default_rng(3)
+    ring = Torus([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 35.0, 7.0)
+    round_, tube = rng.uniform(0.0, 2.0 * np.pi, 90), rng.uniform(-1.0, 2.0, 90)
+    way = np.column_stack([np.cos(round_), np.sin(round_), np.zeros(90)])
+    normals = np.cos(tube)[:, None] * way + np.sin(tube)[:, None] * [0.0, 0.0, 1.0]
+    points = 35.0 * way + (7.0 + 0.01 * rng.standard_normal(90))[:, None] * normals
+    sides = Contacts.of(points, normals, sigma=0.02, normal_sigma=0.02, touch=np.arange(90) // 30)
+    graph, home = PatchGraph(options=CONVEX).add_stroke(sides)
+    assert graph.face(home).fit.kind == "torus"
+    assert concave(graph)
+    crest = 35.0 * way[:20] + rng.uniform(-1.5, 1.5, 20)[:, None] * way[:20] + [0.0, 0.0, 6.95]
+    flat = Contacts.of(crest, np.eye(3)[[2] * 20], sigma=0.03, normal_sigma=0.01, touch=5)
+    graph = PatchGraph((*graph.faces, Face(9, fit("plane", flat), flat)), options=CONVEX)
+    assert np.abs(ring.signed_distance(crest)).max() < 0.3
+    assert [face.id for face in drop_rims(graph).faces] == [home]
