@@ -24,10 +24,12 @@ from exploration.planning.findings import Attempts, Done, ExplorerConfig, outwar
 from exploration.planning.frontier import Predicted
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.looking import Looking
+from exploration.planning.lying import lying_places
 from exploration.planning.reach import Reach
 from exploration.planning.rim_walls import RimWalls
 from exploration.planning.round_holes import RoundHoles
 from exploration.planning.round_rims import RoundRim
+from exploration.planning.slipped import Slipped
 from exploration.planning.study import Study, Wall
 from exploration.planning.wall_facing import face_wall
 from primitives import pose as se3
@@ -70,6 +72,7 @@ class AnyForm:
         self._rims = Attempts(self.own.rim_tries, self.own.beside)
         self._open = Attempts(config.tries - 1, 2.5)
         self._entering = Entering(study, self.reach) if later else None
+        self._slipped = Slipped(study, self.reach) if later else None
         self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
         self._vain = 0
         self._looking = Looking(study, self.reach)
@@ -124,6 +127,8 @@ class AnyForm:
         ways_in = self._entering.ways_in(frontier.mouths(), self._alongs) if self._entering else ()
         if into := list(ways_in):
             return min(into, key=lambda item: _away(item[0], here))[1]
+        if self._slipped and (move := self._slipped.next(self._alongs)) is not None:
+            return move
         todo: list[tuple[float, Callable[[], Done]]] = []
         standing = [wall for wall in walls if not self._walls.given_up(wall.point)]
         standing = standing if self._vain < self.own.vain else []
@@ -218,19 +223,9 @@ class AnyForm:
 
     def _come_down(self, left: Predicted, nearest: int) -> Done:
         """Lie on open surface where the pad has room, with as much of it under the pad as may be."""
-        point, normal, face = left.points[nearest], left.normals[nearest], int(left.face[nearest])
+        point = left.points[nearest]
         self._open.note(point)
-        hx, hy = (0.5 * np.asarray(self.pad.size) - 1.0).tolist()
-        best: list[tuple[float, Floats]] = []
-        for along in self._alongs(normal):
-            turn = se3.frame_along(-normal, along)
-            for sx in (0.0, 0.5, -0.5, 0.9, -0.9):
-                for sy in (0.0, 0.5, -0.5, 0.9, -0.9):
-                    pose = se3.pose(turn, point + turn @ np.array([sx * hx, sy * hy, 0.0]))
-                    local = (left.points - pose[:3, 3]) @ pose[:3, :3]
-                    under = (np.abs(local) < [hx, hy, 2.0]).all(axis=1) & (left.face == face)
-                    best.append((-float(under.sum()) + 0.1 * float(np.hypot(sx, sy)), pose))
-        for _, pose in sorted(best, key=lambda item: item[0]):
+        for pose in lying_places(left, nearest, self._alongs(left.normals[nearest]), self.pad.size):
             if self.reach.clear(pose):
                 if self.reach.touch(pose):
                     return self.study.face_here(), "came down on what was open"

@@ -19,8 +19,9 @@ from exploration.planning.mouths import Mouth, innermost, lids
 from exploration.planning.reach import Reach
 from exploration.planning.study import Study
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.evidence import Contacts
+from primitives.fit import Fit
 
 Move = Callable[[], Done]
 
@@ -61,20 +62,30 @@ class Entering:
         What is behind a mouth is closed to all other ways from now on.
         """
         self.reach.lids = lids(across)
-        wide = 2.0 * float(self.study.pad.tool.high[:2].min())
-        for mouth in innermost([mouth for mouth in across if mouth.width > wide and self._untold(mouth)]):
+        wide, known = 2.0 * float(self.study.pad.tool.high[:2].min()), self._on_faces()
+        untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, known)]
+        for mouth in innermost(untold):
             turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
             poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
             if room := [pose for pose in poses if self.reach.clear(pose)]:
                 yield mouth.center, partial(self._sound, mouth, room)
 
-    def _untold(self, mouth: Mouth) -> bool:
-        """Whether neither a sounding nor a known floor tells what is behind a mouth."""
-        return self._sounded.count(mouth.center) == 0 and not self._floored(mouth)
+    def _untold(self, mouth: Mouth, known: Bools) -> bool:
+        """Whether neither a sounding nor a floor tells what is behind a mouth; `known` cells lie on a face."""
+        return self._sounded.count(mouth.center) == 0 and not self._floored(mouth, known)
 
-    def _floored(self, mouth: Mouth) -> bool:
+    def _on_faces(self) -> Bools:
+        """(n,) which felt cells lie on known faces: what a rolling pad felt of a bowl's side is no floor."""
+        felt, on = self.reach.felt, np.zeros(len(self.reach.felt.points), dtype=bool)
+        for face in self.study.found.graph.faces:
+            if isinstance(face.fit, Fit):
+                on |= felt.on(face.fit.shape, 1.0 if face.fit.convex else -1.0)
+        return on
+
+    def _floored(self, mouth: Mouth, known: Bools) -> bool:
         """Whether a floor behind a mouth is known already."""
-        cells = self.reach.felt.points[self.reach.felt.facing @ mouth.normal > _ALIKE] - mouth.center
+        felt = self.reach.felt
+        cells = felt.points[known & (felt.facing @ mouth.normal > _ALIKE)] - mouth.center
         deep = cells @ mouth.normal
         beside = np.linalg.norm(cells - deep[:, None] * mouth.normal, axis=1)
         return bool(((deep < -_PLANE) & (beside < self.config.known) & (deep > -self._deep)).any())

@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exploration.control.dwell import dwell
-from exploration.control.feel import feel
+from exploration.control.feel import Felt, feel
 from exploration.control.free_cells import free_cells
 from exploration.control.kept_contacts import keep, touched_cells
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
 from exploration.control.procedures.curvature import four_direction_curvature
 from exploration.control.procedures.land import LandConfig, land
 from exploration.control.procedures.look import look_closely
-from exploration.control.procedures.settle import SettleConfig
+from exploration.control.procedures.settle import SettleConfig, Unsettled
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface
@@ -71,6 +71,9 @@ class Pad:
         self.covered = Touched()
         self.free, self.swept = FeltFree(), SweptCells(box)
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
+        self.slipped: list[
+            tuple[Floats, Floats]
+        ] = []  # (3,) places met and not lain on, and (3,) the ways there
         self._watched: Floats | None = None  # (3,) where the skin was last looked at for free space
         self.most: int | None = None  # touches that are allowed
         self._tools = tuple(tools) or tuple(Tool.of_size(sensor.array.size) for sensor in guard.sensors)
@@ -96,7 +99,7 @@ class Pad:
         """Advance from where the pad is, along a (3,) direction, and settle; one touch, hit or miss."""
         self.count_touch()
         tare(self.guard)
-        return bool(land(self.guard, direction, distance, speed or ApproachConfig().speed))
+        return self._landed(land(self.guard, direction, distance, speed or ApproachConfig().speed), direction)
 
     def touch(
         self,
@@ -112,10 +115,19 @@ class Pad:
         if self.guard.go_to(back, until=lambda seen: touched(seen.image)) is None:
             tare(self.guard)
         speed = ApproachConfig().speed
-        if land(self.guard, target[:3, 2], standoff + overtravel, speed, landing or LandConfig(), settling):
+        way = target[:3, 2]
+        if self._landed(
+            land(self.guard, way, standoff + overtravel, speed, landing or LandConfig(), settling), way
+        ):
             return True
         retreat(self.guard, self.config.back)  # free, because the pad came that way
         return False
+
+    def _landed(self, felt: Felt | Unsettled, way: Floats) -> bool:
+        """Whether the pad lies; else note what it met and could not lie on, coming along a (3,) way."""
+        if isinstance(felt, Unsettled) and felt.met is not None:
+            self.slipped.append((felt.met, way))
+        return bool(felt)
 
     def count_touch(self) -> None:
         """Count one more touch, about to be made; `TouchesSpent` where no more are allowed."""

@@ -3,7 +3,7 @@
 Property class: structural (a first contact, its surface normal).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter
@@ -12,7 +12,7 @@ from exploration.control.feel import Felt
 from exploration.control.procedures.approach import ApproachConfig, advance, retreat
 from exploration.control.procedures.settle import SettleConfig, Unsettled, settle
 from exploration.control.procedures.tare import tare
-from exploration.devices.guard import Collision, Guard, OverPress
+from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.sensing.frame import TactileImage
 from primitives import pose as se3
 from primitives.arrays import Floats
@@ -42,6 +42,7 @@ def land(
     settling would have rolled it, and advances along its own new normal.  With `felt_at` (2,) [mm] it leans at
     once.  What the rubber remembers of a hard contact is taken out before: it would pass for a new one.
     """
+    met: Floats | None = None
     for _ in range(config.tries):
         try:
             if felt_at is not None:
@@ -49,12 +50,16 @@ def land(
                 tare(guard)
                 direction = _lean(guard, felt_at, config)
                 distance, speed = 3.0 * config.back, ApproachConfig().speed
-            if advance(guard, direction, distance, speed) is None:
-                return Unsettled("nothing was met")
-            return settle(guard, config=settling or SettleConfig())
+            seen = advance(guard, direction, distance, speed)
+            if seen is None:
+                return Unsettled("nothing was met", met)
+            if met is None:
+                met = _place(strongest(seen.image), seen)
+            settled = settle(guard, config=settling or SettleConfig())
+            return settled if isinstance(settled, Felt) else replace(settled, met=met)
         except (Collision, OverPress) as fault:
             felt_at = strongest(fault.seen.image) if fault.seen is not None else np.zeros(2)
-    return Unsettled(f"the housing was in the way {config.tries} times")
+    return Unsettled(f"the housing was in the way {config.tries} times", met)
 
 
 def strongest(image: TactileImage) -> Floats:
@@ -62,6 +67,12 @@ def strongest(image: TactileImage) -> Floats:
     live = np.where(np.isfinite(image.sigma), image.depth, 0.0)
     row, column = np.unravel_index(int(np.argmax(uniform_filter(live, 3))), live.shape)
     return np.array([image.array.x[column], image.array.y[row]])
+
+
+def _place(at: Floats, seen: Observation) -> Floats:
+    """(3,) [mm] in the world of a (2,) place of the pad."""
+    pose = seen.world_from_sensor
+    return np.asarray(pose[:3, :2] @ at + pose[:3, 3])
 
 
 def _lean(guard: Guard, felt_at: Floats, config: LandConfig) -> Floats:

@@ -17,6 +17,7 @@ import numpy as np
 from exploration.control.feel import Felt, feel
 from exploration.control.hybrid import PRESS, HybridGains, HybridState, hybrid
 from exploration.devices.guard import Guard
+from primitives.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class Unsettled:
     """The pad never came to lie; false in a condition."""
 
     reason: str
+    met: Floats | None = None  # (3,) [mm] where something was felt at first, if anything was
 
     def __bool__(self) -> Literal[False]:
         return False
