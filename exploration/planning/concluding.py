@@ -19,6 +19,7 @@ from exploration.planning.rim_walls import SeenRim, rim_walls, upright_walls
 from exploration.planning.round_holes import holes_of
 from exploration.planning.round_rims import RoundRim
 from exploration.planning.study import Wall
+from exploration.planning.turned_ends import turned_ends
 from primitives.evidence import Contacts
 from primitives.fit import Fit, fit
 from primitives.patch_graph import Face
@@ -26,6 +27,7 @@ from primitives.patch_graph import Face
 _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped"
 _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two others"
 _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
+_BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.4  # most cosine between a rim and the way that the face behind it looks
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
@@ -46,6 +48,8 @@ def conclude(
         _replace(found, lambda face: placed.get(face.id, face))
     for lot in lots:
         _add(found, lot, _BY_RIMS)
+    for lot in turned_ends(unexplained(found), found.graph.faces):
+        _add(found, lot, _BY_TURN)
     for lot in upright_walls(unexplained(found), found.graph.faces):
         _add(found, lot, _BY_RIM)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])

@@ -6,8 +6,10 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.concluding import unexplained
+from exploration.planning.turned_ends import turned_ends
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.shapes import Cone
 
 Z = np.eye(3)[2]
 
@@ -29,3 +31,25 @@ def test_a_wall_that_only_ends_at_a_rim_does_not_explain_it():
     assert unexplained(found) == [rim]
     found.graph.faces = (face, wall(2, np.pi / 3)[0])
     assert unexplained(found) == []
+
+
+def test_a_turned_face_that_ends_round_its_axis_ends_in_a_plane_upright_on_it():
+    """A funnel's mouth, whose ring is too narrow to lie on, seen at two places of the cone outside it."""
+    cone = Cone([0.0, 0.0, -18.2], Z, 0.58)
+    around = np.linspace(0.0, 6.0, 12)
+    points = cone.project(np.column_stack([30.0 * np.cos(around), 30.0 * np.sin(around), 20.0 + around]))
+    face = ranked_face(3, Contacts.of(points, cone.normals(points), 0.02, 0.01), MergeOptions())
+
+    def rim(way, slant=0.0):
+        out = np.array([np.cos(way), np.sin(way), 0.0])
+        point = cone.project((45.0 * out + 50.0 * Z)[None])[0]
+        normal, along = cone.normals(point[None])[0], np.cross(Z, out)
+        tangent = np.cos(slant) * along + np.sin(slant) * np.cross(normal, along)
+        return Sighting(point, tangent, np.cross(normal, tangent), normal, 0.05, 8.0), 3
+
+    seen = [rim(0.3), rim(2.8)]
+    (end,) = turned_ends(seen, [face])
+    assert np.abs(end.normals - np.sign(seen[0][0].outward @ Z) * Z).max() < 0.01
+    assert np.abs(end.points[:, 2] - seen[0][0].point[2]).max() < 0.2
+    assert np.linalg.norm(end.points[:, :2], axis=1).max() < np.linalg.norm(seen[0][0].point[:2])
+    assert turned_ends([rim(0.3, slant=0.4)], [face]) == []
