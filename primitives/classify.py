@@ -27,6 +27,7 @@ class RankOptions:
     )
     largest_radius: float = 2000.0  # [mm] what is rounder than this is its simpler neighbor
     largest_torus: float = np.inf  # [extents of the contacts] likewise, of either radius of a torus
+    least_turn: float = 0.0  # [rad] round the tube of a torus, over which its contacts must reach
     least_angle: float = 0.004  # [rad] a cone steeper than this is a cylinder
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
@@ -49,8 +50,7 @@ def rank(
     """Fits of the kinds, best first; empty where the contacts determine none."""
     options = options or RankOptions()
     tried = [kind for kind in kinds if options.prior.get(kind, 0.0) > 0.0]
-    extent = float(np.ptp(contacts.points, axis=0).max()) if len(contacts) else 0.0
-    fits = [found for kind in tried if _usable(found := fit(kind, contacts, options.fit), options, extent)]
+    fits = [found for kind in tried if _usable(found := fit(kind, contacts, options.fit), options, contacts)]
     good = [found for found in fits if isinstance(found, Fit)]
     if not good:
         return ()
@@ -72,13 +72,23 @@ def score(found: Fit, options: RankOptions, excess: float = 1.0) -> float:
     return float(found.chi2 / excess + price - 2.0 * np.log(prior))
 
 
-def _usable(found: Fit | NoFit, options: RankOptions, extent: float) -> bool:
-    """Whether a fit is no simpler shape in disguise; the contacts reach over `extent` [mm]."""
+def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> bool:
+    """Whether a fit is no simpler shape in disguise."""
     if not isinstance(found, Fit):
         return False
     shape = found.shape
-    if isinstance(shape, Torus) and max(shape.sizes) > options.largest_torus * extent:
+    if isinstance(shape, Torus) and not _ringlike(shape, options, contacts):
         return False
     if isinstance(shape, Cone):
         return shape.semi_angle > options.least_angle
     return not isinstance(shape, Cylinder | Sphere | Torus) or shape.radius < options.largest_radius
+
+
+def _ringlike(shape: Torus, options: RankOptions, contacts: Contacts) -> bool:
+    """Whether contacts reach so far round a torus, and round its tube, that they tell it from a narrow ring."""
+    extent = float(np.ptp(contacts.points, axis=0).max())
+    away = contacts.points - shape.center
+    along = away @ shape.axis
+    out = np.linalg.norm(away - along[:, None] * shape.axis, axis=1) - shape.radius
+    turn = float(np.ptp(np.arctan2(along, out)))
+    return max(shape.sizes) <= options.largest_torus * extent and turn >= options.least_turn

@@ -22,7 +22,9 @@ from primitives.surface_sigma import distance_sigma
 CONVEX = MergeOptions(
     slack=3.0,  # errors common to a stroke are larger than its frames' noise
     rank=RankOptions(
-        prior={"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.1, "torus": 0.05}, largest_torus=3.0
+        prior={"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.1, "torus": 0.05},
+        largest_torus=3.0,
+        least_turn=0.5,
     ),
 )
 
