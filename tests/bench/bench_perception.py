@@ -73,7 +73,8 @@ def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, An
             terms = None if key in TOLD else ONE[0]
             if key in TOLD:
                 finders |= {OURS: partial(find_lines, dihedral=TOLD[key]), f"{OURS}, not told": find_lines}
-            out += edge_rows(name, finders, maker, noise, frames, asked, terms)
+            untold = "dihedral" if key in TOLD else None
+            out += edge_rows(name, finders, maker, noise, frames, asked, terms, untold)
         elif key in MANY:
             finders = methods() | {SURE: sure_lines}
             out += many_rows(key, finders, *MANY[key], PLAIN, frames, SEVERAL)

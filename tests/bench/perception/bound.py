@@ -31,6 +31,7 @@ STEP = {  # half-widths of the differences: small against the blur, large agains
     "first": 0.004,
     "second": 0.004,
     "taper": 0.004,
+    "dihedral": 0.02,
 }
 RELATIVE = {"radius": 0.01}  # of the number itself, where that is more
 

@@ -92,8 +92,12 @@ def edge_rows(
     frames: int,
     asked: Asked,
     terms: Terms | None = None,
+    untold: str | None = None,
 ) -> list[dict[str, Any]]:
-    """Accuracy over the bound, bias, failures and time of each method on one kind of frame."""
+    """Accuracy over the bound, bias, failures and time of each method on one kind of frame.
+
+    Where a number of the scene is told to ours, `untold` is its name: the bound of who is not told it stands by.
+    """
     pressed = drawn(maker, noise, frames, sum(map(ord, name)))
     found = tallies(methods, pressed, noise, terms)
     pitch = pressed[0][0].spec.array.pitch[0]
@@ -103,6 +107,13 @@ def edge_rows(
         rms = np.sqrt(np.mean(some.least, axis=0))
         rows.append(row("bound", f"{name}: angle RMS", np.degrees(rms[0]), "deg"))
         rows.append(row("bound", f"{name}: offset RMS", rms[1] / pitch, "taxel"))
+    if untold:
+        blind = [
+            fisher(scene, noise, (*scene.unknown, untold)).variances()[0] for scene, _ in pressed[::WEIGHED]
+        ]
+        rms = np.sqrt(np.mean(blind, axis=0))
+        rows.append(row("bound", f"{name}: angle RMS, {untold} not told", np.degrees(rms[0]), "deg"))
+        rows.append(row("bound", f"{name}: offset RMS, {untold} not told", rms[1] / pitch, "taxel"))
     if asked.findable or asked.failures is not None:
         least = 100.0 - _findable(pressed, noise, WEIGHED if asked.findable else RARELY)
         asked = replace(asked, failures=least if asked.findable else asked.failures)

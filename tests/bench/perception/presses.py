@@ -39,9 +39,10 @@ def edge(
         depth=PRESS,
         tilt_x=np.tan(tilt) * np.cos(lean),
         tilt_y=np.tan(tilt) * np.sin(lean),
+        dihedral=np.radians(dihedral),
     )
     died = rng.random(spec.array.shape) < dead if dead else None
-    return Scene(spec, n, lambda n: solids.edge(dihedral), _edge_line, ("turn", "offset", *LOCAL), died)
+    return Scene(spec, n, _edged, _edge_line, ("turn", "offset", *LOCAL), died)
 
 
 def corner(rng: np.random.Generator, spec: SensorSpec = PAD) -> Scene:
@@ -160,6 +161,10 @@ def _without_lines(
     spec: SensorSpec, n: Numbers, solid: Callable[[Numbers], solids.Solid], unknown: tuple[str, ...]
 ) -> Scene:
     return Scene(spec, n, solid, lambda n: np.array([[n.get("radius", 0.0)]]), unknown)
+
+
+def _edged(n: Numbers) -> solids.Solid:
+    return solids.edge(float(np.degrees(n["dihedral"])))
 
 
 def _turn(rng: np.random.Generator) -> float:

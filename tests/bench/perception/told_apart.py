@@ -5,10 +5,11 @@ Whoever says "line" on at most `FALSE` of the frames of every smooth surface say
     Phi(d - z),    d^2 = sum ((f - g) / sigma)^2,    z = Phi^-1(1 - FALSE),
 
 of a press, f being its clean frame and g that of the smooth surface nearest to it (the lemma of Neyman and
-Pearson).  Smooth is what is nowhere sharper than a ball whose radius is the pad's length, pressed as the rows of
-false lines press: within `AWAY` of the pad's center, leaning no more than the tilted edges, not twice as deep.
-The nearest is the best plane, ridge, ball or dome by the smooth fit if that is smooth; else a simulated bar or
-ball of that very radius.  No detector is told radius, place or depth, so every such surface counts by itself.
+Pearson).  Smooth is what is nowhere sharper than a ball whose radius is the pad's length, and on the pad of the
+table a ball as small as the rows of false lines have, pressed as those rows press: within `AWAY` of the pad's
+center, leaning no more than the tilted edges, not twice as deep.  The nearest is the best plane, ridge, ball or
+dome by the smooth fit if that is smooth; else a simulated bar or ball of the very least radius.  No detector is
+told radius, place or depth, so every such surface counts by itself.
 
 Whoever in the same way hardly ever says a second or third line where there is none says it no more often than the
 nearest frame of one or of two lines lets him.  What is said must then lie near the truth, which errors as small as
@@ -20,6 +21,7 @@ from itertools import combinations, product
 
 import numpy as np
 from perception import presses
+from perception.arrays import PAD
 from perception.bound import difference, fisher
 from perception.noise import Noise
 from perception.scene import Scene, clean
@@ -111,12 +113,18 @@ def apart(scene: Scene, noise: Noise) -> float:
     dome = fit_dome(contact)
     if dome.chi2 > CLEAR:
         return dome.chi2
-    sharpest = ROUNDING / max(scene.spec.array.size)
-    fits = [dome, *(fit_shape(contact, dome, shape) for shape in (PLANE, RIDGE, BALL))]
-    near = [f.chi2 for f in fits if f.converged and _is_smooth(f.parameters, sharpest)]
+    least, roundest = max(scene.spec.array.size), _smallest_ball(scene)
+    fits = [(dome, least), *((fit_shape(contact, dome, shape), least) for shape in (PLANE, RIDGE))]
+    fits.append((fit_shape(contact, dome, BALL), roundest))
+    near = [f.chi2 for f, radius in fits if f.converged and _is_smooth(f.parameters, ROUNDING / radius)]
     sigma = noise.sigma_at(depth)
     near += [_nearest(depth, sigma, *rival) for rival in _sharpest(scene, dome.parameters)]
     return min(near)
+
+
+def _smallest_ball(scene: Scene) -> float:
+    """[mm] radius of the smallest ball on which no line may be said."""
+    return min(presses.BALLS) if scene.spec == PAD else float(max(scene.spec.array.size))
 
 
 def _curvatures(p: Floats) -> tuple[Floats, Floats]:
@@ -134,20 +142,22 @@ def _is_smooth(p: Floats, sharpest: float) -> bool:
 
 
 def _sharpest(scene: Scene, p: Floats) -> list[tuple[Scene, tuple[str, ...]]]:
-    """The sharpest bar and ball that are smooth, where a fitted dome is; and what of each is free."""
+    """The sharpest bar and balls that are smooth, where a fitted dome is; and what of each is free."""
     rng, spec = np.random.default_rng(0), scene.spec
     radius = float(max(spec.array.size))
     across = _curvatures(p)[1][:, 1]
-    away, at = radius * float(across @ p[1:3]), radius * p[1:3]
-    bar, ball = presses.bar(rng, radius, spec=spec), presses.ball(rng, radius, spec=spec)
+    away = radius * float(across @ p[1:3])
     turn = float(np.arctan2(-across[0], across[1]))
-    return [
-        (
-            _bounded(bar, turn=turn, offset=away, depth=p[0] + away**2 / (2 * radius)),
-            ("turn", "offset", "depth", "tilt_x", "tilt_y"),
-        ),
-        (_bounded(ball, x=at[0], y=at[1], depth=p[0] + at @ at / (2 * radius)), ("x", "y", "depth")),
+    bar = presses.bar(rng, radius, spec=spec)
+    depth = p[0] + away**2 / (2 * radius)
+    out: list[tuple[Scene, tuple[str, ...]]] = [
+        (_bounded(bar, turn=turn, offset=away, depth=depth), ("turn", "offset", "depth", "tilt_x", "tilt_y"))
     ]
+    for least in sorted({radius, _smallest_ball(scene)}):
+        ball, at = presses.ball(rng, least, spec=spec), least * p[1:3]
+        depth = p[0] + at @ at / (2 * least)
+        out.append((_bounded(ball, x=at[0], y=at[1], depth=depth), ("x", "y", "depth")))
+    return out
 
 
 def _bounded(scene: Scene, **given: float) -> Scene:
