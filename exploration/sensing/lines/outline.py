@@ -38,7 +38,7 @@ class OutlineConfig:
     """What counts as found."""
 
     odds: float = 2.94  # [log] of an outline against all smooth surfaces: 19 to 1
-    corner_odds: float = 1.0  # [log] of several lines that are no wall, the same: few surfaces resemble those
+    corner_odds: float = 1.5  # [log] of several lines that are no wall, the same: few surfaces resemble those
     arc_odds: float = 0.0  # [log] of one arc, the same: what is likelier
     line_odds: float = inf  # [log] of one line that fits no better, the same
     straight_odds: float = inf  # [log] of lines against an outline with arcs, in whose stead they are said

@@ -14,9 +14,10 @@ A wall and a cylinder, or a pin and a ball, that are hardly wider than the blur 
 Who asks for the outline of either (`narrow`) is told how much likelier they are than a cylinder or ball wider than
 the pad: one with its curvature held at the pad's own, whose chi2 is greater by the square of what its logarithm
 is off, in deviations (in log, for a contact smaller than the blur leaves curvature open upward, not downward).
+So are the tip of a corner and a ridge or dome as sharp; balls are weighed at any radius.
 """
 
-from math import hypot, inf, log, pi, sin
+from math import atan2, cos, exp, hypot, inf, log, pi, sin
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.order import order_contact
 from exploration.sensing.surfaces.smooth_fit import SmoothContact
 from exploration.sensing.surfaces.smooth_shapes import PLANE
+from primitives.arrays import Floats, frozen
 
 PRIOR = {  # of what lies under a pad
     "smooth": 0.4,
@@ -46,6 +48,8 @@ DECADES = log(100.0)  # over which a radius is even
 PARALLEL = 0.3  # [sine of the angle] between the two edges of a wall
 ASKEW = 0.01  # [rad] by which they are not parallel
 BEYOND = 40.0  # [log] by which chi2 alone decides
+_SUM = frozen([1.0, 0.0, 1.0])  # of kxx, kxy, kyy in the sum of both curvatures
+_NO_BALL = [1, 3]  # orders whose two curvatures differ
 _LEVEL = -log(2.0) - 2.0 * log((2.0 * pi) ** 0.5 * SLOPE)  # log density of a depth and two slopes
 
 
@@ -66,10 +70,13 @@ def log_odds(
     turned = (2.0 * pi) ** 0.5 * SLOPE
     poles = -log(2.0) - sum(log(max(turned, abs(k) * size)) for k in (mean + half, mean - half))
     orders = np.maximum(ordered.probability, 1e-300) * np.exp(np.array([_LEVEL, poles, poles, poles]))
-    smooth = log(PRIOR["smooth"]) + ordered.evidence + ordered.volume + log(float(orders.sum()))
     wall, pin = is_wall(fit), _kind(fit) == "arc" and fit.region.signs[0] > 0.0
+    if narrow and ordered.shape != PLANE and not wall and len(fit.region.sides) > 1:
+        sharper = _wider(dome, max(image.array.size), _greatest(dome)) / (2.0 * scale)
+        orders[_NO_BALL] *= exp(-min(sharper, 500.0))
+    smooth = log(PRIOR["smooth"]) + ordered.evidence + ordered.volume + log(float(orders.sum()))
     if narrow and ordered.shape != PLANE and (wall or pin):
-        smooth -= _wider(ordered.fit, max(image.array.size), 1.0 if wall else 0.5) / (2.0 * scale)
+        smooth -= _wider(ordered.fit, max(image.array.size), _SUM if wall else 0.5 * _SUM) / (2.0 * scale)
     return gain + log_weight(fit, size) - smooth
 
 
@@ -86,14 +93,20 @@ def log_over(fit: RegionFit, other: RegionFit) -> float:
     return (other.chi2 - fit.chi2) / (2.0 * max(1.0, min(fit.inflation, other.inflation)))
 
 
-def _wider(fit: Footprint, size: float, share: float) -> float:
-    """[chi2] by which a fit is worse with `share` of its two curvatures' sum held at that of the pad."""
-    both = np.array([share, 0.0, share])
-    curvature = float(both @ fit.parameters[3:])
-    variance = float(both @ fit.covariance[3:, 3:] @ both)
+def _wider(fit: Footprint, size: float, across: Floats) -> float:
+    """[chi2] by which a fit is worse with its curvature (3,) `across` of kxx, kxy, kyy held at that of the pad."""
+    curvature = float(across @ fit.parameters[3:])
+    variance = float(across @ fit.covariance[3:, 3:] @ across)
     if curvature * size <= 1.0 or not variance > 0.0:
         return 0.0
     return log(curvature * size) ** 2 * curvature**2 / variance
+
+
+def _greatest(fit: Footprint) -> Floats:
+    """(3,) of kxx, kxy, kyy in the greatest curvature."""
+    kxx, kxy, kyy = fit.parameters[3:].tolist()
+    turn = 0.5 * atan2(2.0 * kxy, kxx - kyy)
+    return np.array([cos(turn) ** 2, sin(2.0 * turn), sin(turn) ** 2])
 
 
 def _parallel(fit: RegionFit) -> float:

@@ -210,3 +210,17 @@ def test_a_line_of_which_little_is_seen_is_laid_along_none_that_it_crosses():
         fit = RegionFit(Region((1.0, -1.0), TWO[0]), at, free, 150.0, 153, True, 3.0)
         laid = made_parallel(fit).parameters
         assert laid[5] - laid[3] == pytest.approx(0.0 if apart < 0.3 else apart)
+
+
+def test_the_tip_of_a_corner_is_two_lines_though_a_dome_as_sharp_explains_it(frames):
+    """No more than 15 of these were while any dome, however sharp, counted as a smooth surface."""
+    rng = np.random.default_rng(0)
+    found = 0
+    for _ in range(40):
+        tip, first = np.array([-2.0, 4.0]) + rng.uniform(-1, 1, 2), 1.51 + rng.uniform(-0.3, 0.3)
+        sides = [
+            frames.half(angle, tip @ [-np.sin(angle), np.cos(angle)], side)
+            for angle, side in ((first, 1), (first + np.pi / 3, -1))
+        ]
+        found += len(find_lines(frames(times(*sides), rng))) == 2
+    assert found > 18
