@@ -35,11 +35,19 @@ class Approach:
 
     start: Floats  # (4, 4) world_from_sensor where it begins
     length: float  # [mm] at most
+    flown: float = 0.0  # [mm] of these, which are known to be empty enough to be flown through
 
     @property
     def direction(self) -> Floats:
         """(3,) unit direction of the advance."""
         return np.asarray(self.start[:3, 2])
+
+    @property
+    def felt(self) -> Approach:
+        """What is left after the flight: from where the pad has to feel its way."""
+        begin = self.start.copy()
+        begin[:3, 3] += self.flown * self.direction
+        return Approach(begin, self.length - self.flown)
 
 
 @dataclass(frozen=True)

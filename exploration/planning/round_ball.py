@@ -60,6 +60,19 @@ def way_round(start: Floats, goal: Floats, ball: Ball, config: RoundConfig | Non
     return stops
 
 
+def way_out(here: Floats, start: Floats, ball: Ball, config: RoundConfig | None = None) -> Floats:
+    """(4, 4) on the straight way from `here` back to `start`, as it is turned, only out of the ball."""
+    reach = ball.radius + (config or RoundConfig()).clearance
+    a, b = here[:3, 3] - ball.center, start[:3, 3] - ball.center
+    along = b - a
+    square, half = float(along @ along), float(a @ along)
+    left = half**2 - square * (float(a @ a) - reach**2)
+    if square < 1e-12 or left < 0.0:
+        return start
+    share = float(np.clip((np.sqrt(left) - half) / square, 0.0, 1.0))
+    return se3.pose(start[:3, :3], ball.center + a + share * along)
+
+
 def slerp(a: Floats, b: Floats, shares: Floats) -> Floats:
     """(n, 3) unit directions from (3,) a to (3,) b along the shorter great circle."""
     u, v = a / max(float(np.linalg.norm(a)), 1e-9), b / max(float(np.linalg.norm(b)), 1e-9)

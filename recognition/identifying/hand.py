@@ -12,7 +12,7 @@ from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, Cost, Guard, OverPress
 from exploration.devices.protocols import StageLimits
 from exploration.planning.lone_touch import Approach, LoneTouch, touch_once
-from exploration.planning.round_ball import Ball, way_round
+from exploration.planning.round_ball import Ball, way_out, way_round
 from exploration.planning.search import sweeps
 from exploration.planning.told import Told
 from primitives.arrays import Floats
@@ -49,8 +49,8 @@ class Hand(Protocol):
         """Round a ball to where the approach begins, and the approach; None where it could not be made."""
         ...
 
-    def leave(self) -> None:
-        """Back to where the last approach began."""
+    def leave(self, ball: Ball | None = None) -> None:
+        """Back to where the last approach began, or only out of the ball."""
         ...
 
     def reachable(self, approach: Approach) -> bool:
@@ -110,6 +110,8 @@ class GuardedHand:
         try:
             for stop in way_round(self.here, approach.start, ball):
                 self.guard.go_to(stop)
+            if approach.flown:
+                self.guard.go_to(approach.felt.start)
             self._last = self._touched(approach)
         except (OverPress, Collision) as error:
             self.warnings.append(str(error))
@@ -117,13 +119,15 @@ class GuardedHand:
             return None
         return self._last
 
-    def leave(self) -> None:
+    def leave(self, ball: Ball | None = None) -> None:
         """The way that the pad came."""
         if self._last is None:
             return
         start, self._last = self._last.approach.start, None
         try:
             retreat(self.guard, 8.0)
+            if ball is not None:
+                start = way_out(self.here, start, ball)
             self.guard.go_to(start)
         except (OverPress, Collision) as error:
             self.warnings.append(str(error))
@@ -138,7 +142,7 @@ class GuardedHand:
 
     def _touched(self, approach: Approach) -> LoneTouch:
         """One touch; what it felt of other bodies is left out."""
-        made = touch_once(self.guard, approach)
+        made = replace(touch_once(self.guard, approach.felt), approach=approach)
         if self.told is None:
             return made
         own = self.told.without(made.contacts)

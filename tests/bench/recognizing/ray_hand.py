@@ -16,7 +16,7 @@ from scipy.ndimage import gaussian_filter
 from exploration.devices.guard import Cost
 from exploration.devices.protocols import StageLimits
 from exploration.planning.lone_touch import Approach, LoneTouch
-from exploration.planning.round_ball import Ball, length_of, way_round
+from exploration.planning.round_ball import Ball, length_of, way_out, way_round
 from exploration.planning.search import sweeps
 from models.solid import Solid
 from primitives.arrays import Bools, Floats, frozen
@@ -72,10 +72,10 @@ class RayHand:
         self._go(way_round(self.here, approach.start, ball))
         return self._made(approach)
 
-    def leave(self) -> None:
-        """Back to where the approach began."""
+    def leave(self, ball: Ball | None = None) -> None:
+        """Back to where the approach began, or only out of the ball."""
         if self._back is not None:
-            self._go([self._back])
+            self._go([self._back if ball is None else way_out(self.here, self._back, ball)])
             self._back = None
 
     def reachable(self, approach: Approach) -> bool:
@@ -94,10 +94,12 @@ class RayHand:
         k = int(np.argmin(cast.distance))
         met = bool(cast.distance[k] <= approach.length)
         depth = float(cast.distance[k]) if met else approach.length
-        self.cost.seconds += depth / 50.0 + (1.8 if met else 0.3)
-        self.cost.travel += depth
+        if approach.flown:
+            self._go([approach.felt.start])
+        self.cost.seconds += max(depth - approach.flown, 0.0) / 50.0 + (1.8 if met else 0.3)
+        self.cost.travel += max(depth - approach.flown, 0.0)
         lying = approach.start @ pose(np.eye(3), [0.0, 0.0, depth])
-        swept = _box(lying, depth)
+        swept = _box(lying, max(depth - approach.flown, 0.0))
         normal = cast.normals[k] if met else np.zeros(3)
         self.here = lying
         if not met or float(-normal @ lying[:3, 2]) < self.noise.steep:
