@@ -25,8 +25,11 @@ from recognition.identifying.policies import POLICY, Policy, gap_touch
 from recognition.matching import Belief, Evidence, Prior
 from recognition.matching.belief import UNKNOWN
 from recognition.matching.next_touch.choose import Choice, choose
+from recognition.matching.next_touch.flight import flown, least_turned
+from recognition.matching.next_touch.held import Held
 from recognition.matching.next_touch.placing import doubt, placing
 from recognition.matching.next_touch.planar import planar
+from recognition.matching.next_touch.sampled import sampled
 
 Announce = Callable[[str, Mapping[str, object]], None]
 
@@ -81,6 +84,7 @@ class Identifier:
     _idle: int = 0
     _agreed: int = 0
     _before: str = ""
+    _drawn: Held | None = None
     _finishing: int = 0  # touches since it was sure, for the pose alone
 
     def run(self) -> Iterator[Step]:
@@ -94,7 +98,7 @@ class Identifier:
             return
         while not self.ended:
             ball = self.around()
-            self.hand.leave()
+            self.hand.leave(ball)
             approach, choice = self._next(ball)
             if self.ended:
                 return
@@ -110,7 +114,18 @@ class Identifier:
     def ball(self) -> Ball:
         """Holds the object, as far as is believed."""
         met = len({t.touch for t in self.touches if t.met})
-        return believed_ball(self.evidence.contacts, met, self.belief, self.library, self.hand.pad)
+        known = self._known()
+        return believed_ball(
+            self.evidence.contacts, met, self.belief, self.library, self.hand.pad, known=known
+        )
+
+    def _known(self) -> Held | None:
+        """Poses drawn from the belief, once after each touch, where the policy looks at the belief at all."""
+        if self.belief is None or not self.belief.hypotheses or self.config.policy != "information":
+            return None
+        if self._drawn is None:
+            self._drawn = sampled(self.belief, self.library, self.evidence, self.rng)
+        return self._drawn
 
     def around(self) -> Ball:
         """The ball that the next approach begins outside of."""
@@ -130,6 +145,7 @@ class Identifier:
 
     def _learn(self, touch: LoneTouch, choice: Choice | None) -> Step:
         self.touches.append(touch)
+        self._drawn = None
         self.belief = learned(
             self.touches, self.library, self._prior(), self.config.unknown, self.belief, self.config.learning
         )
@@ -179,7 +195,7 @@ class Identifier:
         if self.belief is not None and met >= self.config.blind and self._missed() < self.config.misses:
             found = choose(
                 self.belief, self.library, self.hand.here, ball, self.hand.pad, self.hand.limits, self.rng,
-                reachable=self.hand.reachable,
+                reachable=self.hand.reachable, known=self._known(),
             )  # fmt: skip
             if isinstance(found, Choice):
                 self._idle = 0
@@ -202,7 +218,10 @@ class Identifier:
         felt = self.evidence.contacts
         noise = float(np.median(felt.sigma)), float(np.median(felt.normal_sigma))
         entry, hand = self.library[best.name], self.hand
-        return placing(best, entry, ball, hand.pad, noise, self.rng, hand.reachable)
+        found = placing(best, entry, ball, hand.pad, noise, self.rng, hand.reachable)
+        if found is None or (known := self._known()) is None:
+            return found
+        return flown(least_turned(found, hand.here), known, self.library, hand.pad)
 
     def _places(self, ball: Ball) -> Floats:
         """(n, 3) [mm] where the pad lay, or whence it came where it met nothing."""

@@ -25,6 +25,7 @@ from recognition.matching.evidence import WIDE
 from recognition.matching.hypotheses import SearchConfig
 from recognition.matching.match import MatchConfig
 from recognition.matching.next_touch import Choice, separating
+from recognition.matching.next_touch.sampled import sampled
 from recognition.recognizing.answer import modes, objects, warnings_of, why
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
@@ -144,7 +145,9 @@ def _would_tell(belief: Belief, evidence: Evidence, library: Library, seed: int)
     around = believed_ball(evidence.contacts, len(evidence.contacts), belief, likely, pad)
     above = around.center + np.array([0.0, 0.0, around.radius])
     here = pose(np.diag([1.0, -1.0, -1.0]), above)
-    found = separating(belief, likely, here, around, pad, StageLimits(), np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    known = sampled(belief, likely, evidence, rng)
+    found = separating(belief, likely, here, around, pad, StageLimits(), rng, known=known)
     return found if isinstance(found, Choice) else None
 
 

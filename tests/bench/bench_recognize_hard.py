@@ -27,6 +27,7 @@ from primitives.pose import pose, random_rotation, rotate, transform_points
 from recognition.identifying.placed import is_placed
 from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.next_touch import Choice, separating
+from recognition.matching.next_touch.sampled import sampled
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.run import Asked, evidence_of, prior_of
 from recognition.sources import read_source
@@ -90,7 +91,8 @@ def _separated(belief: Belief, t: Trial, known: Library, seed: int) -> bool:
     middle = transform_points(t.world, np.asarray(known[t.name].samples.points)).mean(axis=0)
     here = pose(np.diag([1.0, -1.0, -1.0]), [*middle[:2], middle[2] + 150.0])
     limits, rng = StageLimits(), np.random.default_rng(seed)
-    found = separating(belief, known, here, Ball(middle, 90.0), PAD, limits, rng)
+    may_be = sampled(belief, known, Evidence(t.contacts), rng)
+    found = separating(belief, known, here, Ball(middle, 90.0), PAD, limits, rng, known=may_be)
     if not isinstance(found, Choice):
         return False
     rival = next(name for name in known if name != t.name)

@@ -3,7 +3,7 @@ differ.
 
 Directions all round are a Fibonacci lattice.  Where two likely objects at their poses differ, a place of one
 that is far from the surface of the other is one that a touch can tell them apart by; it is aimed at along its
-own normal.
+own normal, and at its nearest rim, along the normal of the face beside: the wall of a hole is felt from there.
 """
 
 from __future__ import annotations
@@ -11,12 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from exploration.planning.lone_touch import Approach
 from exploration.planning.round_ball import Ball
 from models.library import Library
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Floats, Ints
 from recognition.matching.next_touch.held import Held
 
 
@@ -24,12 +25,13 @@ from recognition.matching.next_touch.held import Held
 class CandidateConfig:
     """How many approaches are looked at."""
 
-    around: int = 32  # directions
+    around: int = 24  # directions
     aside: int = 1  # of each, at places off the middle
     off: float = 0.4  # of the ball's radius
-    surfaces: int = 60  # places on likely surfaces
+    surfaces: int = 44  # places on likely surfaces
     pairs: int = 4  # of rivals
-    differing: int = 14  # places of each, in which a pair differs
+    differing: int = 9  # places of each, in which a pair differs
+    beside: float = 0.5  # cosine between the normals of faces that meet in a rim, at most
     apart: float = 0.6  # [mm] from the other's surface, to differ
 
 
@@ -73,6 +75,8 @@ def candidates(
             if len(rows):
                 few = rows[np.argsort(-away[rows])[:: max(1, len(rows) // config.differing)]]
                 found += [toward(ball, points[r], -normals[r], rng) for r in few[: config.differing]]
+                for place, face in _rims(points, normals, rows, config):
+                    found.append(toward(ball, points[place], -normals[face], rng))
     return found
 
 
@@ -84,6 +88,16 @@ def toward(ball: Ball, place: Floats, direction: Floats, rng: np.random.Generato
     hint = None if rng is None else rng.normal(size=3)
     attitude = se3.frame_along(direction, hint)
     return Approach(se3.pose(attitude, place - direction * (along + half)), 2.0 * float(half))
+
+
+def _rims(points: Floats, normals: Floats, rows: Ints, config: CandidateConfig) -> list[tuple[int, int]]:
+    """Of (n, 3) samples: those of some rows that lie nearest to a face beside theirs, and the sample there."""
+    far = cdist(points[rows], points)
+    far[normals[rows] @ normals.T > config.beside] = np.inf
+    far[normals[rows] @ normals.T < -config.beside] = np.inf
+    face = far.argmin(axis=1)
+    order = np.argsort(far[np.arange(len(rows)), face])[: 3 * config.differing : 3]
+    return [(int(rows[k]), int(face[k])) for k in order if np.isfinite(far[k, face[k]])]
 
 
 def _surface(known: Held, library: Library, row: int) -> tuple[Floats, Floats]:

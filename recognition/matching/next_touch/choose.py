@@ -20,6 +20,7 @@ from exploration.planning.round_ball import Ball, length_of, way_round
 from models.library import Library
 from primitives.arrays import Floats
 from recognition.matching.next_touch.candidates import CandidateConfig, candidates
+from recognition.matching.next_touch.flight import FlightConfig, flown, foreseen_flight, least_turned
 from recognition.matching.next_touch.held import Believed, Held, held
 from recognition.matching.next_touch.information import TouchNoise, information
 from recognition.matching.next_touch.outcomes import Outcomes, foresee
@@ -36,6 +37,7 @@ class ChooseConfig:
     failed: float = 5.0  # [s] more, of one that does not settle
     missed: float = 0.5  # [s] saved where nothing is met
     pose_share: float = 0.4  # of a bit about the name, that one about its pose is worth
+    flight: FlightConfig = field(default_factory=FlightConfig)
     least: float = 0.01  # [bits] below which a touch tells nothing
     hurried: bool = True  # whether bits are counted by the second
     candidates: CandidateConfig = field(default_factory=CandidateConfig)
@@ -79,13 +81,18 @@ def choose(
     config: ChooseConfig | None = None,
     utility: Utility | None = None,
     reachable: Callable[[Approach], bool] = lambda approach: True,
+    known: Held | None = None,
 ) -> Choice | NoChoice:
-    """From the pose (4, 4) `here`, outside a ball that holds the object."""
+    """From the pose (4, 4) `here`, outside a ball that holds the object.
+
+    `known` is what stands for the belief; without it that is its modes.
+    """
     config = config or ChooseConfig()
-    known = held(belief, library)
+    known = held(belief, library) if known is None else known
     if not len(known):
         return NoChoice("no object of the library is likely")
-    offered = [a for a in candidates(known, library, ball, rng, config.candidates) if reachable(a)]
+    offered = [least_turned(a, here) for a in candidates(known, library, ball, rng, config.candidates)]
+    offered = [a for a in offered if reachable(a)]
     if not offered:
         return NoChoice("no approach is within the stage's reach")
     outcomes = foresee(offered, known.solids, pad)
@@ -98,13 +105,20 @@ def choose(
     advance = outcomes.depth @ share + (1.0 - hits) * length
     ways = [way_round(here, a.start, ball) for a in offered]
     travel = np.array([travel_seconds(here, way, limits) for way in ways])
-    seconds = travel + advance / config.speed + config.settling * hits + config.failed * risk
+    nearest = np.where(outcomes.hit, outcomes.depth, np.inf).min(axis=1)
+    flight = foreseen_flight(nearest, known, config.flight)
+    advancing = (advance - flight) / config.speed + flight / limits.speed
+    seconds = travel + advancing + config.settling * hits + config.failed * risk
     worth = bits * (1.0 - risk)
     best = int(np.argmax(worth / seconds if config.hurried else worth))
     if worth[best] < config.least:
         return NoChoice("no reachable touch would tell what is left apart")
     return Choice(
-        offered[best], tuple(ways[best]), float(worth[best]), float(names[best]), float(seconds[best])
+        flown(offered[best], known, library, pad, config.flight),
+        tuple(ways[best]),
+        float(worth[best]),
+        float(names[best]),
+        float(seconds[best]),
     )
 
 
@@ -117,10 +131,11 @@ def separating(
     limits: StageLimits,
     rng: np.random.Generator,
     reachable: Callable[[Approach], bool] = lambda approach: True,
+    known: Held | None = None,
 ) -> Choice | NoChoice:
     """The touch that tells most of which object it is, however long it takes."""
     config = replace(ChooseConfig(), pose_share=0.0, hurried=False)
-    return choose(belief, library, here, ball, pad, limits, rng, config, reachable=reachable)
+    return choose(belief, library, here, ball, pad, limits, rng, config, reachable=reachable, known=known)
 
 
 def travel_seconds(here: Floats, way: list[Floats], limits: StageLimits) -> float:

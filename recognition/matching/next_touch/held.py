@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,10 +10,11 @@ import numpy as np
 
 from models.library import Library
 from models.solid import Solid
-from primitives.arrays import Floats, Ints, frozen
+from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import transform_points
 from recognition.matching.loose import sigma_points
 
+_VAGUE = 2.0  # [mm] error of places of the surface
 UNKNOWN = "unknown"  # none of the library's objects
 
 
@@ -75,12 +76,25 @@ class Held:
     centers: Floats  # (h, 3) [mm]
     radii: Floats  # (h,) [mm] of balls round the centers that hold the objects
     unknown: float  # probability of none of these
+    doubts: Floats | None = (
+        None  # (h,) [mm] of the modes that these are draws of; 0, or left out: itself a mode
+    )
 
     @property
     def groups(self) -> list[Ints]:
         """Rows of each name."""
         of = np.array(self.names)
         return [np.flatnonzero(of == name) for name in dict.fromkeys(self.names)]
+
+    @property
+    def loose(self) -> Bools:
+        """(h,) which are draws: what is so exactly is none of them."""
+        return np.zeros(len(self), dtype=bool) if self.doubts is None else self.doubts > 0.0
+
+    @property
+    def vague(self) -> Bools:
+        """(h,) whose pose is too loose for it to be asked what lies under the skin."""
+        return np.zeros(len(self), dtype=bool) if self.doubts is None else self.doubts > _VAGUE
 
     def __len__(self) -> int:
         return len(self.names)
@@ -100,22 +114,28 @@ def held(belief: Believed, library: Library, config: HeldConfig | None = None) -
     kept = sorted(kept, key=lambda pair: -pair[0])[: config.most]
     unknown = float(belief.probabilities.get(UNKNOWN, 0.0))
     spread = [
-        (weight / len(poses), h.name, pose)
+        (h.name, pose, weight / len(poses), 0.0)
         for k, (weight, h) in enumerate(kept)
         for poses in [sigma_points(h.pose, h.covariance, library[h.name]) if k < config.spread else [h.pose]]
         for pose in poses
     ]
-    weights = np.array([weight for weight, _, _ in spread])
-    weights = weights * (1.0 - unknown) / max(float(weights.sum()), 1e-12)
-    solids = tuple(library[name].solid.placed(pose) for _, name, pose in spread)
+    return placed(spread, library, unknown)
+
+
+def placed(told: Iterable[tuple[str, Floats, float, float]], library: Library, unknown: float) -> Held:
+    """Names at poses (4, 4) with their shares of what is known, and how loose [mm] what they are drawn from is."""
+    rows = list(told)
+    weights = np.array([weight for _, _, weight, _ in rows])
+    solids = tuple(library[name].solid.placed(pose) for name, pose, _, _ in rows)
     balls = [_ball(solid) for solid in solids]
     return Held(
-        tuple(name for _, name, _ in spread),
+        tuple(name for name, _, _, _ in rows),
         solids,
-        frozen(weights),
+        frozen(weights * (1.0 - unknown) / max(float(weights.sum()), 1e-12)),
         frozen(np.array([b[0] for b in balls]).reshape(-1, 3)),
         frozen(np.array([b[1] for b in balls])),
         unknown,
+        frozen(np.array([loose for _, _, _, loose in rows])),
     )
 
 

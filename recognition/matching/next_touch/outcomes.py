@@ -18,7 +18,10 @@ from models.solid import Solid
 from primitives.arrays import Bools, Floats, frozen
 
 _GAP = 1.0  # [mm] beyond which the skin cannot say how far away the surface is
-_APART = 4.5  # [mm] between rays over the skin, at most: a hole of twice that is met by several
+_APART = (2.0, 6.0)  # [mm] between rays over the skin: a hole of twice that is met by several
+_RAYS = (
+    600_000  # in all, that are cast where few poses are asked; of more, rays stand as far apart as they may
+)
 _ASLANT = 0.25  # [rad] between pad and face, from which it meets the face's edge first
 _FOLD = 0.5  # [rad] between the normals beside an edge
 _BESIDE = 8.0  # [mm] by which the same face may lie deeper beside the first contact
@@ -43,7 +46,9 @@ class Outcomes:
 def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[float, float]) -> Outcomes:
     """Cast all rays of all approaches on each solid."""
     starts = np.stack([a.start for a in approaches])
-    x, y = (_across(side) for side in size)
+    each = _RAYS / max(len(approaches) * len(solids), 1)
+    apart = float(np.clip(_SKIN * np.sqrt(size[0] * size[1] / each), *_APART))
+    x, y = (_across(side, apart) for side in size)
     cell = _SKIN**2 * size[0] * size[1] / (len(x) * len(y))
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     c, k, h = len(approaches), len(grid), len(solids)
@@ -77,7 +82,7 @@ def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[f
                     frozen(sharp, bool), cell)  # fmt: skip
 
 
-def _across(side: float) -> Floats:
+def _across(side: float, apart: float) -> Floats:
     """(n,) [mm] places along a side of the skin, its middle among them."""
-    half = max(1, min(8, int(np.ceil(0.5 * _SKIN * side / _APART))))
+    half = max(1, min(8, int(np.ceil(0.5 * _SKIN * side / apart))))
     return np.linspace(-0.5 * _SKIN * side, 0.5 * _SKIN * side, 2 * half + 1)

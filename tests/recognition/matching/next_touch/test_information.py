@@ -1,5 +1,7 @@
 """Bits of a touch, against what information must be."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -37,10 +39,18 @@ def test_two_objects_told_apart_for_sure_are_one_bit() -> None:
     assert abs(names[0] - 1.0) < 0.01
 
 
-def test_meeting_and_missing_tell_apart() -> None:
+def test_meeting_something_tells_that_it_is_there_and_missing_it_tells_nothing() -> None:
     hit = np.array([[True, False]])
     names, _ = information(_outcomes(np.array([[10.0, 0.0]]), hit), _known(["a", "b"], [1, 1]))
-    assert names[0] > 0.9
+    assert abs(names[0] - 0.5) < 0.01
+
+
+def test_few_draws_of_loose_poses_tell_less_than_poses_that_are_known() -> None:
+    depth = _outcomes(np.array([[10.0, 18.0, 14.0, 22.0]]))
+    sharp = _known(["a", "a", "b", "b"], [1, 1, 1, 1])
+    loose = replace(sharp, doubts=frozen(np.ones(4)))
+    assert information(depth, sharp)[0][0] > 0.9
+    assert information(depth, loose)[0][0] < 0.1
 
 
 def test_two_poses_of_one_object_say_nothing_of_its_name() -> None:
