@@ -2,14 +2,17 @@
 
 import numpy as np
 import pytest
-from perception import presses
+from perception import presses, told_apart
 from perception.arrays import OTHERS, PAD, PRESS
 from perception.bound import ZERO, fisher
+from perception.nearest_dome import nearest_dome
 from perception.noise import Noise, observe
 from perception.scene import clean
 from perception.score import line_error, paired
 from perception.told_apart import apart, findable
 from scipy.special import ndtr
+
+from exploration.sensing.surfaces.smooth_fit import smooth_contact
 
 MAKERS = (presses.edge, presses.corner, presses.wall, presses.slot, presses.vertex, presses.bar_end)
 
@@ -110,8 +113,13 @@ def test_the_bound_does_not_depend_on_where_angles_are_counted_from(maker):
 
 def test_a_smooth_surface_is_not_told_from_itself():
     rng = np.random.default_rng(6)
-    for scene in (presses.bar(rng, 57.6), presses.ball(rng, 90.0), presses.flat(rng)):
+    kinds = (1 / 57.6, presses.bar(rng, 57.6)), (1 / 90, presses.ball(rng, 90.0)), (0.0, presses.flat(rng))
+    for sharp, scene in kinds:
         assert apart(scene, Noise()) < 1.0
+        contact = smooth_contact(told_apart.quiet(scene, Noise()))
+        for sharpest in (1 / 28.8, 0.6 * sharp):
+            limits = max(sharpest, 1e-6), told_apart.AWAY, told_apart.DEEPEST, told_apart.STEEPEST
+            assert (nearest_dome(contact, *limits) < 1.0) == (sharpest >= sharp)
 
 
 def test_an_edge_across_the_pad_can_be_found_and_one_under_so_few_taxels_cannot():

@@ -8,8 +8,8 @@ of a press, f being its clean frame and g that of the smooth surface nearest to 
 Pearson).  Smooth is what is nowhere sharper than a ball whose radius is the pad's length, and on the pad of the
 table a ball as small as the rows of false lines have, pressed as those rows press: within `AWAY` of the pad's
 center, leaning no more than the tilted edges, not twice as deep.  The nearest is the best plane, ridge, ball or
-dome by the smooth fit if that is smooth; else a simulated bar or ball of the very least radius.  No detector is
-told radius, place or depth, so every such surface counts by itself.
+dome by the smooth fit if that is smooth; the best dome that is (`nearest_dome`); or a simulated bar or ball of the
+very least radius.  No detector is told radius, place or depth, so every such surface counts by itself.
 
 Whoever in the same way hardly ever says a second or third line where there is none says it no more often than the
 nearest frame of one or of two lines lets him.  What is said must then lie near the truth, which errors as small as
@@ -23,6 +23,7 @@ import numpy as np
 from perception import presses
 from perception.arrays import PAD
 from perception.bound import difference, fisher
+from perception.nearest_dome import nearest_dome
 from perception.noise import Noise
 from perception.scene import Scene, clean
 from perception.score import FAR_ANGLE, FAR_OFFSET
@@ -76,7 +77,7 @@ def _power(chi2: float) -> float:
 
 def fewer(scene: Scene, noise: Noise, count: int) -> float:
     """[chi2] between a press and the nearest outline of `count` lines that some of its own lead to."""
-    image = _quiet(scene, noise)
+    image = quiet(scene, noise)
     response = response_of(image)
     starts = []
     for lines in combinations(scene.found, count):
@@ -90,14 +91,14 @@ def fewer(scene: Scene, noise: Noise, count: int) -> float:
 
 def even(scene: Scene, noise: Noise) -> float:
     """How often at most a ball and the flat pin nearest to it are each called what they are, both as often."""
-    image, n = _quiet(scene, noise), scene.numbers
+    image, n = quiet(scene, noise), scene.numbers
     response, pin = response_of(image), Region((), NO_TERMS, (1.0,))
     widths = np.array([0.5, 0.8, 1.1]) * np.sqrt(2 * n["depth"] * n["radius"])
     fits = [fit_region(image, response, pin, [n["x"], n["y"], width]) for width in widths]
     return float(ndtr(np.sqrt(min((fit.chi2 for fit in fits if fit.converged), default=CLEAR)) / 2))
 
 
-def _quiet(scene: Scene, noise: Noise) -> TactileImage:
+def quiet(scene: Scene, noise: Noise) -> TactileImage:
     """What noise would have been added to, but for the deviations that stay."""
     depth = clean(scene)
     counts = TaxelFrame(depth * noise.counts / presses.PRESS, 0.0, 0)
@@ -106,7 +107,7 @@ def _quiet(scene: Scene, noise: Noise) -> TactileImage:
 
 def apart(scene: Scene, noise: Noise) -> float:
     """[chi2] between a press and the smooth surface nearest to it; `CLEAR` or more where none is near."""
-    image = _quiet(scene, noise)
+    image = quiet(scene, noise)
     depth, contact = image.depth, smooth_contact(image)
     if not contact:
         return 0.0
@@ -117,6 +118,7 @@ def apart(scene: Scene, noise: Noise) -> float:
     fits = [(dome, least), *((fit_shape(contact, dome, shape), least) for shape in (PLANE, RIDGE))]
     fits.append((fit_shape(contact, dome, BALL), roundest))
     near = [f.chi2 for f, radius in fits if f.converged and _is_smooth(f.parameters, ROUNDING / radius)]
+    near.append(nearest_dome(contact, 1 / least, AWAY, DEEPEST, STEEPEST))
     sigma = noise.sigma_at(depth)
     near += [_nearest(depth, sigma, *rival) for rival in _sharpest(scene, dome.parameters)]
     return min(near)
