@@ -60,6 +60,20 @@ def shortest(
     """The cheapest list for (c,) solid cells whose mismatch costs (c,) `weight` [nats] each."""
     options = options or SearchOptions()
     start = State((), np.zeros(len(solid), dtype=bool), float(weight[solid].sum()), 0.0)
+    best = _grown(start, vocabulary, solid, weight, options)
+    while best.wrong > options.leaf:
+        tried = _bored(best, vocabulary, solid, weight, options)
+        better = min(tried, key=lambda after: after.cost, default=best)
+        if better.cost >= best.cost - 1e-9:
+            break
+        best = _grown(better, vocabulary, solid, weight, options)
+    return mended(pruned(best, vocabulary, solid, weight, options), vocabulary, solid, weight, options)
+
+
+def _grown(
+    start: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    """The cheapest list that single steps lead to."""
     best, beam = start, [start]
     for _ in range(options.most):
         grown: dict[bytes, State] = {}
@@ -76,7 +90,22 @@ def shortest(
             best = beam[0]
         elif len(beam[0].steps) > len(best.steps) + 2:
             break
-    return mended(pruned(best, vocabulary, solid, weight, options), vocabulary, solid, weight, options)
+    return best
+
+
+def _bored(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> Iterator[State]:
+    """With a primitive added and a round hole through it, where neither of the two pays for itself.
+
+    A bore that was felt is free with much weight, and whoever adds what stands round it fills it first.
+    """
+    worth = weight * (solid & ~state.held).astype(float) - weight * (~solid & ~state.held)
+    for hole in vocabulary.rounds(weight * np.where(solid, -1.0, 1.0), options.tried):
+        inside = vocabulary.mask(hole)
+        for _, candidate in vocabulary.best(np.where(inside, 0.0, worth), options.tried):
+            steps = (*state.steps, Step("add", candidate), Step("subtract", hole))
+            yield replayed(steps, vocabulary, solid, weight, options)
 
 
 def mended(

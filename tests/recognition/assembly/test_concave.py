@@ -13,7 +13,7 @@ from primitives.pose import pose, random_rotation
 from primitives.shapes import Cylinder, Plane, Torus
 from recognition.assembly import assemble
 from recognition.assembly.exchange import exchanged
-from recognition.assembly.search import SearchOptions, State, Step, mended
+from recognition.assembly.search import SearchOptions, State, Step, mended, shortest
 from recognition.assembly.separators import separators, stops
 from recognition.assembly.vocabulary import Candidate, Vocabulary
 from recognition.truth import LabeledFaces, TruthOptions, sample_surface
@@ -125,3 +125,19 @@ def test_a_bar_that_was_left_open_past_its_round_end_ends_at_its_axis():
     after = exchanged(early, vocabulary, bar, weight, SearchOptions())
     assert [step.candidate.kind for step in after.steps] == ["cube", "cylinder"]
     assert (after.held == bar).all()
+
+
+def test_a_ring_round_a_bore_that_was_felt_is_added_and_bored():
+    """A foot with a ring on it: the bore's evidence outweighs the ring's, and whoever adds the ring fills it."""
+    x, y, z = np.eye(3)
+    center = 10.0 * y
+    rings = [Cylinder(center, z, 8.0), Cylinder(center, z, 6.0)]
+    foot = [Plane(k * y, y) for k in (0.0, 4.0)] + [Plane(k * x, x) for k in (-15.0, 15.0)]
+    grid = np.array([[a, b, 0.0] for a in np.arange(-19.5, 20.0) for b in np.arange(-4.5, 25.0)])
+    outside = np.stack([s.signed_distance(grid) > 0 for s in (*foot, *rings)], axis=1)
+    base = (abs(grid[:, 0]) < 15) & (grid[:, 1] > 0) & (grid[:, 1] < 4)
+    part = (base | ~outside[:, 4]) & outside[:, 5]
+    weight = np.where(outside[:, 5], 1.0, 20.0)
+    found = shortest(Vocabulary([*foot, *rings], outside), part, weight)
+    assert (found.held == part).all()
+    assert [step.operation for step in found.steps] == ["add", "add", "subtract"]
