@@ -42,6 +42,7 @@ class EnteringConfig:
     aside: float = 4.5  # [mm] from the middle, of the two strokes to one side
     spare: float = 1.5  # [mm] of room beside them
     lift: float = 5.0  # [mm] off the floor between them
+    vain: int = 3  # of them that came to nothing, after which no more are made there
     within: float = 1.0  # [mm] of skin and housing, where there is surely nothing else
     rim: float = 6.0  # [mm] from a mouth's end, within which its face goes on
 
@@ -115,17 +116,19 @@ class Entering:
         x, y = home[:3, 0], home[:3, 1]
         room = {sign: [self._to_rim(mouth, sign * way) for way in (x, y)] for sign in (1.0, -1.0)}
         half = pad.tool.high[:2] + self.config.spare
+        stopped = 0
         for k, (way, aside) in enumerate(((x, y), (y, x))):
             shift = min(self.config.aside, *(room[sign][1 - k][0] - half[1 - k] for sign in (1.0, -1.0)))
             for sign in (1.0, -1.0):
                 length, stands = room[sign][k]
                 for beside in (shift, -shift) if stands and shift > 0.0 else ():
                     place = se3.pose(home[:3, :3], home[:3, 3] + beside * aside)
-                    if not self._stroke(mouth, place, sign * way, length + self.config.spare, felt):
-                        return self.study.take_in(
-                            Contacts.concatenate(felt)
-                        ), "went in and felt part of a floor"
-        return self.study.take_in(Contacts.concatenate(felt)), "went in and felt a floor and its walls"
+                    if stopped < self.config.vain:
+                        stopped += not self._stroke(
+                            mouth, place, sign * way, length + self.config.spare, felt
+                        )
+        note = "went in and felt part of a floor" if stopped else "went in and felt a floor and its walls"
+        return self.study.take_in(Contacts.concatenate(felt)), note
 
     def _went(self, mouth: Mouth, pose: Floats) -> None:
         """Note what the array fills of a mouth at a (4, 4) pose: no material is there."""
