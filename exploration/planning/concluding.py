@@ -29,7 +29,7 @@ _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two oth
 _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
 _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
-_ALONG = 0.4  # most cosine between a rim and the way that the face behind it looks
+_ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 
 
@@ -41,7 +41,8 @@ def conclude(
 ) -> None:
     """Add what is inferred; `stands` says whether a face is known where a stroke was stopped."""
     found.graph = drop_poor(flattened(found.graph))
-    for lot in inferred_walls([wall for wall in walls if not stands(wall)], found.graph.faces):
+    rims = [rim for rim, _ in unexplained(found)]
+    for lot in inferred_walls([wall for wall in walls if not stands(wall)], found.graph.faces, rims):
         _add(found, lot, _BY_STOPS)
     if lots := rim_walls(unexplained(found), found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}

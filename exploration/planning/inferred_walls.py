@@ -3,7 +3,8 @@
 What stops a pad that lies flush on a known face stands up from that face, and the leading side of its housing was
 at it.  A single stop tells neither how the wall lies nor that it is flat; but where two stops, from places apart,
 agree on one plane across a direction that the object has already, as of a face or an axis, that plane is the
-likeliest wall, and what is missing without it is a whole step (our derivation).
+likeliest wall, and what is missing without it is a whole step (our derivation).  The rim that the wall has on
+another face says as much as a second stop.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.control.sighting import Sighting
 from exploration.planning.study import Wall
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
@@ -29,6 +31,7 @@ class InferredWallConfig:
     lay: float = 1.5  # [mm] of the pad from that face
     across: float = 0.85  # least cosine between the way that was stopped and the wall's own direction
     upright: float = 0.3  # most cosine between the wall's direction and the face's
+    overhang: float = 0.03  # the same against it: a housing that leans over is stopped anywhere up its side
     agree: float = 1.0  # [mm] between stops of one plane
     apart: float = 6.0  # [mm] between the places of two of them
     height: float = 4.0  # [mm] over the face, of where the housing is
@@ -39,9 +42,10 @@ class InferredWallConfig:
 def inferred_walls(
     walls: Sequence[Wall],
     faces: Sequence[Face],
+    rims: Sequence[Sighting] = (),
     config: InferredWallConfig = InferredWallConfig(),
 ) -> list[Contacts]:
-    """Contacts of each plane that stops agree on."""
+    """Contacts of each plane that stops agree on, or a stop and one of the `rims` seen of other faces."""
     fits = [face.fit for face in faces if isinstance(face.fit, Fit)]
     ways = _ways(fits)
     stops: list[tuple[Wall, Floats, float]] = []
@@ -49,18 +53,26 @@ def inferred_walls(
         if not len(ways) or not any(_lies_on(fit, wall, config) for fit in fits):
             continue
         normal = ways[int(np.argmin(ways @ wall.heading))]
-        if normal @ wall.heading < -config.across and abs(float(normal @ wall.normal)) < config.upright:
+        upright = -config.overhang < float(normal @ wall.normal) < config.upright
+        if upright and normal @ wall.heading < -config.across:
             stops.append((wall, normal, _offset(wall, normal)))
-    return _agreeing(stops, config)
+    return _agreeing(stops, rims, config)
 
 
-def _agreeing(stops: list[tuple[Wall, Floats, float]], config: InferredWallConfig) -> list[Contacts]:
+def _agreeing(
+    stops: list[tuple[Wall, Floats, float]], rims: Sequence[Sighting], config: InferredWallConfig
+) -> list[Contacts]:
     lots: list[Contacts] = []
     while stops:
         _, normal, offset = stops[0]
         alike = [s for s in stops if s[1] @ normal > config.flush and abs(s[2] - offset) < config.agree]
         stops = [s for s in stops if not any(s is other for other in alike)]
-        places = np.array([wall.pose[:3, 3] for wall, _, _ in alike])
+        ends = [
+            rim.point
+            for rim in rims
+            if rim.outward @ normal > config.flush and abs(float(normal @ rim.point) - offset) < config.agree
+        ]
+        places = np.array([*(wall.pose[:3, 3] for wall, _, _ in alike), *ends])
         if np.linalg.norm(places - places[0], axis=1).max() < config.apart:
             continue
         at = float(np.median([offset for *_, offset in alike]))

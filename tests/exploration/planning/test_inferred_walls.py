@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from exploration.control.sighting import Sighting
 from exploration.planning.inferred_walls import inferred_walls
 from exploration.planning.study import Wall
 from primitives import pose as se3
@@ -74,3 +75,27 @@ def test_a_pad_that_leans_infers_nothing():
         at, way = [10.0, y, 0.0], leaning[:, 0]
         stops.append(Wall(np.array(at) + 9.0 * way, way, -leaning[:, 2], se3.pose(leaning, at), HALF))
     assert inferred_walls(stops, PLATE) == []
+
+
+def test_a_housing_that_leans_over_may_have_been_stopped_anywhere_up_its_side():
+    def leaning(angle):
+        turn = se3.rotation_exp([0.0, angle, 0.0]) @ np.diag([1.0, -1.0, -1.0])
+        face = flat(-turn[:, 2], 0.0)
+        at = [np.array([0.0, y, 0.0]) for y in (-12.0, 12.0)]
+        stops = [Wall(p + 9.0 * turn[:, 0], turn[:, 0], -turn[:, 2], se3.pose(turn, p), HALF) for p in at]
+        return inferred_walls(stops, [face, PLATE[1]])
+
+    assert len(leaning(-0.1)) == 1
+    assert leaning(0.1) == []
+
+
+def test_a_rim_that_ends_where_a_pad_was_stopped_is_as_good_as_a_second_stop():
+    one = stopped([10.0, 0.0, 0.0], [1.0, 0.0, 0.0])
+    x, y, z = np.eye(3)
+
+    def rim(at):
+        return Sighting(np.array(at), y, -x, z, 0.05, 10.0)
+
+    (lot,) = inferred_walls([one], PLATE, [rim([20.3, 9.0, 8.0])])
+    assert lot.points[:, 0] == pytest.approx(20.0, abs=0.01)
+    assert inferred_walls([one], PLATE, [rim([23.0, 9.0, 8.0])]) == []
