@@ -21,10 +21,9 @@ from exploration.devices.guard import Collision, OverPress
 from exploration.planning.concluding import conclude
 from exploration.planning.entering import Entering
 from exploration.planning.findings import Attempts, Done, ExplorerConfig, outward_normal
-from exploration.planning.frontier import Predicted
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.looking import Looking
-from exploration.planning.lying import lying_places
+from exploration.planning.open_surface import OpenSurface
 from exploration.planning.reach import Reach
 from exploration.planning.rim_walls import RimWalls
 from exploration.planning.round_holes import RoundHoles
@@ -45,7 +44,9 @@ class AnyFormConfig:
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
     overlap: float = 4.0  # [mm] of the pad that stays over the rim
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
-    stuck: float = 1.0  # [mm] of a stroke, less than which there is no way from where the pad lies
+    came: float = 2.0  # [mm] from the housing, within which it came to something
+    room: float = 0.6  # [mm] beside it
+    faced: float = 0.9  # cosine from which it was felt to face the way of the stroke
     wall_tries: int = 2
     vain: int = 12  # looks at walls that were not there, from which no more of them are believed
     worth: int = 3  # of those, that a wall found makes up for
@@ -70,7 +71,7 @@ class AnyForm:
         self.reach = Reach(self.pad)
         self._walls = Attempts(self.own.wall_tries, self.own.beside)
         self._rims = Attempts(self.own.rim_tries, self.own.beside)
-        self._open = Attempts(config.tries - 1, 2.5)
+        self._open = OpenSurface(study, self.reach, config)
         self._entering = Entering(study, self.reach) if later else None
         self._slipped = Slipped(study, self.reach) if later else None
         self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
@@ -118,16 +119,16 @@ class AnyForm:
         walls = [wall for wall in self.study.walls if not self._stands(wall)]
         self.found.open = len(opened.points) + len(rims) + len(walls)
         here = self.pad.guard.world_from_sensor[:3, 3]
-        left = opened.none() if self._entering else self._open.unfinished(opened)
+        left = opened.none() if self._entering else self._open.left(opened)
         on_face = left.face == face
         if face is not None and on_face.any() and self._lies():
             near = left.points[on_face]
             goal = near[np.argmin(np.linalg.norm(near - here, axis=1))]
-            return lambda: self._stroke_to(goal, face)
-        ways_in = self._entering.ways_in(frontier.mouths(), self._alongs) if self._entering else ()
+            return lambda: self._open.stroke_to(goal, face)
+        ways_in = self._entering.ways_in(frontier.mouths(), self._open.alongs) if self._entering else ()
         if into := list(ways_in):
             return min(into, key=lambda item: _away(item[0], here))[1]
-        if self._slipped and (move := self._slipped.next(self._alongs)) is not None:
+        if self._slipped and (move := self._slipped.next(self._open.alongs)) is not None:
             return move
         todo: list[tuple[float, Callable[[], Done]]] = []
         standing = [wall for wall in walls if not self._walls.given_up(wall.point)]
@@ -139,7 +140,7 @@ class AnyForm:
         todo += [(_away(rim.point, here), partial(self._cross, rim)) for rim in leading]
         if not todo and len(left.points):
             nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
-            return lambda: self._come_down(left, nearest)
+            return lambda: self._open.come_down(left, nearest)
         if not todo and not self._entering:
             openings = frontier.openings
             round_ = [opening for opening in openings if not self._refuted(opening)]
@@ -169,21 +170,18 @@ class AnyForm:
                     and side * face.fit.shape.normals(wall.point[None])[0] @ wall.heading < -0.3
                 ):
                     return True
-        return False
+        return self._overhung(wall)
 
-    def _stroke_to(self, goal: Floats, face: int) -> Done:
-        self._open.note(goal)
-        here = self.pad.guard.world_from_sensor
-        toward = here[:3, :2].T @ (goal - here[:3, 3])
-        distance = float(np.linalg.norm(toward))
-        if distance < 1.0:
-            return face, "lay on what was open"
-        stroke = self.pad.stroke(toward / distance, distance + 0.5 * self.config.feature)
-        self.study.note_wall(stroke)
-        home = self.study.take_in(stroke.contacts) if len(stroke.contacts) else face
-        if stroke.travel < self.own.stuck:
-            self._open.note(goal)
-        return None if stroke.ended in ("wall", "lost") else home, "stroked what was open"
+    def _overhung(self, wall: Wall) -> bool:
+        """Whether the housing, and not the skin's side, came to what was felt before."""
+        tool, felt, turn = self.pad.tool, self.reach.felt, wall.pose[:3, :3]
+        local = (felt.points - wall.pose[:3, 3]) @ turn
+        ahead = local - np.outer(
+            (local @ (turn.T @ wall.heading) > 0.0) * self.own.came, turn.T @ wall.heading
+        )
+        within = (np.abs(ahead[:, :2]) < wall.half + self.own.room).all(axis=1)
+        behind = (local[:, 2] > tool.low[2]) & (local[:, 2] < -self.own.met)
+        return bool((within & behind & (felt.facing @ wall.heading < -self.own.faced)).any())
 
     def _face_wall(self, wall: Wall) -> Done:
         """Turn to face what a stroke met, just above the face that the pad lay on."""
@@ -220,31 +218,6 @@ class AnyForm:
         ]
         thick = min(behind, default=np.inf)
         return thick if self.own.least_thick < thick < min(self.pad.size) else None
-
-    def _come_down(self, left: Predicted, nearest: int) -> Done:
-        """Lie on open surface where the pad has room, with as much of it under the pad as may be."""
-        point = left.points[nearest]
-        self._open.note(point)
-        for pose in lying_places(left, nearest, self._alongs(left.normals[nearest]), self.pad.size):
-            if self.reach.clear(pose):
-                if self.reach.touch(pose):
-                    return self.study.face_here(), "came down on what was open"
-                return None, "what seemed open was not there"
-        self._open.note(point)
-        return None, "the pad has no room on what is open"
-
-    def _alongs(self, normal: Floats) -> list[Floats]:
-        """Directions for the pad's x axis in a plane: along and across the faces that stand on it."""
-        out: list[Floats] = []
-        for face in self.found.graph.faces:
-            if isinstance(face.fit, Fit) and face.fit.kind == "plane":
-                across = np.cross(face.fit.shape.normals(np.zeros((1, 3)))[0], normal)
-                if np.linalg.norm(across) > 0.3:
-                    across = across / np.linalg.norm(across)
-                    out += [
-                        w for w in (across, np.cross(normal, across)) if all(abs(w @ o) < 0.98 for o in out)
-                    ]
-        return out[:6] or [self.pad.guard.world_from_sensor[:3, 0]]
 
 
 def _away(point: Floats, here: Floats) -> float:
