@@ -13,9 +13,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.fit import Fit, FitOptions, NoFit, fit
 from primitives.shapes import KINDS, Cone, Cylinder, Sphere, Torus
+
+_STEP = 0.35  # [rad] round a ring, over which one contact follows another
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,7 @@ class RankOptions:
     largest_radius: float = 2000.0  # [mm] what is rounder than this is its simpler neighbor
     largest_torus: float = np.inf  # [extents of the contacts] likewise, of either radius of a torus
     least_turn: float = 0.0  # [rad] round the tube of a torus, over which its contacts must reach
+    least_arc: float = 0.0  # [rad] round its axis, over which contacts must follow one another
     least_angle: float = 0.004  # [rad] a cone steeper than this is a cylinder
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
@@ -91,4 +95,12 @@ def _ringlike(shape: Torus, options: RankOptions, contacts: Contacts) -> bool:
     along = away @ shape.axis
     out = np.linalg.norm(away - along[:, None] * shape.axis, axis=1) - shape.radius
     turn = float(np.ptp(np.arctan2(along, out)))
-    return max(shape.sizes) <= options.largest_torus * extent and turn >= options.least_turn
+    small = max(shape.sizes) <= options.largest_torus * extent
+    return small and turn >= options.least_turn and _followed(away @ shape.frame) >= options.least_arc
+
+
+def _followed(local: Floats) -> float:
+    """[rad] round the z axis of (n, 3) points, of the longest run of them: two ends far apart make no ring."""
+    around = np.sort(np.arctan2(local[:, 1], local[:, 0]))
+    runs = np.split(around, np.flatnonzero(np.diff(around) > _STEP) + 1)
+    return max(float(np.ptp(run)) for run in runs)

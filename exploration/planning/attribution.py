@@ -25,6 +25,7 @@ CONVEX = MergeOptions(
         prior={"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.1, "torus": 0.05},
         largest_torus=3.0,
         least_turn=0.5,
+        least_arc=0.3,
     ),
 )
 

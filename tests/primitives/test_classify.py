@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from primitives.classify import rank
+from primitives.classify import RankOptions, rank
 from primitives.evidence import Contacts
-from primitives.shapes import Cone, Sphere
+from primitives.shapes import Cone, Sphere, Torus
 
 
 def test_the_shape_that_made_the_contacts_ranks_first(shape, touched):
@@ -58,3 +58,18 @@ def test_unmodeled_error_does_not_buy_parameters(shape, touched):
 
 def test_too_little_evidence_ranks_nothing():
     assert rank(Contacts.of([[0, 0, 0], [1, 0, 0.0]])) == ()
+
+
+def test_two_round_ends_far_apart_make_no_ring():
+    rng, ring = np.random.default_rng(4), Torus([0, 0, 0.0], [0, 0, 1.0], 40.0, 18.0)
+    options = RankOptions(largest_torus=3.0, least_turn=0.5, least_arc=0.3)
+
+    def felt(turns):
+        tube = rng.uniform(-0.6, 0.6, len(turns))
+        out = 40.0 + 18.0 * np.cos(tube)
+        at = np.column_stack([out * np.cos(turns), out * np.sin(turns), 18.0 * np.sin(tube)])
+        return Contacts.of(at, ring.normals(at), 0.02, 0.02)
+
+    ends = np.concatenate([rng.uniform(-0.06, 0.06, 20) + k * np.pi for k in (0, 1)])
+    assert "torus" not in [ranked.fit.kind for ranked in rank(felt(ends), options=options)]
+    assert rank(felt(rng.uniform(-0.6, 0.6, 40)), options=options)[0].fit.kind == "torus"
