@@ -105,8 +105,7 @@ def choose(
     advance = outcomes.depth @ share + (1.0 - hits) * length
     ways = [way_round(here, a.start, ball) for a in offered]
     travel = np.array([travel_seconds(here, way, limits) for way in ways])
-    nearest = np.where(outcomes.hit, outcomes.depth, np.inf).min(axis=1)
-    flight = foreseen_flight(nearest, known, config.flight)
+    flight = foreseen_flight(np.where(outcomes.hit, outcomes.depth, np.inf), known, config.flight)
     advancing = (advance - flight) / config.speed + flight / limits.speed
     seconds = travel + advancing + config.settling * hits + config.failed * risk
     worth = bits * (1.0 - risk)

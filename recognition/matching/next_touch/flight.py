@@ -31,7 +31,9 @@ class FlightConfig:
     """Where the pad is flown, and not felt ahead with."""
 
     strange: float = 0.05  # probability of an unknown object, up to which what is empty is flown through
-    clear: float = 15.0  # [mm] before and beside an object that may be there, from where on it is not
+    share: float = 0.01  # of what is known, that may lie nearer than it is flown to
+    clear: float = 12.0  # [mm] before an object that may be there, from where on it is not,
+    beside: float = 8.0  # [mm] and beside it
 
 
 def flown(approach: Approach, known: Held, library: Library, pad: tuple[float, float],
@@ -40,21 +42,32 @@ def flown(approach: Approach, known: Held, library: Library, pad: tuple[float, f
     config = config or FlightConfig()
     if known.unknown > config.strange:
         return approach
-    origin, way, nearest = approach.start[:3, 3], approach.direction, np.inf
-    wide = 0.5 * float(np.hypot(*pad)) + config.clear
-    for name, solid in zip(known.names, known.solids, strict=True):
+    origin, way = approach.start[:3, 3], approach.direction
+    wide = 0.5 * float(np.hypot(*pad)) + config.beside
+    nearest = np.full(len(known), np.inf)
+    for k, (name, solid) in enumerate(zip(known.names, known.solids, strict=True)):
         points = transform_points(solid.pose, library[name].samples.points) - origin
         along = points @ way
         aside = np.linalg.norm(points - along[:, None] * way, axis=1)
-        nearest = min(nearest, float(along.min(initial=np.inf, where=aside < wide)))
-    if not np.isfinite(nearest):
+        nearest[k] = along.min(initial=np.inf, where=aside < wide)
+    first = float(_first(nearest[None], known, config)[0])
+    if not np.isfinite(first):
         return approach
-    return replace(approach, flown=float(np.clip(nearest - config.clear, 0.0, approach.length)))
+    return replace(approach, flown=float(np.clip(first - config.clear, 0.0, approach.length)))
 
 
-def foreseen_flight(nearest: Floats, known: Held, config: FlightConfig | None = None) -> Floats:
-    """(c,) [mm] about what approaches are flown that meet something after (c,) `nearest` [mm]."""
+def foreseen_flight(depth: Floats, known: Held, config: FlightConfig | None = None) -> Floats:
+    """(c,) [mm] about what approaches are flown whose (c, h) hypotheses lie `depth` [mm] ahead, or inf."""
     config = config or FlightConfig()
     if known.unknown > config.strange:
-        return np.zeros(len(nearest))
-    return np.where(np.isfinite(nearest), np.maximum(nearest - 2.0 * config.clear, 0.0), 0.0)
+        return np.zeros(len(depth))
+    first = _first(depth, known, config)
+    return np.where(np.isfinite(first), np.maximum(first - 2.0 * config.clear, 0.0), 0.0)
+
+
+def _first(depth: Floats, known: Held, config: FlightConfig) -> Floats:
+    """(c,) [mm] beyond which all but a small share of (c, h) depths lies; inf where nothing is met."""
+    order = np.argsort(depth, axis=1)
+    before = np.cumsum(known.weights[order], axis=1) / known.weights.sum()
+    row = np.minimum((before < config.share).sum(axis=1), depth.shape[1] - 1)
+    return np.asarray(np.take_along_axis(depth, order, axis=1)[np.arange(len(depth)), row])
