@@ -2,6 +2,7 @@
 
 A small ball and a flat pin, both hardly wider than the blur, are nearly one and the same to the pad: whoever calls
 each what it is equally often does so with the chance Phi(d/2), d^2 being the chi2 between their clean frames.
+Ours calls what may be either a ball, which claims less, and so is right of balls more often.
 """
 
 from typing import Any
