@@ -43,10 +43,13 @@ def _why(why: Mapping[str, Any]) -> list[str]:
         told.append(f"not {why['runner_up']}: contacts {numbers} speak against it, counted from 0")
     if touch := why.get("separating_touch"):
         at, way = touch["start"]["translation_mm"], touch["direction"]
-        told.append(
-            f"a touch that would tell more: from {_three(at, 1)} mm along {_three(way, 2)}, "
-            f"{touch['bits']:.2f} bits expected"
+        what = (
+            "a touch that would tell more"
+            if touch["bits"]
+            else "none tells them apart before one that places it"
         )
+        more = f", {touch['bits']:.2f} bits expected" if touch["bits"] else ""
+        told.append(f"{what}: from {_three(at, 1)} mm along {_three(way, 2)}{more}")
     return told
 
 

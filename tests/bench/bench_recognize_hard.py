@@ -8,13 +8,16 @@ from $PALPATE_DATA/contacts, where there are any.  PALPATE_BENCH_QUERIES sets th
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from bench_recognize import QUERIES, Table, trials_of
 from recognizing.objects import DATA, library, twins
+from recognizing.ray_hand import RayHand
 from recognizing.trials import NOISE, TURN, Trial, add_s, on_surface
 
+from exploration.devices.guard import Cost
 from exploration.devices.protocols import StageLimits
 from exploration.planning.lone_touch import Approach
 from exploration.planning.round_ball import Ball
@@ -24,6 +27,8 @@ from models.symmetry import pose_error
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.pose import pose, random_rotation, rotate, transform_points
+from recognition.identifying.bounds import believed_ball
+from recognition.identifying.learned import evidence_of as evidence_of_touches
 from recognition.identifying.placed import is_placed
 from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.next_touch import Choice, separating
@@ -36,6 +41,7 @@ PAD = (28.8, 18.0)  # [mm]
 PITCH = 1.8  # [mm]
 UNLIKE = 0.5  # [mm] that first contact, or the surface under a taxel, is another
 TAXELS = 3  # of these
+MOST = 6  # touches that are made as proposed, one after another
 CORNERS = np.array([[0, 0, 0], [100, 0, 0], [30, 80, 0], [35, 25, 70.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 
@@ -69,6 +75,13 @@ def near_duplicates(table: Table) -> None:
         both = [min(b.probabilities[name] for name in known) > 0.02 for b, _ in open_still]
         if both:
             table.share("palpate", f"both named where open, twins in a {kind}", both)
+        after = [_named_after(t, known, k) for k, (_, t) in enumerate(open_still)]
+        if after:
+            what = (
+                f"named surely after at most {MOST} touches as proposed, twins in a {kind}, pose open or not"
+            )
+            table.share("palpate", what, [a <= MOST for a in after])
+            table.add("palpate", f"touches for that, twins in a {kind}, median", float(np.median(after)), "")
         placed = [_placed(b, t, known) for b, t in open_still]
         hits = [_separated(b, t, known, k) for k, (b, t) in enumerate(open_still)]
         for where, rows in (("", placed), (" (pose open too)", [not p for p in placed])):
@@ -105,6 +118,26 @@ def _separated(belief: Belief, t: Trial, known: Library, seed: int) -> bool:
         return bool(np.isfinite(one[0]) != np.isfinite(other[0]))
     unlike = np.abs(one[1] - other[1]) > UNLIKE
     return bool(abs(one[0] - other[0]) > UNLIKE or unlike.sum() >= TAXELS)
+
+
+def _named_after(t: Trial, known: Library, seed: int) -> float:
+    """How many touches, made as proposed, it took until the right name was sure; inf if never."""
+    rng, touches = np.random.default_rng(seed), []
+    hand = RayHand(known[t.name].solid.placed(t.world), rng, cost=Cost(touches=1000))
+    for count in range(MOST + 1):
+        felt = evidence_of_touches(touches)
+        evidence = replace(felt, contacts=Contacts.concatenate([t.contacts, felt.contacts]))
+        belief = match(evidence, known)
+        if belief.confidence > 0.95:
+            return float(count) if belief.decision == t.name else np.inf
+        ball = believed_ball(evidence.contacts, MOST, belief, known, PAD)
+        may_be = sampled(belief, known, evidence, rng)
+        found = separating(belief, known, hand.here, ball, PAD, hand.limits, rng, known=may_be)
+        if not isinstance(found, Choice):
+            return np.inf
+        touches.append(hand.touch(found.approach, ball))
+        hand.leave(ball)
+    return np.inf
 
 
 def _felt(solid: Solid, approach: Approach) -> tuple[float, Floats]:

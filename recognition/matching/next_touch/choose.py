@@ -24,6 +24,7 @@ from recognition.matching.next_touch.flight import FlightConfig, flown, foreseen
 from recognition.matching.next_touch.held import Believed, Held, held
 from recognition.matching.next_touch.information import TouchNoise, information
 from recognition.matching.next_touch.outcomes import Outcomes, foresee
+from recognition.matching.next_touch.placing import doubt, placing
 
 Utility = Callable[[Outcomes, Held], Floats]  # (c,) bits of each approach
 
@@ -39,6 +40,8 @@ class ChooseConfig:
     pose_share: float = 0.4  # of a bit about the name, that one about its pose is worth
     flight: FlightConfig = field(default_factory=FlightConfig)
     least: float = 0.01  # [bits] below which a touch tells nothing
+    open: float = 0.25  # [mm] error of places of its surface, from which a pose is worth settling,
+    touch: tuple[float, float] = (0.15, 0.02)  # [mm], [rad] by touches that err so
     hurried: bool = True  # whether bits are counted by the second
     candidates: CandidateConfig = field(default_factory=CandidateConfig)
     noise: TouchNoise = field(default_factory=TouchNoise)
@@ -132,9 +135,21 @@ def separating(
     reachable: Callable[[Approach], bool] = lambda approach: True,
     known: Held | None = None,
 ) -> Choice | NoChoice:
-    """The touch that tells most of which object it is, however long it takes."""
+    """The touch that tells most of which object it is, however long it takes.
+
+    Where none does while the pose is open, it is the one that settles the pose, and its bits about the name are 0.
+    """
     config = replace(ChooseConfig(), pose_share=0.0, hurried=False)
-    return choose(belief, library, here, ball, pad, limits, rng, config, reachable=reachable, known=known)
+    found = choose(belief, library, here, ball, pad, limits, rng, config, reachable=reachable, known=known)
+    best = max(belief.hypotheses, key=lambda h: h.log_weight, default=None)
+    if isinstance(found, Choice) or best is None or doubt(best, library[best.name]) <= config.open:
+        return found
+    settling = placing(best, library[best.name], ball, pad, config.touch, rng, reachable)
+    if settling is None:
+        return found
+    way = way_round(here, settling.start, ball)
+    seconds = travel_seconds(here, way, limits) + settling.length / config.speed + config.settling
+    return Choice(settling, tuple(way), 0.0, 0.0, seconds)
 
 
 def travel_seconds(here: Floats, way: list[Floats], limits: StageLimits) -> float:

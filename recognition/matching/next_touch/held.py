@@ -14,7 +14,7 @@ from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import transform_points
 from recognition.matching.loose import sigma_points
 
-_VAGUE = 2.0  # [mm] error of places of the surface
+_VAGUE = 0.6  # [mm] error of places of the surface, as `untouched` and `imprints` have it
 UNKNOWN = "unknown"  # none of the library's objects
 
 

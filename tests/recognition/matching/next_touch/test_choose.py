@@ -11,7 +11,7 @@ from models.csg import Csg, Cube, Cylinder
 from models.library import Library
 from models.solid import Solid
 from primitives import pose as se3
-from recognition.matching.next_touch import Choice, NoChoice, choose
+from recognition.matching.next_touch import Choice, NoChoice, choose, separating
 from recognition.matching.next_touch.planar import planar
 
 HOLE = np.array([25.0, 10.0, 0.0])
@@ -60,6 +60,21 @@ def test_the_touch_for_near_duplicates_hits_what_differs() -> None:
         along = start[:3, 2]
         across = (HOLE - start[:3, 3]) - along * float((HOLE - start[:3, 3]) @ along)
         assert np.linalg.norm(across) < 22.0  # the hole is under the pad
+
+
+def test_where_no_touch_tells_the_name_the_pose_is_settled_first() -> None:
+    solid = Solid.from_csg(_plate(True))
+    library, pad = Library.of({"one": solid, "other": solid}), (28.8, 18.0)
+    here, ball = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 150.0]), Ball(np.zeros(3), 80.0)
+    for open_by, settled in ((1e-6, True), (4.0, False)):
+        along_x = np.diag([open_by, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8])
+        hypotheses = tuple(_Posed(name, np.eye(4), np.log(0.5), along_x) for name in library)
+        belief = _Belief(hypotheses, dict.fromkeys(library, 0.5))
+        found = separating(belief, library, here, ball, pad, StageLimits(), np.random.default_rng(0))
+        assert isinstance(found, NoChoice) == settled
+    assert isinstance(found, Choice)
+    assert found.name_bits == 0.0
+    assert abs(found.approach.direction[0]) > 0.9  # against an end, which tells where along x it is
 
 
 def test_objects_that_are_alike_have_no_separating_touch() -> None:
