@@ -20,6 +20,7 @@ from exploration.planning.round_holes import holes_of
 from exploration.planning.round_rims import RoundRim
 from exploration.planning.study import Wall
 from exploration.planning.turned_ends import turned_ends
+from exploration.planning.uprighted import uprighted
 from primitives.evidence import Contacts
 from primitives.fit import Fit, fit
 from primitives.patch_graph import Face
@@ -40,7 +41,7 @@ def conclude(
     stands: Callable[[Wall], bool],
 ) -> None:
     """Add what is inferred; `stands` says whether a face is known where a stroke was stopped."""
-    found.graph = drop_poor(flattened(found.graph))
+    found.graph = uprighted(drop_poor(flattened(found.graph)))
     rims = [rim for rim, _ in unexplained(found)]
     for lot in inferred_walls([wall for wall in walls if not stands(wall)], found.graph.faces, rims):
         _add(found, lot, _BY_STOPS)
