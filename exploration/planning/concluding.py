@@ -14,6 +14,7 @@ import numpy as np
 from exploration.planning.consistency import drop_poor, flattened
 from exploration.planning.findings import Findings
 from exploration.planning.inferred_walls import inferred_walls
+from exploration.planning.led_into import hollows_of, led_into, own_rim
 from exploration.planning.local_frontier import LocalFrontier
 from exploration.planning.rim_walls import SeenRim, rim_walls, upright_walls
 from exploration.planning.round_holes import holes_of
@@ -56,7 +57,10 @@ def conclude(
         _add(found, lot, _BY_RIM)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
-    holes, found.openings = holes_of([*found.rims, *guessed], inside)
+    hollows = hollows_of(found.graph.faces)
+    holes, left = holes_of([rim for rim in (*found.rims, *guessed) if not own_rim(rim, hollows)], inside)
+    led = {id(rim): hole for rim in left if rim.measured and (hole := led_into(rim, hollows)) is not None}
+    holes, found.openings = [*holes, *led.values()], [rim for rim in left if id(rim) not in led]
     for hole in holes:
         _replace(found, hole.off)
         _add(found, hole.wall(), _BY_ENDS, "cylinder")

@@ -1,11 +1,15 @@
 """What counts as explained when exploration concludes."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from exploration.control.sighting import Sighting
 from exploration.planning.concluding import unexplained
+from exploration.planning.led_into import hollows_of, led_into, own_rim
+from exploration.planning.round_rims import RoundRim
 from exploration.planning.turned_ends import turned_ends
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
@@ -53,3 +57,18 @@ def test_a_turned_face_that_ends_round_its_axis_ends_in_a_plane_upright_on_it():
     assert np.abs(end.points[:, 2] - seen[0][0].point[2]).max() < 0.2
     assert np.linalg.norm(end.points[:, :2], axis=1).max() < np.linalg.norm(seen[0][0].point[:2])
     assert turned_ends([rim(0.3, slant=0.4)], [face]) == []
+
+
+def test_a_round_opening_goes_on_to_the_countersink_behind_it():
+    """Of 45 degrees, 10 mm down to where its radius is the opening's."""
+    sink = Cone([0.0, 0.0, -6.0], Z, np.pi / 4)
+    around = np.linspace(0.0, 6.0, 12)
+    points = sink.project(np.column_stack([9.0 * np.cos(around), 9.0 * np.sin(around), 3.0 + 0.2 * around]))
+    face = ranked_face(2, Contacts.of(points, -sink.normals(points), 0.02, 0.01), MergeOptions())
+    assert (face.fit.kind, face.fit.convex) == ("cone", False)
+    under = RoundRim(-10.0 * Z, -Z, 6.0, 0.05, 4, True)
+    hole = led_into(under, hollows_of([face]))
+    assert hole.depth == pytest.approx(10.0, abs=0.3)
+    assert own_rim(RoundRim(8.0 * Z, Z, 14.0, 0.05, 5, True), [face])
+    assert not own_rim(under, [face])
+    assert led_into(replace(under, center=under.center + np.array([30.0, 0.0, 0.0])), [face]) is None
