@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.consistency import concave, drop_contradicted, drop_edges, drop_rims
+from exploration.planning.consistency import concave, drop_contradicted, drop_edges, drop_false
 from primitives.arrays import Floats, Ints
 from primitives.classify import RankOptions
 from primitives.evidence import Contacts
@@ -43,6 +43,10 @@ class AttributionConfig:
     least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one at once
     pool: float = 20.0  # [mm] within which the unexplained contacts of several visits are put together
     facing: float = 0.95  # least cosine of their normals with the first one's
+    wide: float = 30.0  # [mm] within which contacts are put together that may face any way
+    curled: float = 0.05  # [mm] most rms of those
+    curled_touches: int = 3  # of a face so narrow that no two touches of it face alike
+    spare: int = 2  # contacts more than parameters, of a face of an object of any form
     convex: bool = True  # whether the object may be taken for convex, so that faces may contradict each other
 
 
@@ -86,18 +90,21 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
     loose = Contacts.concatenate([loose, rest])
     enough = len(rest) >= config.least_share * len(contacts)
     alone = (rest, _beside(rest, rest, config)) if enough else ()
-    for lot in (*alone, _beside(loose, rest, config)):
+    about = _about(loose, rest, config)
+    for lot in (*alone, _beside(loose, rest, config), about):
         if len(lot) < config.least_contacts or _hearsay(lot, config):
             continue
         grown, opened = graph.add_stroke(lot)
         accepted = _sound(grown, opened, config)
+        if accepted is not None and not _told(accepted.face(opened), lot is about, config):
+            accepted = None
         if accepted is not None:
             graph, gone = accepted.merge_faces()
             home = gone.get(opened, opened)
             loose = without(loose, lot)
             break
     hollow = not config.convex or concave(graph)
-    kept = drop_rims(drop_edges(graph)) if hollow else drop_edges(drop_contradicted(graph))
+    kept = drop_false(graph) if hollow else drop_edges(drop_contradicted(graph))
     staying = {face.id for face in kept.faces}
     dropped = [face.contacts for face in graph.faces if face.id not in staying]
     graph, loose = _settled(kept, Contacts.concatenate([loose, *dropped]), config)
@@ -157,6 +164,25 @@ def _beside(contacts: Contacts, rest: Contacts, config: AttributionConfig) -> Co
         return rest
     near = np.linalg.norm(contacts.points - rest.points[0], axis=1) < config.pool
     return contacts.select(near & (contacts.normals @ rest.normals[0] > config.facing))
+
+
+def _about(contacts: Contacts, rest: Contacts, config: AttributionConfig) -> Contacts:
+    """Those contacts that lie beside the first of `rest`, whatever way they face, as in a countersink."""
+    if config.convex or not len(rest):
+        return rest.select(np.zeros(len(rest), dtype=bool))
+    near = contacts.select(np.linalg.norm(contacts.points - rest.points[0], axis=1) < config.wide)
+    few = len(np.unique(near.touch)) < config.curled_touches
+    return near.select(np.zeros(len(near), dtype=bool)) if few else near
+
+
+def _told(face: Face, any_way: bool, config: AttributionConfig) -> bool:
+    """Whether contacts tell enough of a face; those that face `any_way` are to lie on a round one, and closely."""
+    fit = face.fit
+    if config.convex or not isinstance(fit, Fit):
+        return True
+    if any_way and (fit.kind == "plane" or fit.rms > config.curled):
+        return False
+    return len(face.contacts) >= fit.shape.dof + config.spare
 
 
 def _sound(graph: PatchGraph, face_id: int, config: AttributionConfig) -> PatchGraph | None:

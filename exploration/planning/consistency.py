@@ -22,6 +22,7 @@ _SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
 _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
 _POOR = 0.05  # [mm] rms, from which so few contacts as below are of no one face
+_HOPELESS = 0.15  # [mm] rms, from which so few contacts lead nowhere while exploration goes on
 _FEW = 30  # contacts, below which a face may be a poor reading of a larger one
 _SAME = 0.1  # [mm] from a larger face, within which more contacts than those are no face beside it
 _LARGER = 1.5  # times as many contacts make a face the larger
@@ -35,6 +36,11 @@ _FLAT = 5.0  # times the extent of what was touched, from which a radius is that
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _AT_RIM = 0.5  # [mm] from a larger face, within which a contact of a pad that lies on its rim is
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
+
+
+def drop_false(graph: PatchGraph) -> PatchGraph:
+    """The graph less what a pad read on an object of any form, where none of its faces is."""
+    return drop_poor(drop_rims(drop_edges(graph)), _HOPELESS)
 
 
 def drop_edges(graph: PatchGraph) -> PatchGraph:
@@ -100,10 +106,13 @@ def _broad(face: Face) -> bool:
     return bool(spread[1] / np.sqrt(len(face.contacts)) > _WIDE)
 
 
-def drop_poor(graph: PatchGraph) -> PatchGraph:
-    """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner."""
+def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
+    """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner.
+
+    They scatter by more than `most` [mm] rms.
+    """
     for face in graph.faces:
-        if isinstance(face.fit, Fit) and len(face.contacts) < _FEW and face.fit.rms > _POOR:
+        if isinstance(face.fit, Fit) and len(face.contacts) < _FEW and face.fit.rms > most:
             graph = _without(graph, face.id)
     return graph
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from exploration.planning.attribution import CONVEX, AttributionConfig, known_face, take_in
-from exploration.planning.consistency import concave, drop_rims
+from exploration.planning.consistency import concave, drop_false, drop_rims
 from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face, PatchGraph
-from primitives.shapes import Torus
+from primitives.shapes import Cone, Torus
 
 CONFIG = AttributionConfig()
 NONE = Contacts.of(np.empty((0, 3)))
@@ -137,3 +137,32 @@ def test_a_ring_is_a_torus_and_what_is_read_flat_off_its_crest_goes():
     graph = PatchGraph((*graph.faces, Face(9, fit("plane", flat), flat)), options=CONVEX)
     assert np.abs(ring.signed_distance(crest)).max() < 0.3
     assert [face.id for face in drop_rims(graph).faces] == [home]
+
+
+def countersink(azimuth):
+    """What a fingertip feels at one place of a countersink of 45 degrees: a place, and three beside it."""
+    cone, ways = Cone([0.0, 0.0, -6.0], [0.0, 0.0, 1.0], np.pi / 4), azimuth + np.array([0.0, -0.1, 0.1, 0.0])
+    rho = 11.0 + np.array([0.0, 0.0, 0.0, 1.0])
+    points = np.column_stack([rho * np.cos(ways), rho * np.sin(ways), rho - 6.0])
+    return Contacts.of(points, -cone.normals(points), sigma=0.05, normal_sigma=0.04, touch=int(10 * azimuth))
+
+
+def test_places_of_a_countersink_that_face_every_way_make_it_known():
+    hollow = AttributionConfig(convex=False)
+    graph, loose = PatchGraph(options=CONVEX), NONE
+    for azimuth in (0.0, 1.6, 3.2):
+        assert not graph.faces
+        taken = take_in(graph, loose, countersink(azimuth), hollow)
+        graph, loose = taken.graph, taken.loose
+    (face,) = graph.faces
+    assert not face.fit.convex
+    assert np.abs(face.fit.shape.signed_distance(countersink(4.5).points)).max() < 0.1
+
+
+def test_contacts_that_scatter_too_far_make_no_face_of_a_hollow_object():
+    rng, flat = np.random.default_rng(8), side(2, 1.0, n=10)
+    points = flat.points + 0.4 * rng.standard_normal((10, 3))
+    poor = Contacts.of(points, flat.normals, sigma=0.5, normal_sigma=0.3, touch=np.arange(10) // 5)
+    graph, home = PatchGraph(options=CONVEX).add_stroke(poor)
+    assert graph.face(home).fit.rms > 0.15
+    assert not drop_false(graph).faces
