@@ -42,7 +42,7 @@ class AnyFormConfig:
     """How walls, rims and open surface are gone for."""
 
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
-    overlap: float = 4.0  # [mm] of the pad that stays over the rim
+    overlap: float = 0.22  # of the pad's shorter side, that stays over the rim
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
     came: float = 2.0  # [mm] from the housing, within which it came to something
     room: float = 0.6  # [mm] beside it
@@ -194,7 +194,7 @@ class AnyForm:
         """Roll over a rim onto the face behind it."""
         tried = self._rims.count(rim.point)
         self._rims.note(rim.point)
-        beyond, settling = max(0.5 * min(self.pad.size) - self.own.overlap, 0.0), None
+        beyond, settling = (0.5 - self.own.overlap) * min(self.pad.size), None
         if (thick := self._thickness(rim)) is not None:
             beyond, settling = 0.5 * thick, SettleConfig(shifts=0)
         rolls = self.own.rolls[tried % len(self.own.rolls) :] + self.own.rolls[: tried % len(self.own.rolls)]

@@ -54,15 +54,17 @@ class Entering:
         self.study, self.reach, self.config = study, reach, config or EnteringConfig()
         self._deep = -float(study.pad.tool.low[2])
         self._sounded = Attempts(1, self.config.between)
+        self._through = Attempts(1, self.config.between)  # mouths behind which there was no floor
 
     def ways_in(
         self, across: Sequence[Mouth], alongs: Callable[[Floats], list[Floats]]
     ) -> Iterator[tuple[Floats, Move]]:
         """Where the array may go in, with the move; `alongs` gives directions to turn to on a (3,) normal.
 
-        What is behind a mouth is closed to all other ways from now on.
+        What is behind a mouth is closed to all other ways from now on, unless it turned out to have no floor: then
+        its rims are all that leads to its walls.
         """
-        self.reach.lids = lids(across)
+        self.reach.lids = lids([mouth for mouth in across if not self._through.count(mouth.center)])
         wide, known = 2.0 * float(self.study.pad.tool.high[:2].min()), self._on_faces()
         untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, known)]
         for mouth in innermost(untold):
@@ -104,6 +106,7 @@ class Entering:
             if self.reach.led:
                 here = self.study.pad.guard.world_from_sensor
                 self._sounded.note(here[:3, 3])  # perhaps out on the other side
+                self._through.note(mouth.center)
                 self._went(mouth, here)
                 self.reach.come_out()
                 return None, "went in and met nothing"
