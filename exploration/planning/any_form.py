@@ -85,6 +85,8 @@ class AnyForm:
         face: int | None = None
         while self.pad.guard.cost.touches < self.config.max_touches:
             move = self._next(face)
+            if move is None and self.study.name_loose():
+                continue
             if move is None:
                 break
             try:

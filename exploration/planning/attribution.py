@@ -6,7 +6,7 @@ few contacts a visit, and those of several visits together make it known.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from primitives.arrays import Floats, Ints
 from primitives.classify import RankOptions
 from primitives.evidence import Contacts
 from primitives.fit import Fit
-from primitives.patch_graph import Face, MergeOptions, PatchGraph
+from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
+from primitives.segment import segment
 from primitives.shared_error import with_shared_error
 from primitives.surface_sigma import distance_sigma
 
@@ -46,7 +47,7 @@ class AttributionConfig:
     wide: float = 30.0  # [mm] within which contacts are put together that may face any way
     curled: float = 0.05  # [mm] most rms of those
     curled_touches: int = 3  # of a face so narrow that no two touches of it face alike
-    spare: int = 2  # contacts more than parameters, of a face of an object of any form
+    spare: int = 2  # contacts more than parameters, of a cone or a ring
     convex: bool = True  # whether the object may be taken for convex, so that faces may contradict each other
 
 
@@ -104,11 +105,32 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
             loose = without(loose, lot)
             break
     hollow = not config.convex or concave(graph)
+    graph, loose = _cleared(graph, loose, hollow, config)
+    return Taken(graph, loose, home if any(f.id == home for f in graph.faces) else None, gone, hollow)
+
+
+def name_loose(graph: PatchGraph, loose: Contacts, config: AttributionConfig) -> Taken:
+    """Make faces of what none explains, seen as a cloud: a ring is felt in places that lie and face all apart."""
+    cloud = loose
+    for found in segment(cloud):
+        lot = cloud.select(found.rows)
+        number = 1 + max((face.id for face in graph.faces), default=-1)
+        face = ranked_face(number, lot, graph.options)
+        close = isinstance(face.fit, Fit) and face.fit.rms < config.curled
+        if close and len(np.unique(lot.touch)) >= config.curled_touches and _told(face, False, config):
+            graph, loose = replace(graph, faces=(*graph.faces, face)), without(loose, lot)
+    graph, gone = graph.merge_faces()
+    return Taken(*_cleared(graph, loose, True, config), None, gone, True)
+
+
+def _cleared(
+    graph: PatchGraph, loose: Contacts, hollow: bool, config: AttributionConfig
+) -> tuple[PatchGraph, Contacts]:
+    """The graph without faces that were none, and what is loose then."""
     kept = drop_false(graph) if hollow else drop_edges(drop_contradicted(graph))
     staying = {face.id for face in kept.faces}
     dropped = [face.contacts for face in graph.faces if face.id not in staying]
-    graph, loose = _settled(kept, Contacts.concatenate([loose, *dropped]), config)
-    return Taken(graph, loose, home if any(f.id == home for f in graph.faces) else None, gone, hollow)
+    return _settled(kept, Contacts.concatenate([loose, *dropped]), config)
 
 
 def without(contacts: Contacts, taken: Contacts) -> Contacts:
@@ -182,7 +204,7 @@ def _told(face: Face, any_way: bool, config: AttributionConfig) -> bool:
         return True
     if any_way and (fit.kind == "plane" or fit.rms > config.curled):
         return False
-    return len(face.contacts) >= fit.shape.dof + config.spare
+    return fit.kind not in ("cone", "torus") or len(face.contacts) >= fit.shape.dof + config.spare
 
 
 def _sound(graph: PatchGraph, face_id: int, config: AttributionConfig) -> PatchGraph | None:

@@ -35,6 +35,7 @@ _NO_WORSE = 1.3  # times the misfit of a curved face, up to which a plane explai
 _FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _AT_RIM = 0.5  # [mm] from a larger face, within which a contact of a pad that lies on its rim is
+_BOWED = 1.0  # [mm] from a ring, within which a band that bends with its crest was read flat
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
 
 
@@ -69,17 +70,24 @@ def drop_rims(graph: PatchGraph) -> PatchGraph:
     for face in sorted(graph.faces, key=lambda f: len(f.contacts)):
         felt = face.contacts.select(face.contacts.touch != NOT_FELT)
         larger = [
-            f
-            for f in graph.faces
-            if isinstance(f.fit, Fit) and len(f.contacts) > _LARGER * len(face.contacts)
+            f for f in graph.faces if isinstance(f.fit, Fit) and f is not face and _reaches_past(f, face)
         ]
         if not len(felt) or not larger:
             continue
         away = np.array([np.abs(_shape(f).signed_distance(felt.points)) for f in larger])
         facing = np.array([(_outward(f, felt) * felt.normals).sum(axis=1) for f in larger])
-        if float((away < np.where(facing < _FACING, _AT_RIM, _SAME)).any(axis=0).mean()) > _EDGE_SHARE:
+        ring = np.array([[isinstance(f.fit, Fit) and f.fit.kind == "torus"] for f in larger])
+        near = np.where(ring, _BOWED, np.where(facing < _FACING, _AT_RIM, _SAME))
+        if float((away < near).any(axis=0).mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
+
+
+def _reaches_past(larger: Face, face: Face) -> bool:
+    """Whether a face is so well known that another may be a reading of it; rings are read as others all round."""
+    assert isinstance(larger.fit, Fit)
+    ring = larger.fit.kind == "torus" and len(larger.contacts) >= 2 * _SOUND
+    return ring or len(larger.contacts) > _LARGER * len(face.contacts)
 
 
 def concave(graph: PatchGraph) -> bool:

@@ -9,7 +9,14 @@ import numpy as np
 from exploration.control.sighting import Sighting
 from exploration.control.track_surface import Stroke
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.attribution import AttributionConfig, joined, known_face, take_in, without
+from exploration.planning.attribution import (
+    AttributionConfig,
+    joined,
+    known_face,
+    name_loose,
+    take_in,
+    without,
+)
 from exploration.planning.findings import Findings
 from exploration.planning.pad import Pad
 from primitives.arrays import Floats
@@ -36,6 +43,7 @@ class Study:
     def __init__(self, pad: Pad, found: Findings, config: AttributionConfig) -> None:
         self.pad, self.found, self.config = pad, found, config
         self.loose = Contacts.of([])  # what no face explains yet
+        self._left_loose = 0  # contacts of which no face could be made
         self.seen: list[tuple[Sighting, int]] = []  # edges, each with the face that it was seen from
         self.walls: list[Wall] = []
 
@@ -68,6 +76,16 @@ class Study:
         self.found.hollow |= taken.hollow
         self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
         return taken.home
+
+    def name_loose(self) -> bool:
+        """Whether what no face explained makes faces after all, now that there is more of it."""
+        if len(self.loose) == self._left_loose:
+            return False
+        taken = name_loose(self.found.graph, self.loose, self.config)
+        before = {face.id for face in self.found.graph.faces}
+        self.found.graph, self.loose, self._left_loose = taken.graph, taken.loose, len(taken.loose)
+        self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
+        return bool({face.id for face in taken.graph.faces} - before)
 
     def reconsider(self) -> None:
         """Make faces of what was held against a convex object: its steps contradict each other's planes."""

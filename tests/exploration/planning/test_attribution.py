@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.planning.attribution import CONVEX, AttributionConfig, known_face, take_in
+from exploration.planning.attribution import CONVEX, AttributionConfig, known_face, name_loose, take_in
 from exploration.planning.consistency import concave, drop_false, drop_rims
 from primitives.evidence import Contacts
 from primitives.fit import fit
@@ -166,3 +166,21 @@ def test_contacts_that_scatter_too_far_make_no_face_of_a_hollow_object():
     graph, home = PatchGraph(options=CONVEX).add_stroke(poor)
     assert graph.face(home).fit.rms > 0.15
     assert not drop_false(graph).faces
+
+
+def test_a_ring_felt_here_and_there_is_known_once_all_that_is_loose_is_seen_together():
+    rng = np.random.default_rng(5)
+    ring = Torus([3.0, 0.0, 0.0], [0.0, 0.6, 0.8], 22.0, 6.0)
+    touch = np.repeat(np.arange(20), 2)
+    points = ring.project(np.array([3.0, 0.0, 0.0]) + rng.uniform(-28.0, 28.0, (40, 3)))
+    loose = Contacts.of(points, ring.normals(points), sigma=0.06, normal_sigma=0.1, touch=touch)
+    corner_read_badly = side(2, 1.0, n=8, seed=30, half=60.0)
+    points = corner_read_badly.points + 0.4 * rng.standard_normal((8, 3))
+    poor = Contacts.of(
+        points, corner_read_badly.normals, sigma=0.5, normal_sigma=0.3, touch=np.arange(8) + 40
+    )
+    taken = name_loose(PatchGraph(options=CONVEX), Contacts.concatenate([loose, poor]), AttributionConfig())
+    (face,) = taken.graph.faces
+    assert face.fit.kind == "torus"
+    assert face.fit.shape.sizes == pytest.approx((22.0, 6.0), abs=0.1)
+    assert len(taken.loose) == 8
