@@ -9,7 +9,8 @@ Pearson).  Smooth is what is nowhere sharper than a ball whose radius is the pad
 table a ball as small as the rows of false lines have, pressed as those rows press: within `AWAY` of the pad's
 center, leaning no more than the tilted edges, not twice as deep.  The nearest is the best plane, ridge, ball or
 dome by the smooth fit if that is smooth; the best dome that is (`nearest_dome`); or a simulated bar or ball of the
-very least radius.  No detector is told radius, place or depth, so every such surface counts by itself.
+very least radius.  No detector is told radius, place or depth, so every such surface counts by itself.  Who says
+lines oftener there may find more: ours does so on the other pads, of whose false lines nothing is asked.
 
 Whoever in the same way hardly ever says a second or third line where there is none says it no more often than the
 nearest frame of one or of two lines lets him.  What is said must then lie near the truth, which errors as small as
