@@ -15,7 +15,7 @@ import numpy as np
 from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.findings import Attempts, Done
-from exploration.planning.mouths import Mouth, innermost, lids
+from exploration.planning.mouths import Mouth, gathered, lids
 from exploration.planning.reach import Reach
 from exploration.planning.study import Study
 from primitives import pose as se3
@@ -30,6 +30,7 @@ _ALIKE = 0.95  # cosine from which two faces look the same way
 _PLANE = 1.5  # [mm] off a face's plane, that is still in it
 _ACROSS = np.array([-1.0, 0.0, 1.0])
 _BESIDE = 4.0  # [mm] beside a way, that is still on it
+_WAYS = 20  # across one mouth, that are looked at for room
 
 
 @dataclass(frozen=True)
@@ -67,11 +68,16 @@ class Entering:
         self.reach.lids = lids([mouth for mouth in across if not self._through.count(mouth.center)])
         wide, known = 2.0 * float(self.study.pad.tool.high[:2].min()), self._on_faces()
         untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, known)]
-        for mouth in innermost(untold):
-            turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
-            poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
-            if room := [pose for pose in poses if self.reach.clear(pose)]:
-                yield mouth.center, partial(self._sound, mouth, room)
+        for ways in gathered(untold):
+            rooms = ((mouth, self._room(mouth, alongs)) for mouth in ways[:: max(1, len(ways) // _WAYS)])
+            if way := next(((mouth, room) for mouth, room in rooms if room), None):
+                yield way[0].center, partial(self._sound, *way)
+
+    def _room(self, mouth: Mouth, alongs: Callable[[Floats], list[Floats]]) -> list[Floats]:
+        """(4, 4) poses just inside a mouth, at which nothing known is in the way: an island may be."""
+        turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
+        poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
+        return [pose for pose in poses if self.reach.clear(pose)]
 
     def _untold(self, mouth: Mouth, known: Bools) -> bool:
         """Whether neither a sounding nor a floor tells what is behind a mouth; `known` cells lie on a face."""

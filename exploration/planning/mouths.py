@@ -65,15 +65,15 @@ def lids(found: Sequence[Mouth], spacing: float = 2.0) -> tuple[Floats, Floats]:
     return rows[first, :3], rows[first, 3:]
 
 
-def innermost(found: Sequence[Mouth], config: MouthConfig | None = None) -> list[Mouth]:
-    """One of every mouth: of the ways across it the one in the middle; the widest mouth first."""
-    config, out = config or MouthConfig(), list[Mouth]()
+def gathered(found: Sequence[Mouth], config: MouthConfig | None = None) -> list[list[Mouth]]:
+    """The ways across each mouth, the one in the middle first; the widest mouth first."""
+    config, out = config or MouthConfig(), list[list[Mouth]]()
     if not found:
         return out
     centers = np.array([mouth.center for mouth in found])
     apart = np.column_stack([centers, 10.0 * config.cluster * np.array([mouth.normal for mouth in found])])
     for members in clusters(apart, config.cluster):
         rows = np.flatnonzero(members)
-        middle = centers[rows].mean(axis=0)
-        out.append(found[rows[np.argmin(np.linalg.norm(centers[rows] - middle, axis=1))]])
-    return sorted(out, key=lambda mouth: -mouth.width)
+        away = np.linalg.norm(centers[rows] - centers[rows].mean(axis=0), axis=1)
+        out.append([found[rows[k]] for k in np.argsort(away, kind="stable")])
+    return sorted(out, key=lambda ways: -ways[0].width)

@@ -6,7 +6,7 @@ from exploration.devices.simulated import simulate
 from exploration.planning.entering import Entering
 from exploration.planning.findings import ExplorerConfig, Findings
 from exploration.planning.inferred_walls import inferred_walls
-from exploration.planning.mouths import innermost, lids, mouths
+from exploration.planning.mouths import gathered, lids, mouths
 from exploration.planning.pad import Pad
 from exploration.planning.reach import Reach
 from exploration.planning.routes import Tool
@@ -36,7 +36,7 @@ def top_of_slotted_block():
 def test_a_slot_has_one_mouth_with_its_middle_over_the_slots():
     cells, rim, out = top_of_slotted_block()
     found = mouths(cells, rim, out, UP)
-    (mouth,) = innermost(found)
+    ((mouth, *_),) = gathered(found)
     assert np.abs(mouth.center - [0.0, 0.0, 15.0]).max() < 1.1
     assert mouth.width == pytest.approx(18.0)
     places, facing = lids(found)
