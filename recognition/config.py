@@ -47,7 +47,7 @@ class ExploreOptions:
     )  # least, greatest corner [mm]
     feature: float = 10.0  # [mm] the smallest feature that must not be missed
     pose: Pose = "random"
-    sensors: tuple[str, ...] = ("lts210",)
+    sensors: tuple[str, ...] = ("lts210", "fingertip")
     noise: float | None = None  # 1 sigma over the full-contact signal; None: as the sensor's preset says
     pose_noise: float = 0.0  # [mm] 1 sigma of the stage's reported position
     support: str = "none"  # or "table", on which the part then lies

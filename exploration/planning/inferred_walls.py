@@ -33,7 +33,7 @@ class InferredWallConfig:
     upright: float = 0.3  # most cosine between the wall's direction and the face's
     overhang: float = 0.03  # the same against it: a housing that leans over is stopped anywhere up its side
     agree: float = 1.0  # [mm] between stops of one plane
-    apart: float = 6.0  # [mm] between the places of two of them
+    apart: float = 4.0  # [mm] between the places of two of them
     height: float = 4.0  # [mm] over the face, of where the housing is
     sigma: float = 0.3  # [mm]
     normal_sigma: float = 0.05  # [rad]

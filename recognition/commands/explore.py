@@ -30,7 +30,7 @@ def explore(
     live: flags.Live = False,
     live_at: flags.LiveAt = None,
     *,
-    told: RunFlags,
+    told: RunFlags = RunFlags(sensor="lts210,fingertip"),
     as_json: Json = False,
 ) -> None:
     """Explore an object by touch, and reconstruct it as CSG.

@@ -1,6 +1,7 @@
 """What every command that touches an object can be told: the object, where it is, the array, the seed, the folder.
 
-A command takes all of these as one parameter of type `RunFlags`, and `spread` shows them as flags of its own.
+A command takes all of these as one parameter of type `RunFlags`, and `spread` shows them as flags of its own; what
+is usual for the command is that parameter's default.
 """
 
 from __future__ import annotations
@@ -79,8 +80,11 @@ def spread(command: Callable[..., None]) -> Callable[..., None]:
     taken: list[inspect.Parameter] = []
     for parameter in inspect.signature(command).parameters.values():
         if hints[parameter.name] is RunFlags:
-            place = parameter.name
-            taken += [_flag(field.name, shared[field.name], field.default) for field in fields(RunFlags)]
+            place, own = parameter.name, parameter.default
+            usual = own if isinstance(own, RunFlags) else RunFlags()
+            taken += [
+                _flag(field.name, shared[field.name], getattr(usual, field.name)) for field in fields(RunFlags)
+            ]
         else:
             taken.append(_flag(parameter.name, hints[parameter.name], parameter.default))
 

@@ -17,6 +17,7 @@ class IdentifyOptions(ExploreOptions):
     """Everything `palpate identify` can be told."""
 
     policies: ClassVar[tuple[str, ...]] = POLICIES
+    sensors: tuple[str, ...] = ("lts210",)
     max_touches: int = 40
     library: Path | None = None  # a folder of CAD files; None: the built-in parts
     policy: str = "information"

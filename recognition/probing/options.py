@@ -17,6 +17,7 @@ from recognition.config import ExploreOptions
 class ProbeOptions(ExploreOptions):
     """Everything `palpate probe` can be told."""
 
+    sensors: tuple[str, ...] = ("lts210",)
     procedure: str = ""
     force_n: float = 20.0  # of an approach, and of compliance
     stiffness_n_mm3: float | None = None  # of the simulated object, all over; None: as `material`, or rigid

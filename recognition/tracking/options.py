@@ -15,6 +15,7 @@ WHATS = ("edge", "surface")
 class TrackOptions(ExploreOptions):
     """Everything `palpate track` can be told."""
 
+    sensors: tuple[str, ...] = ("lts210",)
     what: str = "edge"
     speed_mm_s: float = 20.0  # along the edge, or over the surface
     latency_s: float = 0.02  # of the simulated stage; measured, never told to the tracker
