@@ -4,7 +4,7 @@ What stops a pad that lies flush on a known face stands up from that face, and t
 at it.  A single stop tells neither how the wall lies nor that it is flat; but where two stops, from places apart,
 agree on one plane across a direction that the object has already, as of a face or an axis, that plane is the
 likeliest wall, and what is missing without it is a whole step (our derivation).  The rim that the wall has on
-another face says as much as a second stop.
+another face says as much as a second stop, and where the wall stands more exactly.
 """
 
 from __future__ import annotations
@@ -75,7 +75,8 @@ def _agreeing(
         places = np.array([*(wall.pose[:3, 3] for wall, _, _ in alike), *ends])
         if np.linalg.norm(places - places[0], axis=1).max() < config.apart:
             continue
-        at = float(np.median([offset for *_, offset in alike]))
+        told = [float(normal @ point) for point in ends] or [offset for *_, offset in alike]
+        at = float(np.median(told))  # a rim that was seen tells it nearer than a housing that was stopped
         points = np.concatenate([_places(wall, normal, at, config) for wall, _, _ in alike])
         normals = np.broadcast_to(normal, points.shape)
         lots.append(Contacts.of(points, normals, config.sigma, config.normal_sigma, touch=NOT_FELT))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,18 +123,26 @@ class Reach:
     def go(self, goal: Floats) -> bool:
         """Round what is known to a (4, 4) goal; whether the pad got there, `led` whether there was a way."""
         self._suspect = self._suspect[~self.pad.swept.holds(self._suspect)]
-        known = np.concatenate([self._obstacles(), self.lids[0]])
-        both = (np.concatenate([known, self._suspect]), known) if len(self._suspect) else (known,)
-        start, tool = self.pad.guard.world_from_sensor, self.pad.tool
-        ways, barred = self._ways(), self._barred
+        start, tool, ways = self.pad.guard.world_from_sensor, self.pad.tool, self._ways()
         tried = (
-            route(tool, start, goal, places, ways, config, barred)
-            for places in both  # who stands among what is only suspect may go through it
+            route(tool, start, goal, places, ways, config, self._barred)
+            for places in self._in_the_way()
             for config in self._routes
         )
         poses = next((found for found in tried if found is not None), None)
         self.led = poses is not None
         return poses is not None and all(self._fly(pose, k == 0) for k, pose in enumerate(poses))
+
+    def _in_the_way(self) -> Iterator[Floats]:
+        """(n, 3) places to keep off: of all that may stand; of what was felt; and of that, less what was since
+        gone through, as a pad across a gap feels what is not there, and may stand right under it.
+        """
+        known = np.concatenate([self._obstacles(), self.lids[0]])
+        if len(self._suspect):
+            yield np.concatenate([known, self._suspect])
+        yield known
+        if (gone := self.pad.swept.holds(known)).any():
+            yield known[~gone]
 
     def _fly(self, goal: Floats, first: bool) -> bool:
         """Straight to a (4, 4) goal, slowly where nobody has been; false where it touched something."""

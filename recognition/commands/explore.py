@@ -14,6 +14,8 @@ from recognition.commands.part_argument import listing_parts_if_unknown, look_at
 from recognition.commands.run_flags import Part, RunFlags, spread
 from recognition.console import interrupts
 
+_BOTH = RunFlags(sensor="lts210,fingertip")  # most parts have what a large pad cannot enter
+
 
 @spread
 def explore(
@@ -30,7 +32,7 @@ def explore(
     live: flags.Live = False,
     live_at: flags.LiveAt = None,
     *,
-    told: RunFlags = RunFlags(sensor="lts210,fingertip"),
+    told: RunFlags = _BOTH,
     as_json: Json = False,
 ) -> None:
     """Explore an object by touch, and reconstruct it as CSG.

@@ -83,7 +83,8 @@ def spread(command: Callable[..., None]) -> Callable[..., None]:
             place, own = parameter.name, parameter.default
             usual = own if isinstance(own, RunFlags) else RunFlags()
             taken += [
-                _flag(field.name, shared[field.name], getattr(usual, field.name)) for field in fields(RunFlags)
+                _flag(field.name, shared[field.name], getattr(usual, field.name))
+                for field in fields(RunFlags)
             ]
         else:
             taken.append(_flag(parameter.name, hints[parameter.name], parameter.default))

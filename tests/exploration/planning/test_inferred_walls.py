@@ -89,7 +89,7 @@ def test_a_housing_that_leans_over_may_have_been_stopped_anywhere_up_its_side():
     assert leaning(0.1) == []
 
 
-def test_a_rim_that_ends_where_a_pad_was_stopped_is_as_good_as_a_second_stop():
+def test_a_rim_that_ends_where_a_pad_was_stopped_tells_the_wall_and_where_it_stands():
     one = stopped([10.0, 0.0, 0.0], [1.0, 0.0, 0.0])
     x, y, z = np.eye(3)
 
@@ -97,5 +97,5 @@ def test_a_rim_that_ends_where_a_pad_was_stopped_is_as_good_as_a_second_stop():
         return Sighting(np.array(at), y, -x, z, 0.05, 10.0)
 
     (lot,) = inferred_walls([one], PLATE, [rim([20.3, 9.0, 8.0])])
-    assert lot.points[:, 0] == pytest.approx(20.0, abs=0.01)
+    assert lot.points[:, 0] == pytest.approx(20.3, abs=0.01)
     assert inferred_walls([one], PLATE, [rim([23.0, 9.0, 8.0])]) == []
