@@ -16,6 +16,7 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit, squares
 from primitives.patch_graph import Face, PatchGraph
+from primitives.shapes import Cylinder
 
 _FEW = 30  # contacts, from which a face tells its own direction
 _PARAMETERS = 3  # of a cylinder along a given direction
@@ -24,6 +25,7 @@ _SLACK = 3.0  # times chi2, by which contacts of one touch err together beyond t
 _ACROSS = 0.3  # most cosine between a direction and the median contact's normal
 _STEP = 3.0  # [mm] along a cylinder, at which it is the same again
 _SAME = 0.995  # cosine from which two directions are one
+_UPRIGHT = 0.9998  # cosine from which a cylinder stands along a direction as it is
 
 
 def uprighted(graph: PatchGraph) -> PatchGraph:
@@ -50,10 +52,13 @@ def _directions(graph: PatchGraph) -> Iterator[Floats]:
 
 def _upright(face: Face, ways: list[Floats]) -> Fit | None:
     """The cylinder along the direction that its contacts like best; None where its own fit explains more."""
-    felt = face.contacts
-    if not isinstance(face.fit, Fit) or face.fit.kind == "plane" or len(felt) >= _FEW:
+    if not isinstance(face.fit, Fit) or face.fit.kind == "plane" or len(face.contacts) >= _FEW:
         return None
-    if (felt.touch == NOT_FELT).any() or not np.isfinite(felt.normals).all():
+    felt = face.contacts.select(face.fit.inliers)
+    if not len(felt) or (felt.touch == NOT_FELT).any() or not np.isfinite(felt.normals).all():
+        return None
+    shape = face.fit.shape
+    if isinstance(shape, Cylinder) and any(abs(float(shape.direction @ way)) > _UPRIGHT for way in ways):
         return None
     paid = np.log(_RESIDUALS * len(felt))
     best, least = None, float(squares(face.fit, felt).sum()) / _SLACK + len(face.fit.sigma) * paid
@@ -66,9 +71,9 @@ def _upright(face: Face, ways: list[Floats]) -> Fit | None:
         own = squares(made, felt)
         score = float(own.sum()) / _SLACK + _PARAMETERS * paid
         if score < least:
-            rows = made.inliers[: len(felt)]
-            dof = max(_RESIDUALS * int(rows.sum()) - _PARAMETERS, 1)
-            best, least = replace(made, inliers=rows, chi2=float(own[rows].sum()), dof=dof), score
+            rows = face.fit.inliers
+            dof = max(_RESIDUALS * len(felt) - _PARAMETERS, 1)
+            best, least = replace(made, inliers=rows, chi2=float(own.sum()), dof=dof), score
     return best
 
 
