@@ -10,7 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from primitives.arrays import Bools, Floats
+from primitives.shapes import Plane
 from recognition.assembly.search import SearchOptions, State, Step, pruned, replayed
 from recognition.assembly.vocabulary import Candidate, Slab, Vocabulary
 
@@ -29,6 +32,20 @@ def exchanged(
         if better.cost >= state.cost - 1e-9:
             break
         state = pruned(better, vocabulary, solid, weight, options)
+    return _boxed(state, vocabulary, solid, weight, options)
+
+
+def _boxed(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    """With boxes for the prisms that hold the same cells: a person reads them sooner."""
+    for place, step in enumerate(state.steps):
+        if step.candidate.kind == "prism":
+            inside = np.where(vocabulary.mask(step.candidate), 1.0, -1.0)
+            for _, candidate in vocabulary.best(inside, 1):
+                steps = (*state.steps[:place], Step(step.operation, candidate), *state.steps[place + 1 :])
+                other = replayed(steps, vocabulary, solid, weight, options)
+                state = other if other.cost < state.cost - 1e-9 else state
     return state
 
 
@@ -56,7 +73,15 @@ def _filled(
 
 
 def _other_ends(candidate: Candidate, vocabulary: Vocabulary) -> Iterator[Candidate]:
-    """The same box or round body with one end at another plane of its direction, or open."""
+    """The same with one end at another plane of its direction, or open; a prism is cut once more."""
+    if candidate.kind == "prism":
+        bounding = {plane for plane, _ in candidate.sides}
+        for plane, shape in enumerate(vocabulary.shapes):
+            if isinstance(shape, Plane) and plane not in bounding:
+                yield from (
+                    replace(candidate, sides=(*candidate.sides, (plane, outside)))
+                    for outside in (False, True)
+                )
     for k, (slab, planes) in enumerate(zip(candidate.slabs, _planes(candidate, vocabulary), strict=True)):
         for other in _other_slabs(slab, planes):
             yield replace(candidate, slabs=(*candidate.slabs[:k], other, *candidate.slabs[k + 1 :]))

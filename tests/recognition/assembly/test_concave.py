@@ -125,6 +125,11 @@ def test_a_bar_that_was_left_open_past_its_round_end_ends_at_its_axis():
     after = exchanged(early, vocabulary, bar, weight, SearchOptions())
     assert [step.candidate.kind for step in after.steps] == ["cube", "cylinder"]
     assert (after.held == bar).all()
+    long = Candidate("prism", sides=((0, True), (1, False), (2, True)))
+    early = State((Step("add", long),), left, float(weight[left != bar].sum()), 24.0)
+    after = exchanged(early, vocabulary, bar, weight, SearchOptions())
+    assert [step.candidate.kind for step in after.steps] == ["cube", "cylinder"]
+    assert (after.held == bar).all()
 
 
 def test_a_ring_round_a_bore_that_was_felt_is_added_and_bored():
