@@ -21,7 +21,7 @@ from scipy.ndimage import gaussian_filter
 from exploration.control.edge_refined import Frames, moved_outward, nodes_along
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.stage_trail import StageTrail
-from exploration.planning.routes import Tool
+from exploration.planning.ways.routes import Tool
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
 from exploration.sensing.response import rubber

@@ -18,6 +18,7 @@ MAY_IMPORT = {
     "recognition": {"primitives", "models", "exploration"},
 }
 ROOMS = ("sensing", "devices", "recordings", "control", "planning")
+PLANNING = ("ways", "known", "faces", "open", "touching", "moves", "inferring")
 ONE_FILE_ONLY = {
     "embreex": "models/raycast.py",
     "manifold3d": "models/meshing/manifold.py",
@@ -92,6 +93,14 @@ def test_packages_import_only_downward(package):
     assert not upward
 
 
+def planning_room_of(module: str) -> int | None:
+    """Which room of planning; its conductors stand above all of them."""
+    parts = module.split(".")
+    if parts[:2] != ["exploration", "planning"] or len(parts) < 3:
+        return None
+    return PLANNING.index(parts[2]) if parts[2] in PLANNING else len(PLANNING)
+
+
 def test_every_module_of_exploration_is_in_a_room():
     rooms = {module.split(".")[1] for module in MODULES if module.startswith("exploration.")}
     assert rooms <= set(ROOMS)
@@ -103,6 +112,18 @@ def test_rooms_of_exploration_import_only_earlier_rooms():
         for module, names in OURS.items()
         for name in names
         if (here := room_of(module)) is not None and (there := room_of(name)) is not None and there > here
+    ]
+    assert not upward
+
+
+def test_rooms_of_planning_import_only_earlier_rooms():
+    upward = [
+        (module, name)
+        for module, names in OURS.items()
+        for name in names
+        if (here := planning_room_of(module)) is not None
+        and (there := planning_room_of(name)) is not None
+        and there > here
     ]
     assert not upward
 

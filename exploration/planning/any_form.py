@@ -18,19 +18,19 @@ import numpy as np
 from exploration.control.procedures.settle import SettleConfig
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.concluding import conclude
-from exploration.planning.entering import Entering
-from exploration.planning.findings import Attempts, Done, ExplorerConfig, outward_normal
-from exploration.planning.local_frontier import LocalFrontier
-from exploration.planning.looking import Looking
-from exploration.planning.open_surface import OpenSurface
-from exploration.planning.reach import Reach
-from exploration.planning.rim_walls import RimWalls
-from exploration.planning.round_holes import RoundHoles
-from exploration.planning.round_rims import RoundRim
-from exploration.planning.slipped import Slipped
-from exploration.planning.study import Study, Wall
-from exploration.planning.wall_facing import face_wall
+from exploration.planning.inferring.concluding import conclude
+from exploration.planning.moves.entering import Entering
+from exploration.planning.moves.looking import Looking
+from exploration.planning.moves.open_surface import OpenSurface
+from exploration.planning.moves.rim_walls import RimWalls
+from exploration.planning.moves.round_holes import RoundHoles
+from exploration.planning.moves.slipped import Slipped
+from exploration.planning.moves.wall_facing import face_wall
+from exploration.planning.open.local_frontier import LocalFrontier
+from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, outward_normal
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study, Wall
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.fit import Fit, NoFit

@@ -19,21 +19,21 @@ from exploration.control.procedures.approach import ApproachConfig, retreat
 from exploration.control.procedures.settle import SettleConfig
 from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.planning.any_form import LATER, AnyForm
-from exploration.planning.consistency import flattened
-from exploration.planning.covering import Covering
-from exploration.planning.crossing import Crossing
-from exploration.planning.findings import Attempts, Done, ExplorerConfig, Findings
-from exploration.planning.frontier import Frontier, Predicted
-from exploration.planning.local_frontier import LocalFrontier
-from exploration.planning.pad import Announce, Pad
-from exploration.planning.routes import Tool
-from exploration.planning.search import sweeps
-from exploration.planning.study import Study
-from exploration.planning.surface_map import SurfaceMap
+from exploration.planning.faces.consistency import flattened
+from exploration.planning.known.surface_map import SurfaceMap
+from exploration.planning.known.told import Told
+from exploration.planning.moves.covering import Covering
+from exploration.planning.moves.crossing import Crossing
+from exploration.planning.moves.tracing import Tracing
+from exploration.planning.moves.wall_facing import Walls
+from exploration.planning.open.frontier import Frontier, Predicted
+from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.survey import POLICIES, Survey
-from exploration.planning.told import Told
-from exploration.planning.tracing import Tracing
-from exploration.planning.wall_facing import Walls
+from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, Findings
+from exploration.planning.touching.pad import Announce, Pad
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.routes import Tool
+from exploration.planning.ways.search import sweeps
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT

@@ -15,9 +15,9 @@ import numpy as np
 
 from exploration.control.procedures.approach import ApproachConfig, retreat
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.findings import ExplorerConfig
-from exploration.planning.round_ball import Ball, way_round
-from exploration.planning.study import Study
+from exploration.planning.touching.findings import ExplorerConfig
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.round_ball import Ball, way_round
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import Contacts

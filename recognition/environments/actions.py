@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from exploration.planning.lone_touch import Approach
-from exploration.planning.round_ball import Ball
+from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.round_ball import Ball
 from primitives import pose as se3
 from primitives.arrays import Floats
 from recognition.matching.next_touch.candidates import toward

@@ -22,8 +22,8 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from exploration.planning.lone_touch import Approach
-from exploration.planning.round_ball import Ball
+from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.round_ball import Ball
 from models import parts
 from models.part import Part
 from primitives.arrays import Floats

@@ -11,9 +11,9 @@ import numpy as np
 
 from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, Guard, OverPress
-from exploration.planning.lone_touch import Approach, LoneTouch, touch_once
-from exploration.planning.round_ball import Ball, way_round
-from exploration.planning.search import sweeps
+from exploration.planning.touching.lone_touch import Approach, LoneTouch, touch_once
+from exploration.planning.ways.round_ball import Ball, way_round
+from exploration.planning.ways.search import sweeps
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 

@@ -21,7 +21,7 @@ from exploration.devices.protocols import StageLimits
 from exploration.devices.simulated_array import SimulatedArray
 from exploration.devices.simulated_stage import SimulatedStage
 from exploration.planning.explorer import Explorer, ExplorerConfig
-from exploration.planning.routes import Tool
+from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from primitives import pose as se3
 from primitives.arrays import Floats

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.round_ball import Ball
+from exploration.planning.ways.round_ball import Ball
 from models.library import Library
 from models.solid import Solid
 from primitives.arrays import Floats

@@ -11,10 +11,10 @@ import numpy as np
 from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, Cost, Guard, OverPress
 from exploration.devices.protocols import StageLimits
-from exploration.planning.lone_touch import Approach, LoneTouch, touch_once
-from exploration.planning.round_ball import Ball, way_out, way_round
-from exploration.planning.search import sweeps
-from exploration.planning.told import Told
+from exploration.planning.known.told import Told
+from exploration.planning.touching.lone_touch import Approach, LoneTouch, touch_once
+from exploration.planning.ways.round_ball import Ball, way_out, way_round
+from exploration.planning.ways.search import sweeps
 from primitives.arrays import Floats
 
 

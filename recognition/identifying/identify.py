@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from exploration.planning.lone_touch import Approach, LoneTouch
-from exploration.planning.round_ball import Ball
+from exploration.planning.touching.lone_touch import Approach, LoneTouch
+from exploration.planning.ways.round_ball import Ball
 from models.library import Library
 from primitives.arrays import Floats
 from recognition.identifying.bounds import believed_ball, felt_ball

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exploration.planning.lone_touch import LoneTouch, joined
+from exploration.planning.touching.lone_touch import LoneTouch, joined
 from models.library import Library
 from primitives.arrays import frozen
 from primitives.evidence import Contacts

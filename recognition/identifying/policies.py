@@ -9,8 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from exploration.planning.lone_touch import Approach
-from exploration.planning.round_ball import Ball
+from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.round_ball import Ball
 from primitives.arrays import Floats
 from primitives.pose import random_rotation
 from recognition.matching.next_touch.candidates import directions, toward

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from exploration.planning.findings import Findings
+from exploration.planning.touching.findings import Findings
 from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit
 from primitives.shapes import parameters

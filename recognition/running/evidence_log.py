@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from exploration.planning.findings import Findings
+from exploration.planning.touching.findings import Findings
 from exploration.recordings.mcap import RecordedEvent, read
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError

@@ -24,9 +24,9 @@ import numpy as np
 from exploration.control.latency import measure_latency
 from exploration.control.procedures.approach import ApproachConfig
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
-from exploration.planning.pad import Pad, TouchesSpent
-from exploration.planning.search import sweeps
-from exploration.planning.transit import box_supports
+from exploration.planning.touching.pad import Pad, TouchesSpent
+from exploration.planning.ways.search import sweeps
+from exploration.planning.ways.transit import box_supports
 from exploration.recordings.mcap import Recorder
 from primitives import pose as se3
 from primitives.arrays import Floats

@@ -14,8 +14,8 @@ import trimesh
 
 from exploration.devices.guard import Guard, GuardLimits, Observation
 from exploration.devices.simulated import simulate, turret
-from exploration.planning.routes import Tool
-from exploration.planning.told import Told
+from exploration.planning.known.told import Told
+from exploration.planning.ways.routes import Tool
 from exploration.sensing.spec import SensorSpec, load_sensor
 from models.formats.units import Units
 from models.part import Part, load_part

@@ -17,8 +17,8 @@ from exploration.control.sighting import Sighting
 from exploration.control.track_edge import EdgeConfig
 from exploration.control.track_outline import TrackedOutline, follow_outline
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.edge_from_face import NoEdge, dihedral, lie_over, pressed, reach_edge
-from exploration.planning.pad import TouchesSpent
+from exploration.planning.moves.edge_from_face import NoEdge, dihedral, lie_over, pressed, reach_edge
+from exploration.planning.touching.pad import TouchesSpent
 from exploration.sensing.lines.edge_rounding import Rounding, rounding_of
 from exploration.sensing.response import Response, rubber
 from primitives.arrays import Floats

@@ -19,8 +19,8 @@ from recognizing.trials import NOISE, TURN, Trial, add_s, on_surface
 
 from exploration.devices.guard import Cost
 from exploration.devices.protocols import StageLimits
-from exploration.planning.lone_touch import Approach
-from exploration.planning.round_ball import Ball
+from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.round_ball import Ball
 from models.library import Library
 from models.solid import Solid
 from models.symmetry import pose_error

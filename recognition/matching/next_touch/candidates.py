@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from exploration.planning.lone_touch import Approach
-from exploration.planning.round_ball import Ball
+from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.round_ball import Ball
 from models.library import Library
 from primitives import pose as se3
 from primitives.arrays import Floats, Ints

@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 
 from exploration.devices.protocols import StageLimits
-from exploration.planning.lone_touch import Approach
-from exploration.planning.round_ball import Ball, length_of, way_round
+from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.round_ball import Ball, length_of, way_round
 from models.library import Library
 from primitives.arrays import Floats
 from recognition.matching.next_touch.candidates import CandidateConfig, candidates

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exploration.planning.lone_touch import Approach
+from exploration.planning.touching.lone_touch import Approach
 from models.library import Library
 from primitives.arrays import Floats
 from primitives.pose import pose, transform_points

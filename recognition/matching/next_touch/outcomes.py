@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.lone_touch import Approach
+from exploration.planning.touching.lone_touch import Approach
 from models.solid import Solid
 from primitives.arrays import Bools, Floats, frozen
 

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.lone_touch import Approach
-from exploration.planning.round_ball import Ball
+from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.round_ball import Ball
 from models.library import Entry
 from primitives import pose as se3
 from primitives.arrays import Floats, Ints

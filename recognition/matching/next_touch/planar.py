@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.lone_touch import Approach
-from exploration.planning.round_ball import Ball
+from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.round_ball import Ball
 from models.library import Library
 from primitives.arrays import Floats
 from recognition.matching.next_touch.candidates import toward

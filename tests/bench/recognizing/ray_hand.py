@@ -15,9 +15,9 @@ from scipy.ndimage import gaussian_filter
 
 from exploration.devices.guard import Cost
 from exploration.devices.protocols import StageLimits
-from exploration.planning.lone_touch import Approach, LoneTouch
-from exploration.planning.round_ball import Ball, length_of, way_out, way_round
-from exploration.planning.search import sweeps
+from exploration.planning.touching.lone_touch import Approach, LoneTouch
+from exploration.planning.ways.round_ball import Ball, length_of, way_out, way_round
+from exploration.planning.ways.search import sweeps
 from models.solid import Solid
 from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import Contacts, FreeSpace, Imprint

@@ -14,8 +14,8 @@ from exploration.control.track_edge import EdgeConfig, Tracked, follow_edge
 from exploration.control.track_outline import TrackedOutline, follow_outline
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import PoseNoise, simulate
-from exploration.planning.edge_from_face import dihedral, pressed
-from exploration.planning.pad import Pad
+from exploration.planning.moves.edge_from_face import dihedral, pressed
+from exploration.planning.touching.pad import Pad
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.response import rubber
 from exploration.sensing.spec import load_sensor

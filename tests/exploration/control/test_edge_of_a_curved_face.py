@@ -9,8 +9,8 @@ from exploration.control.sighting import Sighting
 from exploration.control.track_edge import EdgeConfig, follow_edge
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
-from exploration.planning.edge_from_face import EdgeFromFaceConfig, _bent, _curvatures
-from exploration.planning.pad import PadConfig
+from exploration.planning.moves.edge_from_face import EdgeFromFaceConfig, _bent, _curvatures
+from exploration.planning.touching.pad import PadConfig
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models.csg import Cube, Cylinder, Sphere

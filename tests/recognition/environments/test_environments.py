@@ -12,7 +12,7 @@ gymnasium = pytest.importorskip("gymnasium", reason="left out: gymnasium is not 
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 import recognition.environments  # noqa: E402, F401
-from exploration.planning.round_ball import Ball  # noqa: E402
+from exploration.planning.ways.round_ball import Ball  # noqa: E402
 from models import parts  # noqa: E402
 from models.formats.openscad.writer import write  # noqa: E402
 from primitives.errors import PalpateError  # noqa: E402

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exploration.planning.round_ball import Ball
+from exploration.planning.ways.round_ball import Ball
 from models import parts
 from models.library import Library
 from models.solid import Solid

@@ -4,7 +4,7 @@ import numpy as np
 
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
-from exploration.planning.lone_touch import Approach, touch_once
+from exploration.planning.touching.lone_touch import Approach, touch_once
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models import parts

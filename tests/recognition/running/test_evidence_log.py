@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.planning.findings import Findings
+from exploration.planning.touching.findings import Findings
 from exploration.recordings.mcap import Recorder
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from exploration.devices.protocols import StageLimits
-from exploration.planning.round_ball import Ball
+from exploration.planning.ways.round_ball import Ball
 from models.csg import Csg, Cube, Cylinder
 from models.library import Library
 from models.solid import Solid

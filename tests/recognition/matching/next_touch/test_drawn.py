@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exploration.planning.lone_touch import Approach
+from exploration.planning.touching.lone_touch import Approach
 from models.csg import Cube
 from models.library import Library
 from models.solid import Solid

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.planning.round_ball import Ball
+from exploration.planning.ways.round_ball import Ball
 from models import parts
 from models.library import Entry, Library
 from models.solid import Solid

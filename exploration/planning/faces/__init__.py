@@ -1,0 +1,1 @@
+"""Contacts -> the faces they lie on, while there are few of them."""

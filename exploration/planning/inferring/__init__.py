@@ -1,0 +1,1 @@
+"""What the end of exploration infers where no array could lie, and says so."""

@@ -1,0 +1,104 @@
+"""What exploration concludes at its end of surfaces that no array could lie on.
+
+Walls from the strokes that they stopped and from their rims, round holes from the rims at their ends: each a face
+whose contacts nobody felt, and a warning that says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exploration.planning.faces.consistency import drop_poor, flattened
+from exploration.planning.inferring.inferred_walls import inferred_walls
+from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
+from exploration.planning.inferring.turned_ends import turned_ends
+from exploration.planning.inferring.uprighted import uprighted
+from exploration.planning.moves.rim_walls import SeenRim, rim_walls, upright_walls
+from exploration.planning.moves.round_holes import holes_of
+from exploration.planning.open.local_frontier import LocalFrontier
+from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.study import Wall
+from primitives.evidence import Contacts
+from primitives.fit import Fit, fit
+from primitives.patch_graph import Face
+
+_BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped"
+_BY_RIMS = "a face that no pad could lie on is inferred from its rims on two others"
+_BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
+_BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
+_BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
+_ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
+_BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
+
+
+def conclude(
+    found: Findings,
+    walls: Sequence[Wall],
+    frontier: Callable[[], LocalFrontier],
+    stands: Callable[[Wall], bool],
+) -> None:
+    """Add what is inferred; `stands` says whether a face is known where a stroke was stopped."""
+    found.graph = uprighted(drop_poor(flattened(found.graph)))
+    rims = [rim for rim, _ in unexplained(found)]
+    for lot in inferred_walls([wall for wall in walls if not stands(wall)], found.graph.faces, rims):
+        _add(found, lot, _BY_STOPS)
+    if lots := rim_walls(unexplained(found), found.graph.faces):
+        placed = {face.id: face for face in frontier().placed()}
+        _replace(found, lambda face: placed.get(face.id, face))
+    for lot in lots:
+        _add(found, lot, _BY_RIMS)
+    for lot in turned_ends(unexplained(found), found.graph.faces):
+        _add(found, lot, _BY_TURN)
+    for lot in upright_walls(unexplained(found), found.graph.faces):
+        _add(found, lot, _BY_RIM)
+    inside = np.concatenate([np.empty((0, 3)), *found.inside])
+    guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
+    hollows = hollows_of(found.graph.faces)
+    holes, left = holes_of([rim for rim in (*found.rims, *guessed) if not own_rim(rim, hollows)], inside)
+    led = {id(rim): hole for rim in left if rim.measured and (hole := led_into(rim, hollows)) is not None}
+    holes, found.openings = [*holes, *led.values()], [rim for rim in left if id(rim) not in led]
+    for hole in holes:
+        _replace(found, hole.off)
+        _add(found, hole.wall(), _BY_ENDS, "cylinder")
+    found.warnings.extend(rim.told() for rim in found.openings)
+
+
+def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> None:
+    """Add a face that is known to be of one `kind`: a short one fits others as well."""
+    found.graph, own = found.graph.add_stroke(lot)
+    made = fit(kind, lot)
+    if len(found.graph.face(own).contacts) == len(lot) and isinstance(made, Fit):
+        _replace(found, lambda face: replace(face, fit=made, ranked=()) if face.id == own else face)
+    found.warnings.append(why)
+
+
+def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
+    found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
+
+
+def unexplained(found: Findings) -> list[SeenRim]:
+    """The rims that were looked at and that no face is known behind."""
+    return [rim for rim in found.wall_rims if not _explained(rim, found.graph.faces)]
+
+
+def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
+    """Whether a face is known by now that passes behind a rim and along it: at its end another may pass, too."""
+    seen, own = rim
+    for face in faces:
+        if face.id != own and isinstance(face.fit, Fit):
+            at, side = seen.point[None], 1.0 if face.fit.convex else -1.0
+            normal = side * face.fit.shape.normals(at)[0]
+            near = abs(float(face.fit.shape.signed_distance(at)[0])) < _BEHIND
+            if near and normal @ seen.outward > 0.3 and abs(float(normal @ seen.tangent)) < _ALONG:
+                return True
+    return False
+
+
+def _looked_at(rim: RoundRim, found: Findings) -> bool:
+    """Whether a look has measured a rim, or found none there."""
+    measured = [o.center for o in found.rims if o.face == rim.face]
+    return any(np.linalg.norm(rim.center - center) < rim.radius for center in (*measured, *found.refuted))

@@ -1,0 +1,123 @@
+"""Faces that no pad could lie on, inferred from where they stopped a stroke.
+
+What stops a pad that lies flush on a known face stands up from that face, and the leading side of its housing was
+at it.  A single stop tells neither how the wall lies nor that it is flat; but where two stops, from places apart,
+agree on one plane across a direction that the object has already, as of a face or an axis, that plane is the
+likeliest wall, and what is missing without it is a whole step (our derivation).  The rim that the wall has on
+another face says as much as a second stop, and where the wall stands more exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.control.sighting import Sighting
+from exploration.planning.touching.study import Wall
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+from primitives.shapes import Plane
+
+
+@dataclass(frozen=True)
+class InferredWallConfig:
+    """When stops are of one plane."""
+
+    flush: float = 0.98  # least cosine between the pad's normal and that of the face that it lay on
+    lay: float = 1.5  # [mm] of the pad from that face
+    across: float = 0.85  # least cosine between the way that was stopped and the wall's own direction
+    upright: float = 0.3  # most cosine between the wall's direction and the face's
+    overhang: float = 0.03  # the same against it: a housing that leans over is stopped anywhere up its side
+    agree: float = 1.0  # [mm] between stops of one plane
+    apart: float = 4.0  # [mm] between the places of two of them
+    height: float = 4.0  # [mm] over the face, of where the housing is
+    sigma: float = 0.3  # [mm]
+    normal_sigma: float = 0.05  # [rad]
+
+
+def inferred_walls(
+    walls: Sequence[Wall],
+    faces: Sequence[Face],
+    rims: Sequence[Sighting] = (),
+    config: InferredWallConfig = InferredWallConfig(),
+) -> list[Contacts]:
+    """Contacts of each plane that stops agree on, or a stop and one of the `rims` seen of other faces."""
+    fits = [face.fit for face in faces if isinstance(face.fit, Fit)]
+    ways = _ways(fits)
+    stops: list[tuple[Wall, Floats, float]] = []
+    for wall in walls:
+        if not len(ways) or not any(_lies_on(fit, wall, config) for fit in fits):
+            continue
+        normal = ways[int(np.argmin(ways @ wall.heading))]
+        upright = -config.overhang < float(normal @ wall.normal) < config.upright
+        if upright and normal @ wall.heading < -config.across:
+            stops.append((wall, normal, _offset(wall, normal)))
+    return _agreeing(stops, rims, config)
+
+
+def _agreeing(
+    stops: list[tuple[Wall, Floats, float]], rims: Sequence[Sighting], config: InferredWallConfig
+) -> list[Contacts]:
+    lots: list[Contacts] = []
+    while stops:
+        _, normal, offset = stops[0]
+        alike = [s for s in stops if s[1] @ normal > config.flush and abs(s[2] - offset) < config.agree]
+        stops = [s for s in stops if not any(s is other for other in alike)]
+        ends = [
+            rim.point
+            for rim in rims
+            if rim.outward @ normal > config.flush and abs(float(normal @ rim.point) - offset) < config.agree
+        ]
+        places = np.array([*(wall.pose[:3, 3] for wall, _, _ in alike), *ends])
+        if np.linalg.norm(places - places[0], axis=1).max() < config.apart:
+            continue
+        told = [float(normal @ point) for point in ends] or [offset for *_, offset in alike]
+        at = float(np.median(told))  # a rim that was seen tells it nearer than a housing that was stopped
+        points = np.concatenate([_places(wall, normal, at, config) for wall, _, _ in alike])
+        normals = np.broadcast_to(normal, points.shape)
+        lots.append(Contacts.of(points, normals, config.sigma, config.normal_sigma, touch=NOT_FELT))
+    return lots
+
+
+def _ways(fits: Sequence[Fit]) -> Floats:
+    """(n, 3) directions of the object's flat faces and axes, both ways."""
+    out: list[Floats] = []
+    for fit in fits:
+        direction = getattr(fit.shape, "direction", None)
+        if direction is not None:
+            out += [
+                np.asarray(sign * direction)
+                for sign in (1.0, -1.0)
+                if all(sign * (direction @ o) < 0.995 for o in out)
+            ]
+    return np.array(out).reshape(-1, 3)
+
+
+def _lies_on(fit: Fit, wall: Wall, config: InferredWallConfig) -> bool:
+    at = wall.pose[None, :3, 3]
+    side = 1.0 if fit.convex or isinstance(fit.shape, Plane) else -1.0
+    normal = side * fit.shape.normals(at)[0]
+    if isinstance(fit.shape, Plane):
+        normal = np.sign(normal @ wall.normal) * normal
+    near = abs(float(fit.shape.signed_distance(at)[0])) < config.lay
+    return near and float(normal @ wall.normal) > config.flush
+
+
+def _offset(wall: Wall, normal: Floats) -> float:
+    """[mm] along a wall's normal, of the housing's corner that was nearest to it."""
+    reach = float(np.abs(normal @ wall.pose[:3, :2]) @ wall.half)
+    return float(normal @ wall.pose[:3, 3]) - reach
+
+
+def _places(wall: Wall, normal: Floats, offset: float, config: InferredWallConfig) -> Floats:
+    """(3, 3) where the housing stood along the wall."""
+    foot = wall.pose[:3, 3] + config.height * wall.normal
+    foot = foot + (offset - float(normal @ foot)) * normal
+    along = np.cross(wall.normal, normal)
+    along = along / np.linalg.norm(along)
+    up = np.cross(normal, along)
+    return np.array([foot, foot + config.height * along + up, foot - config.height * along + up])

@@ -1,0 +1,1 @@
+"""Moves that close what is open, one file each."""

@@ -1,0 +1,102 @@
+"""Edges that were seen: which of them lead to a face not known yet, and the way over one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exploration.control.procedures.settle import SettleConfig
+from exploration.control.sighting import Sighting
+from exploration.planning.touching.findings import Done, ExplorerConfig, outward_normal
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.transit import Support
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.fit import Fit
+
+_BESIDE_EDGE = 4.0  # [mm] within which two crossings went over the same edge
+
+
+class Crossing:
+    """Rolls over edges that no other known face explains."""
+
+    def __init__(self, study: Study, config: ExplorerConfig) -> None:
+        self.study, self.config = study, config
+        self._crossed: list[Floats] = []
+
+    def open_sighting(self, face: int | None) -> tuple[Sighting, int] | None:
+        """An edge seen from one face that no other explains; from the present face if there is one."""
+        study = self.study
+        study.seen = [(s, own) for s, own in study.seen if not self._explained(s, own)]
+        here = study.pad.here.point
+        return min(
+            study.seen,
+            key=lambda pair: (pair[1] != face, float(np.linalg.norm(pair[0].point - here))),
+            default=None,
+        )
+
+    def cross(self, sighting: Sighting, own: int) -> Done:
+        """Roll over an edge onto the face behind it."""
+        pad, tried = self.study.pad, self._times_crossed(sighting)
+        self._crossed.append(sighting.point)
+        if tried >= len(self.config.roll):
+            return self._press_between(sighting, own)
+        angle = np.radians(self.config.roll[tried])
+        normal = np.cos(angle) * sighting.normal + np.sin(angle) * sighting.outward
+        down = np.cos(angle) * sighting.outward - np.sin(angle) * sighting.normal
+        reach = 0.5 * min(pad.size) - self.config.overlap
+        target = se3.pose(pad.attitude(normal, sighting.tangent), sighting.point + max(reach, 0.0) * down)
+        pad.travel(target, Support(sighting.point, sighting.normal), standoff=10.0)
+        if not pad.touch(target, standoff=10.0, overtravel=16.0):
+            return None, "crossed an edge and met nothing"
+        face = self.study.face_here()
+        if face is not None and face != own and self._passes(face, sighting.point):
+            self._crossed.extend([sighting.point] * len(self.config.roll))
+        return face, "rolled back onto the same face" if face == own else "crossed an edge"
+
+    def _press_between(self, sighting: Sighting, own: int) -> Done:
+        """Press on what may be a face too narrow to roll onto: midway between the two beside it, unmoved."""
+        normal = sighting.outward
+        behind = [f for f in self.study.found.graph.faces if f.id != own and isinstance(f.fit, Fit)]
+        facing = [n for f in behind if (n := outward_normal(f, sighting.point)) @ sighting.outward > 0.1]
+        if facing:
+            nearest = min(facing, key=lambda n: abs(float(n @ sighting.tangent)))
+            normal = nearest + sighting.normal
+            normal = normal - (normal @ sighting.tangent) * sighting.tangent
+            normal = normal / np.linalg.norm(normal)
+        down = np.cross(sighting.tangent, normal)
+        down = down * -np.sign(down @ sighting.normal)
+        attitude = self.study.pad.attitude(normal, sighting.tangent)
+        target = se3.pose(attitude, sighting.point + self.config.aside * down)
+        self.study.pad.travel(target, Support(sighting.point, sighting.normal), standoff=10.0)
+        if not self.study.pad.touch(target, standoff=10.0, overtravel=16.0, settling=SettleConfig(shifts=0)):
+            return None, "pressed between two faces and met nothing"
+        return self.study.face_here(), "pressed between two faces"
+
+    def _explained(self, sighting: Sighting, own: int) -> bool:
+        if self._times_crossed(sighting) > len(self.config.roll):
+            return True
+        for face in self.study.found.graph.faces:
+            if face.id == own or not isinstance(face.fit, Fit):
+                continue
+            normal = outward_normal(face, sighting.point)
+            slack = self.config.explained + 2.0 * sighting.sigma
+            near = abs(float(face.fit.shape.signed_distance(sighting.point[None])[0])) < slack
+            if near and abs(normal @ sighting.tangent) < 0.5 and normal @ sighting.outward > 0.1:
+                return True
+        return self._goes_on(sighting, own)
+
+    def _goes_on(self, sighting: Sighting, own: int) -> bool:
+        """Whether the face was touched beyond the edge that was seen, which then was none."""
+        fit = self.study.found.fit_of(own)
+        if fit is None:
+            return all(face.id != own for face in self.study.found.graph.faces)
+        beyond = fit.shape.project((sighting.point + 5.0 * sighting.outward)[None])
+        return bool(self.study.pad.covered.covers(beyond, 2.0)[0])
+
+    def _times_crossed(self, sighting: Sighting) -> int:
+        return sum(float(np.linalg.norm(p - sighting.point)) < _BESIDE_EDGE for p in self._crossed)
+
+    def _passes(self, face: int, point: Floats) -> bool:
+        """Whether a face, once found, runs so near a place that it bounds the edge seen there."""
+        fit = self.study.found.fit_of(face)
+        return fit is not None and abs(float(fit.shape.signed_distance(point[None])[0])) < self.config.passes

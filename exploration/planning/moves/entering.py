@@ -1,0 +1,180 @@
+"""Going into slots and pockets with an array that has room there: to the floor, then against what stands round it.
+
+No taxel looks sideways, and an array in a slot cannot turn to its walls.  But on the floor every wall stops
+strokes, and two stops from places apart tell how it lies (`inferred_walls`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from exploration.control.procedures.approach import retreat
+from exploration.devices.guard import Collision, OverPress
+from exploration.planning.open.mouths import Mouth, gathered, lids
+from exploration.planning.touching.findings import Attempts, Done
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from primitives import pose as se3
+from primitives.arrays import Bools, Floats
+from primitives.evidence import Contacts
+from primitives.fit import Fit
+
+Move = Callable[[], Done]
+
+
+_ALIKE = 0.95  # cosine from which two faces look the same way
+_PLANE = 1.5  # [mm] off a face's plane, that is still in it
+_ACROSS = np.array([-1.0, 0.0, 1.0])
+_BESIDE = 4.0  # [mm] beside a way, that is still on it
+_WAYS = 20  # across one mouth, that are looked at for room
+
+
+@dataclass(frozen=True)
+class EnteringConfig:
+    """Where an array goes in, and how it feels round."""
+
+    inside: float = 2.0  # [mm] behind a mouth, where the array must have room
+    between: float = 9.0  # [mm] between two soundings
+    known: float = 25.0  # [mm] beside a felt floor, where it goes on and is not sounded again
+    aside: float = 4.5  # [mm] from the middle, of the two strokes to one side
+    spare: float = 1.5  # [mm] of room beside them
+    lift: float = 5.0  # [mm] off the floor between them
+    vain: int = 3  # of them that came to nothing, after which no more are made there
+    within: float = 1.0  # [mm] of skin and housing, where there is surely nothing else
+    rim: float = 6.0  # [mm] from a mouth's end, within which its face goes on
+
+
+class Entering:
+    """What is tried in the mouths of an object."""
+
+    def __init__(self, study: Study, reach: Reach, config: EnteringConfig | None = None) -> None:
+        self.study, self.reach, self.config = study, reach, config or EnteringConfig()
+        self._deep = -float(study.pad.tool.low[2])
+        self._sounded = Attempts(1, self.config.between)
+        self._through = Attempts(1, self.config.between)  # mouths behind which there was no floor
+
+    def ways_in(
+        self, across: Sequence[Mouth], alongs: Callable[[Floats], list[Floats]]
+    ) -> Iterator[tuple[Floats, Move]]:
+        """Where the array may go in, with the move; `alongs` gives directions to turn to on a (3,) normal.
+
+        What is behind a mouth is closed to all other ways from now on, unless it turned out to have no floor: then
+        its rims are all that leads to its walls.
+        """
+        self.reach.lids = lids([mouth for mouth in across if not self._through.count(mouth.center)])
+        wide, known = 2.0 * float(self.study.pad.tool.high[:2].min()), self._on_faces()
+        untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, known)]
+        for ways in gathered(untold):
+            rooms = ((mouth, self._room(mouth, alongs)) for mouth in ways[:: max(1, len(ways) // _WAYS)])
+            if way := next(((mouth, room) for mouth, room in rooms if room), None):
+                yield way[0].center, partial(self._sound, *way)
+
+    def _room(self, mouth: Mouth, alongs: Callable[[Floats], list[Floats]]) -> list[Floats]:
+        """(4, 4) poses just inside a mouth, at which nothing known is in the way: an island may be."""
+        turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
+        poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
+        return [pose for pose in poses if self.reach.clear(pose)]
+
+    def _untold(self, mouth: Mouth, known: Bools) -> bool:
+        """Whether neither a sounding nor a floor tells what is behind a mouth; `known` cells lie on a face."""
+        return self._sounded.count(mouth.center) == 0 and not self._floored(mouth, known)
+
+    def _on_faces(self) -> Bools:
+        """(n,) which felt cells lie on known faces: what a rolling pad felt of a bowl's side is no floor."""
+        felt, on = self.reach.felt, np.zeros(len(self.reach.felt.points), dtype=bool)
+        for face in self.study.found.graph.faces:
+            if isinstance(face.fit, Fit):
+                on |= felt.on(face.fit.shape, 1.0 if face.fit.convex else -1.0)
+        return on
+
+    def _floored(self, mouth: Mouth, known: Bools) -> bool:
+        """Whether a floor behind a mouth is known already."""
+        felt = self.reach.felt
+        cells = felt.points[known & (felt.facing @ mouth.normal > _ALIKE)] - mouth.center
+        deep = cells @ mouth.normal
+        beside = np.linalg.norm(cells - deep[:, None] * mouth.normal, axis=1)
+        return bool(((deep < -_PLANE) & (beside < self.config.known) & (deep > -self._deep)).any())
+
+    def _inside(self, mouth: Mouth) -> Floats:
+        return mouth.center - self.config.inside * mouth.normal
+
+    def _sound(self, mouth: Mouth, poses: Sequence[Floats]) -> Done:
+        """Go into a mouth, down to its floor."""
+        self._sounded.note(mouth.center)
+        for pose in poses:
+            if self.reach.sound(pose):
+                self._went(mouth, self.study.pad.guard.world_from_sensor)
+                return self._felt_round(mouth)
+            if self.reach.led:
+                here = self.study.pad.guard.world_from_sensor
+                self._sounded.note(here[:3, 3])  # perhaps out on the other side
+                self._through.note(mouth.center)
+                self._went(mouth, here)
+                self.reach.come_out()
+                return None, "went in and met nothing"
+        return None, "no way led in"
+
+    def _felt_round(self, mouth: Mouth) -> Done:
+        """Stroke over the floor toward each side that has a rim, from two places apart."""
+        pad, felt = self.study.pad, [self.study.pad.feel()]
+        home = pad.guard.world_from_sensor
+        x, y = home[:3, 0], home[:3, 1]
+        room = {sign: [self._to_rim(mouth, sign * way) for way in (x, y)] for sign in (1.0, -1.0)}
+        half = pad.tool.high[:2] + self.config.spare
+        stopped = 0
+        for k, (way, aside) in enumerate(((x, y), (y, x))):
+            shift = min(self.config.aside, *(room[sign][1 - k][0] - half[1 - k] for sign in (1.0, -1.0)))
+            for sign in (1.0, -1.0):
+                length, stands = room[sign][k]
+                for beside in (shift, -shift) if stands and shift > 0.0 else ():
+                    place = se3.pose(home[:3, :3], home[:3, 3] + beside * aside)
+                    if stopped < self.config.vain:
+                        stopped += not self._stroke(
+                            mouth, place, sign * way, length + self.config.spare, felt
+                        )
+        note = "went in and felt part of a floor" if stopped else "went in and felt a floor and its walls"
+        return self.study.take_in(Contacts.concatenate(felt)), note
+
+    def _went(self, mouth: Mouth, pose: Floats) -> None:
+        """Note what the array fills of a mouth at a (4, 4) pose: no material is there."""
+        deep = float((pose[:3, 3] - mouth.center) @ pose[:3, 2])
+        half = self.study.pad.tool.high[:2] - self.config.within
+        axes = [half[0] * _ACROSS, half[1] * _ACROSS, -np.arange(self.config.within, deep, 2.0)]
+        local = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        self.study.found.inside.append(se3.transform_points(pose, local))
+
+    def _to_rim(self, mouth: Mouth, way: Floats) -> tuple[float, bool]:
+        """[mm] from a mouth's middle to where it ends along a (3,) direction, and whether its face goes on."""
+        places, facing = self.reach.lids
+        end = _farthest(places[facing @ mouth.normal > _ALIKE] - mouth.center, mouth.normal, way, np.inf)
+        cells = self.reach.felt.points[self.reach.felt.facing @ mouth.normal > _ALIKE] - mouth.center
+        rim = _farthest(cells, mouth.normal, way, end + self.config.rim)
+        return max(end, 0.0), rim > end
+
+    def _stroke(self, mouth: Mouth, place: Floats, way: Floats, length: float, felt: list[Contacts]) -> bool:
+        """From a (4, 4) place on the floor along a (3,) way, to what stops it; false where it got lost."""
+        pad = self.study.pad
+        try:
+            retreat(pad.guard, self.config.lift)
+            if not pad.touch(place, self.config.lift, self.config.lift):
+                return False
+            heading = pad.guard.world_from_sensor[:3, :2].T @ way
+            stroke = pad.stroke(heading / np.linalg.norm(heading), length)
+        except (Collision, OverPress) as error:
+            self.study.found.warnings.append(str(error))
+            return False
+        felt.append(stroke.contacts)
+        self.study.note_wall(stroke)
+        self._went(mouth, pad.guard.world_from_sensor if stroke.met is None else stroke.met)
+        return stroke.ended in ("wall", "length", "concavity")
+
+
+def _farthest(places: Floats, normal: Floats, way: Floats, most: float) -> float:
+    """[mm] along a way in a face's plane, of the farthest of (n, 3) places beside it, up to `most`."""
+    ahead, aside = places @ way, places @ np.cross(normal, way)
+    near = (np.abs(places @ normal) < _PLANE) & (np.abs(aside) < _BESIDE) & (ahead <= most)
+    return float(ahead[near].max(initial=0.0))

@@ -1,0 +1,101 @@
+"""Looking where nobody has been: approaches from afar, once nothing that is known leads on.
+
+A rim that nothing leads over, a way that is barred, a side that no known face leads to: each may end exploration
+far from the object's end.  The pad goes out, round all that is known, and comes in where it sees most (`views`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from exploration.control.procedures.approach import ApproachConfig, retreat, touched
+from exploration.planning.open.views import View, best_view
+from exploration.planning.touching.findings import Attempts, Done
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.round_ball import Ball, way_round
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.fit import Fit
+
+
+@dataclass(frozen=True)
+class LookingConfig:
+    """How far out the pad goes."""
+
+    most: int = 60  # approaches of one exploration
+    out: float = 30.0  # [mm] that a ball about all that was felt is larger than that
+    start: float = 20.0  # [mm] outside that ball, where an approach begins
+    there: float = 1.0  # [mm] from where an approach begins, that is there
+    same: float = 15.0  # [mm] between the beginnings of approaches that are one
+    beside: float = 12.0  # [mm] from what was met on the way round, where it is looked for
+    back: float = 6.0  # [mm] from what was met on the way round
+
+
+class Looking:
+    """The approaches of one exploration."""
+
+    def __init__(self, study: Study, reach: Reach, config: LookingConfig = LookingConfig()) -> None:
+        self.study, self.reach, self.config = study, reach, config
+        self._left, self._failed = config.most, Attempts(1, config.same)
+
+    def next(self) -> Callable[[], Done] | None:
+        """The approach that sees most; None where none is worth it."""
+        if self._left <= 0:
+            return None
+        felt, pad = self.reach.felt, self.study.pad
+        half = pad.tool.high[:2]
+        view = best_view(felt.points, felt.facing, pad.swept, half, self._axes())
+        return None if view is None else partial(self._look, view)
+
+    def _look(self, view: View) -> Done:
+        self._left -= 1
+        pad, guard = self.study.pad, self.study.pad.guard
+        felt = self.reach.felt.points
+        middle = 0.5 * (felt.min(axis=0) + felt.max(axis=0))
+        ball = Ball(middle, float(np.linalg.norm(felt - middle, axis=1).max()) + self.config.out)
+        far = ball.radius + self.config.start
+        way, at = view.target[:3, 2], view.target[:3, 3]
+        start = se3.pose(view.target[:3, :3], at - (float((at - middle) @ way) + far) * way)
+        if not self._round(start, ball):
+            if self._failed.count(start[:3, 3]):
+                pad.swept.note(view.unseen)  # not worth a third try
+            self._failed.note(start[:3, 3])
+            if pad.come_down(guard.world_from_sensor[:3, 2], self.config.beside):
+                return self.study.face_here(), "met something on the way round"
+            return None, "met something on the way round, and lost it"
+        pad.swept.note(view.unseen)  # seen, or behind what will be met
+        if not pad.come_down(way, 2.0 * far, ApproachConfig().search_speed):
+            guard.go_to(start)
+            return None, "looked from afar and met nothing"
+        return self.study.face_here(), "looked from afar and met something"
+
+    def _round(self, start: Floats, ball: Ball) -> bool:
+        """To a (4, 4) start, straight or out of a ball and round it; false where something was in the way."""
+        guard = self.study.pad.guard
+        self.reach.come_out()
+        if self.reach.go(start) or self.reach.led:
+            return bool(se3.apart(guard.world_from_sensor, start) < self.config.there)
+        here = guard.world_from_sensor
+        along, off = float((here[:3, 3] - ball.center) @ here[:3, 2]), here[:3, 3] - ball.center
+        inside = ball.radius**2 - float(off @ off)
+        if inside > 0.0:
+            retreat(guard, along + float(np.sqrt(along**2 + inside)))
+        for pose in way_round(guard.world_from_sensor, start, ball):
+            if guard.go_to(pose, until=lambda seen: touched(seen.image)) is not None:
+                retreat(guard, self.config.back)
+                return False
+        return True
+
+    def _axes(self) -> Floats:
+        """(3, 3) the object's own directions, in columns: of its largest flat face, and of others across it."""
+        faces = sorted(self.study.found.graph.faces, key=lambda face: -len(face.contacts))
+        fits = [face.fit for face in faces if isinstance(face.fit, Fit)]
+        ways = [fit.shape.direction for fit in fits if fit.kind == "plane"]
+        first = ways[0] if ways else np.array([0.0, 0.0, 1.0])
+        across = next((way for way in ways if abs(float(way @ first)) < 0.2), None)
+        return se3.frame_along(first, across)

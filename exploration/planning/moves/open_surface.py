@@ -1,0 +1,84 @@
+"""Surface that goes on where nothing was felt: stroked toward from where the pad lies, or come down on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.planning.open.frontier import Predicted
+from exploration.planning.open.lying import lying_places
+from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from primitives.arrays import Floats
+from primitives.fit import Fit
+
+
+@dataclass(frozen=True)
+class OpenSurfaceConfig:
+    """How long open surface is believed in."""
+
+    stuck: float = 1.0  # [mm] of a stroke, less than which there is no way from where the pad lies
+    beside: float = 2.5  # [mm] between places that count as one
+    misses: int = 5  # in a row on one face, from which it is taken to end where it was felt
+
+
+class OpenSurface:
+    """What is tried where faces seem to go on."""
+
+    def __init__(
+        self, study: Study, reach: Reach, explorer: ExplorerConfig, config: OpenSurfaceConfig | None = None
+    ) -> None:
+        self.study, self.reach, self.feature = study, reach, explorer.feature
+        self.config = config or OpenSurfaceConfig()
+        self._tried = Attempts(explorer.tries - 1, self.config.beside)
+        self._missed: dict[int, int] = {}  # times in a row that the pad met something else, by face
+
+    def left(self, opened: Predicted) -> Predicted:
+        """What of it is still worth a try: not of a face that was missed too often."""
+        done = [face for face, count in self._missed.items() if count >= self.config.misses]
+        keep = ~np.isin(opened.face, done)
+        believed = Predicted(opened.points[keep], opened.normals[keep], opened.face[keep])
+        return self._tried.unfinished(believed)
+
+    def stroke_to(self, goal: Floats, face: int) -> Done:
+        """From where the pad lies, over a (3,) goal and on."""
+        self._tried.note(goal)
+        here = self.study.pad.guard.world_from_sensor
+        toward = here[:3, :2].T @ (goal - here[:3, 3])
+        distance = float(np.linalg.norm(toward))
+        if distance < 1.0:
+            return face, "lay on what was open"
+        stroke = self.study.pad.stroke(toward / distance, distance + 0.5 * self.feature)
+        self.study.note_wall(stroke)
+        home = self.study.take_in(stroke.contacts) if len(stroke.contacts) else face
+        if stroke.travel < self.config.stuck:
+            self._tried.note(goal)
+        return None if stroke.ended in ("wall", "lost") else home, "stroked what was open"
+
+    def come_down(self, left: Predicted, nearest: int) -> Done:
+        """Lie on open surface where the pad has room, with as much of it under the pad as may be."""
+        point, face = left.points[nearest], int(left.face[nearest])
+        self._tried.note(point)
+        for pose in lying_places(left, nearest, self.alongs(left.normals[nearest]), self.study.pad.size):
+            if self.reach.clear(pose):
+                home = self.study.face_here() if self.reach.touch(pose) else None
+                self._missed[face] = 0 if home == face else self._missed.get(face, 0) + 1
+                note = "what seemed open was not there" if home is None else "came down on what was open"
+                return home, note
+        self._tried.note(point)
+        return None, "the pad has no room on what is open"
+
+    def alongs(self, normal: Floats) -> list[Floats]:
+        """Directions for the pad's x axis in a plane: along and across the faces that stand on it."""
+        out: list[Floats] = []
+        for face in self.study.found.graph.faces:
+            if isinstance(face.fit, Fit) and face.fit.kind == "plane":
+                across = np.cross(face.fit.shape.normals(np.zeros((1, 3)))[0], normal)
+                if np.linalg.norm(across) > 0.3:
+                    across = across / np.linalg.norm(across)
+                    out += [
+                        w for w in (across, np.cross(normal, across)) if all(abs(w @ o) < 0.98 for o in out)
+                    ]
+        return out[:6] or [self.study.pad.guard.world_from_sensor[:3, 0]]

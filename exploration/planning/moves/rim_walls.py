@@ -1,0 +1,224 @@
+"""Walls that no array has room to face, inferred from their rims on two faces.
+
+A wall ends at a rim on each face that it meets, and lies in the plane of both: across t1 x t2 where the rims are
+not parallel, else across t x (p2 - p1).  Two rims are of one wall where that plane holds both, runs as the
+object's other faces do or stands upright on two that are parallel, and both faces are open to the same side of
+it.  That is likely and not measured, so the wall is marked as inferred (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from exploration.control.sighting import Sighting
+from exploration.planning.touching.findings import Attempts, Done
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+
+SeenRim = tuple[Sighting, int]  # a rim, and the face that ends there
+Wall = tuple[Floats, Floats]  # (n, 3) places [mm], and the (3,) way that it looks
+
+
+@dataclass(frozen=True)
+class RimWallsConfig:
+    """How rims are looked at, and when two are of one wall."""
+
+    beside: float = 6.0  # [mm] between rims that are tried as one
+    inside: float = 3.0  # [mm] of the pad's middle on the material
+    alike: float = 0.85  # least cosine between the ways out of a rim as guessed and as seen
+    near: float = 4.0  # [mm] between the two
+    parallel: float = 0.05  # sine of the angle from which two rims are not parallel
+    coplanar: float = 0.4  # [mm] of one rim from the other's wall
+    known: float = 0.998  # least cosine between a wall's direction and one that the object has
+    faces: float = 0.9  # most cosine between the faces of the two rims
+    same: float = 0.6  # [mm] between walls that are one
+    most: int = 16  # walls of one rim each
+    likely: float = 0.93  # least cosine between the way out of such a rim and one that the object has
+    deep: float = 3.0  # [mm] of such a wall, where nothing tells more
+    felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
+    sigma: float = 0.1  # [mm]
+    normal_sigma: float = 0.02  # [rad]
+
+
+class RimWalls:
+    """Looks at rims behind which no face is known."""
+
+    def __init__(self, study: Study, reach: Reach, config: RimWallsConfig = RimWallsConfig()) -> None:
+        self.study, self.reach, self.config = study, reach, config
+        self._tried = Attempts(1, config.beside)
+
+    def next(self, rims: Sequence[SeenRim]) -> Callable[[], Done] | None:
+        """A look at the nearest rim that was not looked at yet."""
+        here = self.study.pad.guard.world_from_sensor[:3, 3]
+        left = [rim for rim in rims if not self._tried.given_up(rim[0].point)]
+        if not left:
+            return None
+        return partial(self._look, *min(left, key=lambda rim: float(np.linalg.norm(rim[0].point - here))))
+
+    def _look(self, rim: Sighting, face: int) -> Done:
+        self._tried.note(rim.point)
+        pad = self.study.pad
+        at = rim.point - self.config.inside * rim.outward
+        for give in (False, True):
+            for along in (rim.tangent, rim.outward):
+                if not self.reach.touch(se3.pose(pad.attitude(rim.normal, along), at), give):
+                    continue
+                for seen in pad.sightings():
+                    off = abs(float((seen.point - rim.point) @ rim.outward))
+                    if seen.outward @ rim.outward > self.config.alike and off < self.config.near:
+                        self.study.found.wall_rims.append((seen, face))
+                        return None, "looked at the rim of a wall that nothing has room to face"
+                return None, "no rim was made out"
+        return None, "no way led to a rim"
+
+
+def rim_walls(
+    rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig = RimWallsConfig()
+) -> list[Contacts]:
+    """Contacts of each wall that two rims agree on."""
+    ways = _directions(faces)
+    found: list[Wall] = []
+    for k, (a, face) in enumerate(rims):
+        for b, other in rims[k + 1 :]:
+            if face != other and (normal := _across(a, b, ways, config)) is not None:
+                _join(found, (_between(_along(a), _along(b)), normal), config)
+    found += [side for floor in list(found) for side in _sides(rims, floor, ways, config)]
+    return _contacts(found, config)
+
+
+def upright_walls(
+    rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig = RimWallsConfig()
+) -> list[Contacts]:
+    """Contacts of a wall below each rim that no other agrees with: upright on its face, as most walls are."""
+    ways = _directions(faces)
+    found, unsure = list[Wall](), list[Wall]()
+    for rim, face in sorted(rims, key=lambda seen: -seen[0].length)[: config.most]:
+        normal = max(ways, key=lambda way: abs(float(way @ rim.outward)), default=rim.outward)
+        normal = np.asarray(normal * np.sign(normal @ rim.outward))
+        sure = float(normal @ rim.outward) > config.known
+        normal = normal if float(normal @ rim.outward) > config.likely else rim.outward
+        if abs(float(normal @ rim.normal)) < config.parallel:
+            straight = replace(rim, tangent=np.cross(normal, rim.normal))
+            down = _depth(rim, face, faces, config) * rim.normal
+            wall = _between(_along(straight), _along(straight) - down), normal
+            _join(found if sure else unsure, wall, config)
+    for points, normal in unsure:
+        if not any(_one(wall, (points, normal), 2.0 * config.same, config) for wall in found):
+            found.append((points, normal))
+    return _contacts(found, config)
+
+
+def _depth(rim: Sighting, own: int, faces: Sequence[Face], config: RimWallsConfig) -> float:
+    """[mm] from a rim down to the next flat face that is parallel to its own, where one was felt beside it."""
+    deep = [config.deep]
+    for face in faces:
+        if face.id == own or not isinstance(face.fit, Fit) or face.fit.kind != "plane":
+            continue
+        if abs(float(face.fit.shape.direction @ rim.normal)) > config.known:
+            away = rim.point - face.contacts.points
+            down = np.median(away @ rim.normal)
+            aside = np.linalg.norm(away - np.outer(away @ rim.normal, rim.normal), axis=1)
+            deep += [float(down)] if down > 0.0 and aside.min() < config.felt else []
+    return min(deep[1:], default=config.deep)
+
+
+def _directions(faces: Sequence[Face]) -> list[Floats]:
+    return [f.fit.shape.direction for f in faces if isinstance(f.fit, Fit) and f.fit.kind == "plane"]
+
+
+def _join(found: list[Wall], wall: Wall, config: RimWallsConfig) -> None:
+    """Add a wall to those found, or to the one of them that it is."""
+    for j, (places, known) in enumerate(found):
+        if _one((places, known), wall, config.same, config):
+            found[j] = (np.concatenate([places, wall[0]]), known)
+            return
+    found.append(wall)
+
+
+def _one(first: Wall, second: Wall, within: float, config: RimWallsConfig) -> bool:
+    """Whether two walls look the same way, `within` mm of each other."""
+    apart = abs(float((first[0].mean(axis=0) - second[0].mean(axis=0)) @ second[1]))
+    return bool(first[1] @ second[1] > config.known and apart < within)
+
+
+def _contacts(walls: Sequence[Wall], config: RimWallsConfig) -> list[Contacts]:
+    return [
+        Contacts.of(p, np.broadcast_to(n, p.shape), config.sigma, config.normal_sigma, touch=NOT_FELT)
+        for p, n in walls
+    ]
+
+
+def _sides(
+    rims: Sequence[SeenRim],
+    floor: Wall,
+    ways: Sequence[Floats],
+    config: RimWallsConfig,
+) -> list[Wall]:
+    """Upright walls from a floor to two rims of one face that look to each other across it."""
+    places, up = floor
+    out: list[Wall] = []
+    for k, (a, face) in enumerate(rims):
+        for b, other in rims[k + 1 :]:
+            if face != other or a.normal @ up < config.known or a.outward @ b.outward > -config.known:
+                continue
+            deep = float((a.point - places.mean(axis=0)) @ up)
+            across = sorted(float((rim.point - places.mean(axis=0)) @ a.outward) for rim in (a, b))
+            if deep > 0.0 and across[0] < 0.0 < across[1] and (b.point - a.point) @ a.outward > 0.0:
+                for rim in (a, b):
+                    way = max(ways, key=lambda w: abs(float(w @ rim.outward)))
+                    if abs(float(way @ rim.outward)) > config.known:
+                        normal = np.asarray(way * np.sign(way @ rim.outward))
+                        out.append((_between(_along(rim), _along(rim) - deep * up), normal))
+    return out
+
+
+def _across(a: Sighting, b: Sighting, ways: Sequence[Floats], config: RimWallsConfig) -> Floats | None:
+    """(3,) the way that a wall looks which ends at both rims; None where there is none."""
+    if float(a.normal @ b.normal) > config.faces:
+        return None
+    apart = b.point - a.point
+    normal = np.cross(a.tangent, b.tangent)
+    if float(np.linalg.norm(normal)) < config.parallel:
+        normal = np.cross(a.tangent, apart)
+    length = float(np.linalg.norm(normal))
+    if length < 1e-6:
+        return None
+    normal = normal / length * np.sign(normal @ a.outward)
+    if normal @ b.outward < 0.5 or normal @ a.outward < 0.5:
+        return None
+    nearest = max(ways, key=lambda way: abs(float(way @ normal)), default=normal)
+    known = abs(float(nearest @ normal)) > config.known
+    turned = nearest if known else _upright(a, b, normal, config)
+    if turned is None or abs(float(apart @ turned)) > config.coplanar:
+        return None
+    return np.asarray(turned * np.sign(turned @ normal))
+
+
+def _upright(a: Sighting, b: Sighting, normal: Floats, config: RimWallsConfig) -> Floats | None:
+    """(3,) of a wall straight down from one rim to another that looks the same way; None where it leans."""
+    alike = float(a.outward @ b.outward) > config.known and float(a.normal @ b.normal) < -config.known
+    if not alike or abs(float(normal @ a.normal)) > config.parallel:
+        return None
+    upright = a.outward + b.outward
+    upright = upright - float(upright @ a.normal) * a.normal
+    return np.asarray(upright / np.linalg.norm(upright))
+
+
+def _along(rim: Sighting) -> Floats:
+    """(n, 3) places on a rim."""
+    return np.asarray(rim.point + np.outer(np.linspace(-0.4, 0.4, 7), rim.tangent * rim.length))
+
+
+def _between(a: Floats, b: Floats) -> Floats:
+    """(m, 3) places all over a wall from (n, 3) places on one of its ends to (n, 3) on another."""
+    straight = b if (b[-1] - b[0]) @ (a[-1] - a[0]) >= 0.0 else b[::-1]
+    return np.concatenate([(1.0 - share) * a + share * straight for share in np.linspace(0.1, 0.9, 7)])

@@ -1,0 +1,248 @@
+"""What is open on an object of any form, face by face: surface that goes on, and rims that no face explains.
+
+Round every touched place of a face its surface is asked for a little further on.  There it is touched already; or
+free, and the face has a rim in between; or a wall stands in between, and the face ends at an inside edge; or it is
+open.  A rim is explained where another face passes by that looks to its free side (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from exploration.control.sighting import Sighting
+from exploration.planning.known.surface_map import SurfaceMap, clusters
+from exploration.planning.open.dents import dented
+from exploration.planning.open.frontier import Predicted
+from exploration.planning.open.gaps import gaps
+from exploration.planning.open.mouths import Mouth, mouths
+from exploration.planning.open.rim_sightings import by_heading, rim_sighting
+from exploration.planning.open.round_rims import RoundRim
+from primitives.arrays import Bools, Floats, frozen
+from primitives.evidence import NOT_FELT
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+
+_AROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+
+
+@dataclass(frozen=True)
+class LocalFrontierConfig:
+    """Distances on a face."""
+
+    beside: float = 2.2  # [mm] a place this near a free one is past the rim
+    depth: tuple[float, float] = (
+        -1.5,
+        -0.12,
+    )  # [mm] of a free place from the surface, to say it is not there
+    rim: float = 3.4  # [mm] from a free place, within which a touched one lies at a rim
+    explained: float = 2.5  # [mm] from a rim, within which a face that explains it passes
+    felt: float = 16.0  # [mm] from a rim, within which that face was touched
+    least_rim: int = 4  # touched cells of one
+    known: float = 0.5  # share of a round gap's rim that a face must explain
+    cluster: float = 6.0  # [mm] between neighbors of one rim
+
+
+@dataclass(frozen=True)
+class _Known:
+    face: Face
+    fit: Fit
+    side: float  # of the shape's normals, outward
+    cells: Floats  # (n, 3) touched places on it
+    free: Floats  # (n, 3) free places that say where it is not
+
+    @cached_property
+    def near(self) -> KDTree:
+        """Of its cells."""
+        return KDTree(self.cells)
+
+    @cached_property
+    def near_free(self) -> KDTree:
+        """Of its free places."""
+        return KDTree(self.free)
+
+    def touched(self, at: Floats, within: float) -> Bools:
+        """(n,) whether it was touched nearer than `within` [mm] to (n, 3) places."""
+        return np.asarray(self.near.query(at, distance_upper_bound=within)[0] < within)
+
+
+class LocalFrontier:
+    """The open things of one moment; each is found once."""
+
+    def __init__(
+        self,
+        faces: Sequence[Face],
+        felt: SurfaceMap,
+        free: Floats,
+        feature: float,
+        config: LocalFrontierConfig | None = None,
+    ) -> None:
+        self.config, self.reach = config or LocalFrontierConfig(), min(max(feature / 2.0, 3.0), 8.0)
+        self.felt, self.free = felt, free
+        self.known: list[_Known] = []
+        for face in faces:
+            if isinstance(face.fit, Fit):
+                side = 1.0 if face.fit.convex else -1.0
+                on = felt.on(face.fit.shape, side)
+                cells, away = felt.points[on], self._free_of(face.fit, side)
+                self.known.append(_Known(face, face.fit, side, cells, away))
+
+    @cached_property
+    def open(self) -> Predicted:
+        """Places where a face may go on and nothing was felt."""
+        points, normals, ids = [np.empty((0, 3))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
+        for own in self.known:
+            if not len(own.cells):
+                continue
+            at, came = self._further(own)
+            keep = ~self._past_rim(own, at, came) & ~self._behind_wall(own, at, came)
+            at = _thinned(at[keep], 0.7 * self.reach)
+            points.append(at)
+            normals.append(own.side * own.fit.shape.normals(at))
+            ids.append(np.full(len(at), own.face.id))
+        return Predicted(np.concatenate(points), np.concatenate(normals), np.concatenate(ids))
+
+    @cached_property
+    def rims(self) -> list[tuple[Sighting, int]]:
+        """Rims that no known face explains, each as an edge seen from its face; the longest first."""
+        found: list[tuple[int, Sighting, int]] = []
+        for own in self.known:
+            at, out = self._rim(own)
+            left = ~self._explained(own, at, out)
+            at, out = at[left], out[left]
+            for members in clusters(at, self.config.cluster):
+                if members.sum() < self.config.least_rim:
+                    continue
+                for part in by_heading(out[members]):
+                    rows = np.flatnonzero(members)[part]
+                    if len(rows) >= self.config.least_rim:
+                        edge = rim_sighting(own.fit.shape, own.side, at[rows], out[rows])
+                        found.append((len(rows), edge, own.face.id))
+        return [(edge, face) for _, edge, face in sorted(found, key=lambda item: -item[0])]
+
+    def mouths(self) -> list[Mouth]:
+        """Ways across what is missing of each flat face, where no face is known behind the rim."""
+        found: list[Mouth] = []
+        for own in self.known:
+            if own.fit.kind == "plane":
+                at, out = self._rim(own)
+                left = ~self._explained(own, at, out)
+                normal = own.side * own.fit.shape.direction
+                found += mouths(own.cells, at[left], out[left], normal)
+        return found
+
+    @cached_property
+    def openings(self) -> list[RoundRim]:
+        """Round gaps in flat faces, behind whose rim no face is known."""
+        found: list[RoundRim] = []
+        for own in self.known:
+            if own.fit.kind != "plane":
+                continue
+            axis = own.side * own.fit.shape.direction
+            for rim in gaps(own.cells, own.free, axis, own.face.id):
+                at, ways = rim.places()
+                if self._explained(own, at, -ways).mean() < self.config.known:
+                    found.append(rim)
+        return found
+
+    def dented(self) -> bool:
+        """Whether a flat face is not there among places where it is: no convex object has such."""
+        return any(
+            own.fit.kind == "plane" and dented(own.cells, own.free, own.fit.shape.direction)
+            for own in self.known
+        )
+
+    def placed(self) -> list[Face]:
+        """The faces, flat ones without contacts where the face is not there.
+
+        Contacts of a pad that bridged a slot stand for the plane on both its sides, not for places of their own.
+        """
+        return [self._without_bridges(own) for own in self.known]
+
+    def _without_bridges(self, own: _Known) -> Face:
+        free, points = own.free, own.face.contacts.points
+        if own.fit.kind != "plane" or not len(free) or not len(own.cells):
+            return own.face
+        away = own.fit.shape.project(free)
+        kept = np.asarray(own.near.query(points)[0] < KDTree(away).query(points)[0])
+        kept |= own.face.contacts.touch == NOT_FELT
+        if kept.all() or not kept.any():
+            return own.face
+        fit = replace(own.fit, inliers=frozen(own.fit.inliers[kept], bool))
+        return replace(own.face, fit=fit, contacts=own.face.contacts.select(kept))
+
+    def _further(self, own: _Known) -> tuple[Floats, Floats]:
+        """(m, 3) places a little further than touched ones, not touched themselves; and where they came from."""
+        normals = own.fit.shape.normals(own.cells)
+        u = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        v = np.cross(normals, u)
+        steps = [self.reach * (np.cos(a) * u + np.sin(a) * v) for a in _AROUND]
+        at = own.fit.shape.project(np.concatenate([own.cells + step for step in steps]))
+        came = np.tile(own.cells, (len(steps), 1))
+        fresh = ~own.touched(at, 0.75 * self.reach)
+        return at[fresh], came[fresh]
+
+    def _past_rim(self, own: _Known, at: Floats, came: Floats) -> Bools:
+        out, beside = np.zeros(len(at), dtype=bool), self.config.beside
+        if len(own.free) and len(at):
+            for share in (0.6, 0.8, 1.0):
+                between = came + share * (at - came)
+                out |= own.near_free.query(between, distance_upper_bound=beside)[0] < beside
+        return out
+
+    def _behind_wall(self, own: _Known, at: Floats, came: Floats) -> Bools:
+        """Whether another touched face stands between, or the place is inside its material."""
+        out = np.zeros(len(at), dtype=bool)
+        for other in self.known:
+            if other is own or not len(other.cells) or not len(at):
+                continue
+            before = other.side * other.fit.shape.signed_distance(came)
+            after = other.side * other.fit.shape.signed_distance(at)
+            rows = np.flatnonzero(~out & (before > -1.0) & (after < 1.2) & (after < before - 0.3))
+            out[rows] = other.touched(at[rows], self.config.felt)
+        return out
+
+    def _free_of(self, fit: Fit, side: float) -> Floats:
+        """(n, 3) free places that say where a face is not."""
+        low, high = self.config.depth
+        above = side * fit.shape.signed_distance(self.free)
+        return self.free[(above > low) & (above < high)]
+
+    def _rim(self, own: _Known) -> tuple[Floats, Floats]:
+        """(n, 3) touched cells beside free ones, and the ways out of the face there."""
+        free = own.free
+        if not len(free) or not len(own.cells):
+            return np.empty((0, 3)), np.empty((0, 3))
+        distance, found = own.near_free.query(own.cells, distance_upper_bound=self.config.rim)
+        beside = np.asarray(distance < self.config.rim)
+        at = own.cells[beside]
+        out = free[np.asarray(found)[beside]] - at
+        normals = own.fit.shape.normals(at)
+        out = out - (out * normals).sum(axis=1, keepdims=True) * normals
+        length = np.linalg.norm(out, axis=1)
+        far = length > 0.2
+        return at[far], out[far] / length[far, None]
+
+    def _explained(self, own: _Known, at: Floats, out: Floats) -> Bools:
+        told = np.zeros(len(at), dtype=bool)
+        for other in self.known:
+            if other is own or not len(other.cells) or not len(at):
+                continue
+            near = np.abs(other.fit.shape.signed_distance(at)) < self.config.explained
+            looks = (other.side * other.fit.shape.normals(at) * out).sum(axis=1) > 0.1
+            rows = np.flatnonzero(~told & near & looks)
+            told[rows] = other.touched(at[rows], self.config.felt)
+        return told
+
+
+def _thinned(points: Floats, spacing: float) -> Floats:
+    """One of every lot of points that share a cell."""
+    if not len(points):
+        return points
+    _, first = np.unique(np.round(points / spacing).astype(int), axis=0, return_index=True)
+    return np.asarray(points[np.sort(first)])

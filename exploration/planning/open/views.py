@@ -1,0 +1,99 @@
+"""Ways to come at an object from afar, where nobody has looked yet.
+
+What an array passes through is seen, and holds nothing.  A cell near what was felt that was not passed through may
+hold anything.  A straight approach from outside sees every cell on its way until something that was felt stops it;
+the approach that sees most of what is unseen comes first (compare next-best-view planning, Connolly 1985).  A side
+from which nothing was felt at all is worth one for less.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from scipy.spatial import ConvexHull, KDTree
+
+from exploration.planning.known.swept_cells import SweptCells
+from primitives import pose as se3
+from primitives.arrays import Bools, Floats
+
+
+@dataclass(frozen=True)
+class ViewsConfig:
+    """What is worth an approach."""
+
+    about: float = 10.0  # [mm] about the hull of what was felt, that is looked into
+    beside: float = 5.0  # [mm] from a felt place, within which a cell is its surface
+    step: float = 10.0  # [mm] between approaches that are compared
+    deep: float = 10.0  # [mm] of unseen space, over the whole pad, that is worth an approach
+    side: float = 3.0  # [mm] the same from a side that was not felt yet
+    facing: float = 0.8  # least cosine of a felt place that shows a side
+    few: int = 10  # felt places, below which a side was not felt
+    slanting: float = 0.6  # worth of an approach between the object's axes
+    coarse: float = 4.0  # [mm] between felt places that count
+
+
+@dataclass(frozen=True)
+class View:
+    """One approach: where the pad heads, how it is turned, and the cells that nobody has seen on its way."""
+
+    target: Floats  # (4, 4) on the pad's line, at the middle of what was felt
+    unseen: Floats  # (n, 3) [mm]
+
+
+def best_view(
+    felt: Floats,
+    facing: Floats,
+    seen: SweptCells,
+    half: Floats,
+    axes: Floats,
+    config: ViewsConfig = ViewsConfig(),
+) -> View | None:
+    """Of an object felt at (n, 3) places that face (n, 3) ways, for a pad of (2,) `half` sizes [mm].
+
+    The columns of (3, 3) `axes` are the object's own directions.
+    """
+    if not len(felt):
+        return None
+    _, first = np.unique(np.round(felt / config.coarse).astype(int), axis=0, return_index=True)
+    felt, facing = felt[first], facing[first]
+    unseen = _unseen(felt, seen, config)
+    best: tuple[float, View] | None = None
+    for way in _ways(axes) if len(unseen) else ():
+        turn = se3.frame_along(way, axes[:, int(np.argmin(np.abs(way @ axes)))])
+        straight = float(np.abs(way @ axes).max()) > 0.99
+        unknown = straight and int((facing @ -way > config.facing).sum()) < config.few
+        least = (config.side if unknown else config.deep) * 4.0 * half[0] * half[1] / seen.cell**3
+        places, behind = unseen @ turn, felt @ turn
+        middle = float(behind[:, 2].mean())
+        low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
+        lines = [np.arange(a, b + config.step, config.step) for a, b in zip(low, high, strict=True)]
+        for at in map(np.array, product(*lines)):
+            rows = _seen_on(at, places, behind, half)
+            worth = float(rows.sum()) * (1.0 if straight else config.slanting) / least
+            if worth > max(1.0, best[0] if best is not None else 0.0):
+                best = worth, View(se3.pose(turn, turn @ np.array([*at, middle])), unseen[rows])
+    return None if best is None else best[1]
+
+
+def _seen_on(at: Floats, places: Floats, felt: Floats, half: Floats) -> Bools:
+    """(n,) which of (n, 3) places an approach along z at a (2,) line sees before it meets one of (m, 3) felt."""
+    rows = np.asarray((np.abs(places[:, :2] - at) < half).all(axis=1))
+    stops = felt[(np.abs(felt[:, :2] - at) < half).all(axis=1), 2]
+    return np.asarray(rows & (places[:, 2] < stops.min(initial=np.inf)))
+
+
+def _unseen(felt: Floats, seen: SweptCells, config: ViewsConfig) -> Floats:
+    """(n, 3) middles of the cells in and about the hull of felt places that hold nobody knows what."""
+    wider = np.concatenate([felt + config.about * way for way in (*np.eye(3), *-np.eye(3))])
+    sides = ConvexHull(wider).equations
+    cells = seen.between(wider.min(axis=0), wider.max(axis=0), swept=False)
+    cells = cells[(cells @ sides[:, :3].T + sides[:, 3] < 0.0).all(axis=1)]
+    return np.asarray(cells[KDTree(felt).query(cells)[0] > config.beside]) if len(cells) else cells
+
+
+def _ways(axes: Floats) -> list[Floats]:
+    """Along the axes both ways, and half-way between two."""
+    steps = [np.array(s, dtype=float) for s in product((0, 1, -1), repeat=3) if 0 < np.abs(s).sum() < 3]
+    return [axes @ (step / np.linalg.norm(step)) for step in sorted(steps, key=lambda s: np.abs(s).sum())]

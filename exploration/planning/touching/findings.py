@@ -1,0 +1,102 @@
+"""What exploration was told and what it has so far: its settings, its findings, and the places it went for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from exploration.control.sighting import Sighting
+from exploration.planning.faces.attribution import CONVEX, AttributionConfig
+from exploration.planning.open.frontier import Predicted
+from exploration.planning.open.round_rims import RoundRim
+from primitives.arrays import Floats, Ints
+from primitives.evidence import EdgeTrace
+from primitives.fit import Fit
+from primitives.patch_graph import Face, PatchGraph
+
+Done = tuple[int | None, str]  # the face that a move ended on, and what it did
+
+
+@dataclass(frozen=True)
+class ExplorerConfig:
+    """Distances and limits of exploration."""
+
+    feature: float = 10.0  # [mm] the smallest feature that must not be missed
+    max_touches: int = 500
+    explained: float = 0.8  # [mm] from a known face, an edge seen needs no crossing
+    passes: float = 2.0  # [mm] from a face that a crossing led to, its edge is explained by it
+    roll: tuple[float, ...] = (60.0, 95.0)  # [deg] attitudes from which an edge is crossed, in turn
+    aside: float = 2.0  # [mm] beyond an edge that leads only to known faces, where a narrow one is looked for
+    overlap: float = 5.0  # [mm] of the pad that reaches back over the edge
+    tries: int = 3  # at the same open thing
+    doubts: int = 10  # touches more on a face that is not known well
+    beside: float = 8.0  # [mm] from a place that was tried before, where another way in is taken
+    region: float = 40.0  # [mm] of open surface that is come at as one
+    change: float = 20.0  # [mm] off the object, before another array is turned to it
+    first_tries: int = 60  # touches after which an object that shows no face is given up
+    attribution: AttributionConfig = field(default_factory=AttributionConfig)
+    policy: str = "closure"  # or one of `survey.POLICIES`, to measure against
+    seed: int = 0  # of a policy that draws at random
+
+
+@dataclass
+class Findings:
+    """What exploration has so far; read it whenever the generator yields."""
+
+    graph: PatchGraph = field(default_factory=lambda: PatchGraph(options=CONVEX))
+    traces: list[tuple[EdgeTrace, tuple[int, int]]] = field(default_factory=list)
+    inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] that an array was in
+    rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
+    refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
+    wall_rims: list[tuple[Sighting, int]] = field(default_factory=list)  # others looked at, and their face
+    openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
+    hollow: bool = False  # whether the object has turned out not to be convex
+    ended: str = ""
+    open: int = 0  # things still open, when last counted
+    note: str = ""
+    warnings: list[str] = field(default_factory=list)
+
+    def fit_of(self, face: int | None) -> Fit | None:
+        """The fitted surface of a face, where it has one."""
+        found = next((f.fit for f in self.graph.faces if f.id == face), None)
+        return found if isinstance(found, Fit) else None
+
+
+class Attempts:
+    """The places that moves have gone for, so that none is tried for ever."""
+
+    def __init__(self, tries: int, within: float = 1.5) -> None:
+        self._most, self._within = tries, within
+        self._places: list[Floats] = []
+
+    def note(self, *places: Floats) -> None:
+        """Remember (3,) places that a move goes for."""
+        self._places.extend(places)
+
+    def counts(self, places: Floats, within: float | None = None) -> Ints:
+        """(n,) how often a move has gone for each of (n, 3) places."""
+        if not self._places or not len(places):
+            return np.zeros(len(places), dtype=np.int64)
+        within = self._within if within is None else within
+        return np.asarray(KDTree(self._places).query_ball_point(places, within, return_length=True))
+
+    def count(self, place: Floats, within: float | None = None) -> int:
+        """How often a move has gone for this place."""
+        return int(self.counts(place[None], within)[0])
+
+    def given_up(self, place: Floats) -> bool:
+        """Whether it was tried often enough."""
+        return self.count(place) >= self._most
+
+    def unfinished(self, missing: Predicted) -> Predicted:
+        """The predicted points that are still worth a try."""
+        keep = self.counts(missing.points) < self._most
+        return Predicted(missing.points[keep], missing.normals[keep], missing.face[keep])
+
+
+def outward_normal(face: Face, point: Floats) -> Floats:
+    """(3,) outward normal of a fitted face at the place on it nearest to a (3,) point."""
+    assert isinstance(face.fit, Fit)
+    return np.asarray(face.fit.shape.normals(point[None])[0] * (1.0 if face.fit.convex else -1.0))

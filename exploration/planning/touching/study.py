@@ -1,0 +1,133 @@
+"""The face under the pad, studied: a place felt, two strokes to the edges, and what the contacts say taken in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exploration.control.sighting import Sighting
+from exploration.control.track_surface import Stroke
+from exploration.devices.guard import Collision, OverPress
+from exploration.planning.faces.attribution import (
+    AttributionConfig,
+    joined,
+    known_face,
+    name_loose,
+    take_in,
+    without,
+)
+from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.pad import Pad
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
+
+_WORTH_CENTERING = 4.0  # [mm] of a stroke, after which the pad goes back to the middle
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Where a stroke met something that stands up from its face."""
+
+    point: Floats  # (3,) [mm] at the pad's leading end, on the face
+    heading: Floats  # (3,) the way of the stroke
+    normal: Floats  # (3,) outward, of the face
+    pose: Floats  # (4, 4) world_from_sensor where the pad was stopped
+    half: Floats  # (2,) [mm] half the width of the housing that was stopped, along the pad's x and y
+    stopped: bool = True  # by force or by the housing; else it was only seen to rise ahead
+
+
+class Study:
+    """What the pad's contacts and sightings become."""
+
+    def __init__(self, pad: Pad, found: Findings, config: AttributionConfig) -> None:
+        self.pad, self.found, self.config = pad, found, config
+        self.loose = Contacts.of([])  # what no face explains yet
+        self._left_loose = 0  # contacts of which no face could be made
+        self.seen: list[tuple[Sighting, int]] = []  # edges, each with the face that it was seen from
+        self.walls: list[Wall] = []
+
+    def face_here(self) -> int | None:
+        """Stroke the face under the pad along two axes, to its edges; the face's id."""
+        first = self.pad.feel()
+        known = known_face(self.found.graph, first, self.config)
+        if known is not None:
+            self.found.graph = joined(self.found.graph, first, known, self.config)
+            return known
+        strokes: list[Contacts] = [first]
+        edges: list[Sighting] = self.pad.sightings()
+        axes = self.pad.axes()
+        try:
+            for heading in (axes[:, 0], axes[:, 1]):
+                self._stroke_across(heading, strokes, edges)
+        except (OverPress, Collision) as error:
+            self.found.warnings.append(str(error))
+        face = self.take_in(Contacts.concatenate(strokes))
+        if face is None:
+            self.found.warnings.append("a touch named no face by itself; its contacts are kept")
+            return None
+        self.seen.extend((edge, face) for edge in edges)
+        return face
+
+    def take_in(self, contacts: Contacts) -> int | None:
+        """Give contacts to the faces that explain them; the face that most of them lie on."""
+        taken = take_in(self.found.graph, self.loose, contacts, self.config)
+        self.found.graph, self.loose = taken.graph, taken.loose
+        self.found.hollow |= taken.hollow
+        self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
+        return taken.home
+
+    def name_loose(self) -> bool:
+        """Whether what no face explained makes faces after all, now that there is more of it."""
+        if len(self.loose) == self._left_loose:
+            return False
+        taken = name_loose(self.found.graph, self.loose, self.config)
+        before = {face.id for face in self.found.graph.faces}
+        self.found.graph, self.loose, self._left_loose = taken.graph, taken.loose, len(taken.loose)
+        self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
+        return bool({face.id for face in taken.graph.faces} - before)
+
+    def reconsider(self) -> None:
+        """Make faces of what was held against a convex object: its steps contradict each other's planes."""
+        self.config = replace(self.config, convex=False)
+        for touch in np.unique(self.loose.touch):
+            held = self.loose.select(self.loose.touch == touch)
+            self.loose = without(self.loose, held)
+            self.take_in(held)
+
+    def note_wall(self, stroke: Stroke) -> bool:
+        """Whether a stroke was ended by what stands up ahead of it, which is remembered."""
+        if stroke.ended not in ("wall", "concavity") or stroke.heading is None:
+            return False
+        pose = self.pad.guard.world_from_sensor if stroke.met is None else stroke.met
+        half = 0.5 * float(np.abs(stroke.heading) @ np.asarray(self.pad.size))
+        way = pose[:3, :2] @ stroke.heading
+        if self.pad.told is not None and self.pad.told.stopped(pose[:3, 3] + half * way):
+            return False
+        wide = np.abs(self.pad.tool.high[:2])
+        self.walls.append(
+            Wall(pose[:3, 3] + half * way, way, -pose[:3, 2], pose, wide, stroke.ended == "wall")
+        )
+        return True
+
+    def _back_on(self, pose: Floats) -> bool:
+        """Lie again where a stroke began that a wall has ended."""
+        return self.pad.touch(pose, 6.0, 6.0)
+
+    def _stroke_across(self, heading: Floats, strokes: list[Contacts], edges: list[Sighting]) -> None:
+        """To the edge on one side, to the edge on the other, and back to the middle."""
+        travel = 0.0
+        for sign in (1.0, -1.0):
+            began = self.pad.guard.world_from_sensor
+            stroke = self.pad.stroke(sign * heading)
+            strokes.append(stroke.contacts)
+            self.note_wall(stroke)
+            if stroke.ended == "wall" and not self._back_on(began):
+                return
+            if stroke.ended == "edge":
+                edges.extend(self.pad.sightings(sign * heading))
+            travel = stroke.travel
+            if stroke.ended in ("closed", "lost"):
+                return
+        if travel > _WORTH_CENTERING:
+            self.note_wall(self.pad.stroke(heading, travel / 2.0))

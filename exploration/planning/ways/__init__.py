@@ -1,0 +1,1 @@
+"""Ways through space, and round what is in it."""

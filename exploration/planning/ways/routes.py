@@ -1,0 +1,219 @@
+"""Ways round an object of any form: lifted clear of all that was touched, short hops before long ones.
+
+The tool is a box from the skin back to the end of its housing, and the bodies that are moved with it, as of other
+arrays on the stage.  A way is free where no touched place lies in a box, a margin wider, at any of its poses; what
+was never touched is met under guard (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+import numpy as np
+
+from exploration.planning.ways.box_kernels import free_of
+from exploration.sensing.physics.housing import housing_box
+from exploration.sensing.spec import SensorSpec, whole_body
+from primitives import pose as se3
+from primitives.arrays import Bools, Floats
+
+
+@dataclass(frozen=True)
+class RoutesConfig:
+    """Room round the tool, and what is tried."""
+
+    margin: float = 1.5  # [mm] round the housing
+    lifts: tuple[float, ...] = (10.0, 25.0, 60.0, 110.0, 160.0)  # [mm]
+    step: float = 5.0  # [mm] between the poses that are looked at
+    turn: float = 0.15  # [rad] the same
+    swing: float = 8.0  # [mm] of the farthest corner, the same where the tool is long
+    lever: float = 60.0  # [mm] of way that a radian costs
+    barred: float = 4.0  # [mm] from a pose at which something was in the way, that it is so yet
+    barred_turn: float = 0.15  # of the attitude's matrix, the same
+    leading_off: float = 0.1  # share of these, by which a way may come nearer than it began
+
+
+@dataclass(frozen=True)
+class Carried:
+    """A box that is moved with an array."""
+
+    place: Floats  # (4, 4) sensor_from_box
+    low: Floats  # (3,) [mm] in the box's own frame
+    high: Floats
+
+
+@dataclass(frozen=True)
+class Tool:
+    """The box of one array, and what is carried beside it."""
+
+    low: Floats  # (3,) [mm] in the sensor's frame
+    high: Floats
+    carried: tuple[Carried, ...] = ()
+    mount: Floats = field(default_factory=lambda: np.eye(4))  # flange_from_sensor
+
+    @staticmethod
+    def of(spec: SensorSpec) -> Tool:
+        """Skin and housing."""
+        low, high = housing_box(spec)
+        return Tool(low, np.array([high[0], high[1], 0.0]))
+
+    @staticmethod
+    def of_size(size: tuple[float, float]) -> Tool:
+        """Where nothing is known but the array's size [mm]: a housing a little wider and as deep as it may be."""
+        half = np.array([size[0] / 2 + 1.0, size[1] / 2 + 1.0])
+        return Tool(np.array([-half[0], -half[1], -60.0]), np.array([half[0], half[1], 0.0]))
+
+    @staticmethod
+    def each(specs: Sequence[SensorSpec], flange_from_sensor: Sequence[Floats]) -> tuple[Tool, ...]:
+        """The tool that each of the arrays on one stage is, with all others carried."""
+        bodies = [housing_box(replace(spec, housing=whole_body(spec))) for spec in specs]
+        return tuple(
+            replace(
+                Tool.of(spec),
+                mount=mount,
+                carried=tuple(
+                    Carried(se3.inverse(mount) @ other, *body)
+                    for other, body in zip(flange_from_sensor, bodies, strict=True)
+                    if other is not mount
+                ),
+            )
+            for spec, mount in zip(specs, flange_from_sensor, strict=True)
+        )
+
+    @property
+    def corners(self) -> Floats:
+        """(8 n, 3) [mm] of all its boxes, in the sensor's frame."""
+        boxes = [_corners(self.low, self.high)]
+        return np.concatenate(
+            [*boxes, *(se3.transform_points(c.place, _corners(c.low, c.high)) for c in self.carried)]
+        )
+
+    def clear(self, poses: Floats, obstacles: Floats, margin: float, front: float) -> Bools:
+        """(k,) whether no obstacle lies in the box at (k, 4, 4) poses; `front` [mm] is added before the skin."""
+        if not len(obstacles):
+            return np.ones(len(poses), dtype=bool)
+        ahead = np.array([self.high[0] + margin, self.high[1] + margin, self.high[2] + front])
+        return np.asarray(
+            free_of(
+                np.ascontiguousarray(poses),
+                np.ascontiguousarray(obstacles),
+                np.stack([np.eye(4), *(box.place for box in self.carried)]),
+                np.stack([self.low - margin, *(box.low - margin for box in self.carried)]),
+                np.stack([ahead, *(box.high + margin for box in self.carried)]),
+            )
+        )
+
+
+def _corners(low: Floats, high: Floats) -> Floats:
+    return np.array(list(product(*zip(low, high, strict=True))))
+
+
+def route(
+    tool: Tool,
+    start: Floats,
+    goal: Floats,
+    obstacles: Floats,
+    ways: Floats,
+    config: RoutesConfig = RoutesConfig(),
+    barred: Sequence[Floats] = (),
+) -> list[Floats] | None:
+    """The shortest free way that was found from one pose to another; None where there is none.
+
+    `ways` (n, 3) are directions that may lead out, beside those of the pad's own normals; at poses near to (4, 4)
+    `barred` ones something unknown was in the way.
+    """
+    turns: dict[tuple[bytes, bytes], float] = {}
+    tried = sorted(_candidates(start, goal, ways, config), key=lambda way: _length(start, way, config, turns))
+    legs = _Legs(tool, obstacles, config, np.array(barred).reshape(-1, 4, 4))
+    return next((poses for poses in tried if legs.free(start, poses)), None)
+
+
+def _candidates(start: Floats, goal: Floats, ways: Floats, config: RoutesConfig) -> Iterator[list[Floats]]:
+    back, front = -start[:3, 2], -goal[:3, 2]
+    for lift in config.lifts:
+        for way in (back, front, *ways):
+            yield [_lifted(start, lift * way), _lifted(goal, lift * way), goal]
+        for first in (back, *ways):
+            for last in (front, *ways):
+                if first @ last < 0.99:
+                    away, near = _lifted(start, lift * first), _lifted(goal, lift * last)
+                    yield [away, near, goal]
+                    if lift > 50.0:
+                        corner = se3.pose(near[:3, :3], 0.5 * (away + near)[:3, 3] + lift * (first + last))
+                        yield [away, corner, near, goal]
+
+
+def _lifted(pose: Floats, by: Floats) -> Floats:
+    return se3.pose(pose[:3, :3], pose[:3, 3] + by)
+
+
+class _Legs:
+    """The legs of one search; many ways share their first and their last."""
+
+    def __init__(self, tool: Tool, obstacles: Floats, config: RoutesConfig, barred: Floats) -> None:
+        self._tool, self._obstacles, self._config, self._barred = tool, obstacles, config, barred
+        self._turn = min(config.turn, config.swing / float(np.linalg.norm(tool.corners, axis=1).max()))
+        self._known: dict[tuple[bytes, bytes, bool, bool], bool] = {}
+
+    def free(self, start: Floats, poses: list[Floats]) -> bool:
+        """Whether nothing is in the way from pose to pose."""
+        ends = [start, *poses]
+        last = len(poses) - 1
+        order = sorted(range(len(poses)), key=lambda number: number not in (0, last))
+        return all(self._leg(ends[k], ends[k + 1], k == 0, k == last) for k in order)
+
+    def _leg(self, a: Floats, b: Floats, first: bool, last: bool) -> bool:
+        key = (a.tobytes(), b.tobytes(), first, last)
+        if key not in self._known:
+            between = on_the_way(a, b, self._tool.mount, self._config.step, self._turn)
+            front = 0.0 if first or last else self._config.margin
+            margin = 0.3 if first else self._config.margin
+            between = between[2:] if first else between  # the pad leaves what it lies beside
+            self._known[key] = not self._is_barred(a, between) and bool(
+                self._tool.clear(between, self._obstacles, margin, front).all()
+            )
+        return self._known[key]
+
+    def _is_barred(self, start: Floats, poses: Floats) -> bool:
+        """Whether a (k, 4, 4) leg comes near to a barred pose; one that starts near to it must lead off."""
+        if not len(self._barred) or not len(poses):
+            return False
+        nearest = _apart(poses[:, None], self._barred[None], self._config).min(axis=0)
+        before = _apart(start[None], self._barred, self._config)
+        return bool((nearest < np.minimum(1.0, before - self._config.leading_off)).any())
+
+
+def _apart(a: Floats, b: Floats, config: RoutesConfig) -> Floats:
+    """How far (..., 4, 4) poses are apart, 1 being where what is in the way at one need not be so at the other."""
+    off = a - b
+    turned = np.abs(off[..., :3, :3]).max(axis=(-1, -2)) / config.barred_turn
+    return np.asarray(np.maximum(np.linalg.norm(off[..., :3, 3], axis=-1) / config.barred, turned))
+
+
+def on_the_way(a: Floats, b: Floats, mount: Floats, most: float, most_turn: float) -> Floats:
+    """(k, 4, 4) poses of an array as a stage goes: its flange straight, so that an array on an arm swings."""
+    off = se3.inverse(mount)
+    a, b = a @ off, b @ off
+    line = b[:3, 3] - a[:3, 3]
+    turn = se3.rotation_log(b[:3, :3] @ a[:3, :3].T)
+    count = int(max(np.linalg.norm(line) / most, np.linalg.norm(turn) / most_turn)) + 2
+    shares = np.linspace(0.0, 1.0, count)
+    flange = se3.pose(se3.rotation_exp(shares[:, None] * turn) @ a[:3, :3], a[:3, 3] + shares[:, None] * line)
+    return np.asarray(flange @ mount)
+
+
+def _length(
+    start: Floats, poses: list[Floats], config: RoutesConfig, turns: dict[tuple[bytes, bytes], float]
+) -> float:
+    """[mm] of a way, its turning included; `turns` [rad] keeps those between two attitudes."""
+    total, at = 0.0, start
+    for pose in poses:
+        total += float(np.linalg.norm(pose[:3, 3] - at[:3, 3]))
+        key = (at[:3, :3].tobytes(), pose[:3, :3].tobytes())
+        if key not in turns:
+            turns[key] = float(np.linalg.norm(se3.rotation_log(pose[:3, :3] @ at[:3, :3].T)))
+        total += config.lever * turns[key]
+        at = pose
+    return total

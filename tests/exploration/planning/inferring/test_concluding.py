@@ -1,0 +1,74 @@
+"""What counts as explained when exploration concludes."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from exploration.control.sighting import Sighting
+from exploration.planning.inferring.concluding import unexplained
+from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
+from exploration.planning.inferring.turned_ends import turned_ends
+from exploration.planning.open.round_rims import RoundRim
+from primitives.evidence import Contacts
+from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.shapes import Cone
+
+Z = np.eye(3)[2]
+
+
+def wall(number, way):
+    """Of a hexagonal hole 36 mm across, looking to its axis."""
+    out = np.array([np.cos(way), np.sin(way), 0.0])
+    along = np.cross(Z, out)
+    points = 18.0 * out + np.array([a * along + b * Z for a in (-8.0, 0.0, 8.0) for b in (-8.0, 0.0, 8.0)])
+    return ranked_face(number, Contacts.of(points, np.tile(-out, (9, 1))), MergeOptions()), out, along
+
+
+def test_a_wall_that_only_ends_at_a_rim_does_not_explain_it():
+    (face, _, _), (_, out, along) = wall(1, 0.0), wall(2, np.pi / 3)
+    corner = 18.0 * out - 10.0 * along
+    found = SimpleNamespace(graph=SimpleNamespace(faces=(face,)), wall_rims=[])
+    rim = Sighting(corner + 10.0 * Z, along, -out, Z, 0.05, 12.0), 0
+    found.wall_rims = [rim]
+    assert unexplained(found) == [rim]
+    found.graph.faces = (face, wall(2, np.pi / 3)[0])
+    assert unexplained(found) == []
+
+
+def test_a_turned_face_that_ends_round_its_axis_ends_in_a_plane_upright_on_it():
+    """A funnel's mouth, whose ring is too narrow to lie on, seen at two places of the cone outside it."""
+    cone = Cone([0.0, 0.0, -18.2], Z, 0.58)
+    around = np.linspace(0.0, 6.0, 12)
+    points = cone.project(np.column_stack([30.0 * np.cos(around), 30.0 * np.sin(around), 20.0 + around]))
+    face = ranked_face(3, Contacts.of(points, cone.normals(points), 0.02, 0.01), MergeOptions())
+
+    def rim(way, slant=0.0):
+        out = np.array([np.cos(way), np.sin(way), 0.0])
+        point = cone.project((45.0 * out + 50.0 * Z)[None])[0]
+        normal, along = cone.normals(point[None])[0], np.cross(Z, out)
+        tangent = np.cos(slant) * along + np.sin(slant) * np.cross(normal, along)
+        return Sighting(point, tangent, np.cross(normal, tangent), normal, 0.05, 8.0), 3
+
+    seen = [rim(0.3), rim(2.8)]
+    (end,) = turned_ends(seen, [face])
+    assert np.abs(end.normals - np.sign(seen[0][0].outward @ Z) * Z).max() < 0.01
+    assert np.abs(end.points[:, 2] - seen[0][0].point[2]).max() < 0.2
+    assert np.linalg.norm(end.points[:, :2], axis=1).max() < np.linalg.norm(seen[0][0].point[:2])
+    assert turned_ends([rim(0.3, slant=0.4)], [face]) == []
+
+
+def test_a_round_opening_goes_on_to_the_countersink_behind_it():
+    """Of 45 degrees, 10 mm down to where its radius is the opening's."""
+    sink = Cone([0.0, 0.0, -6.0], Z, np.pi / 4)
+    around = np.linspace(0.0, 6.0, 12)
+    points = sink.project(np.column_stack([9.0 * np.cos(around), 9.0 * np.sin(around), 3.0 + 0.2 * around]))
+    face = ranked_face(2, Contacts.of(points, -sink.normals(points), 0.02, 0.01), MergeOptions())
+    assert (face.fit.kind, face.fit.convex) == ("cone", False)
+    under = RoundRim(-10.0 * Z, -Z, 6.0, 0.05, 4, True)
+    hole = led_into(under, hollows_of([face]))
+    assert hole.depth == pytest.approx(10.0, abs=0.3)
+    assert own_rim(RoundRim(8.0 * Z, Z, 14.0, 0.05, 5, True), [face])
+    assert not own_rim(under, [face])
+    assert led_into(replace(under, center=under.center + np.array([30.0, 0.0, 0.0])), [face]) is None

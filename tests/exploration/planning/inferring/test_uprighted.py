@@ -1,0 +1,46 @@
+"""Round faces that were hardly touched, beside a plate that was felt well."""
+
+import numpy as np
+import pytest
+
+from exploration.planning.inferring.uprighted import uprighted
+from primitives.evidence import Contacts
+from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
+from primitives.shapes import Cone, Cylinder
+
+Z = np.eye(3)[2]
+
+
+def plate(rng):
+    points = np.column_stack([rng.uniform(-20, 20, (60, 2)), np.zeros(60)])
+    return face(0, Contacts.of(points, np.tile(Z, (60, 1)), 0.02, 0.02))
+
+
+def face(number, contacts):
+    return ranked_face(number, contacts, MergeOptions())
+
+
+def felt(shape, rng, count=12):
+    """One touch of a pad: some 8 mm round, 1 mm along."""
+    turn, up = rng.uniform(-0.25, 0.25, count), rng.uniform(-0.5, 0.5, count)
+    at = shape.project(np.column_stack([18.0 * np.cos(turn), 18.0 * np.sin(turn), up]))
+    normals = shape.normals(at) + 0.02 * rng.standard_normal((count, 3))
+    points = at + 0.02 * rng.standard_normal((count, 1)) * shape.normals(at)
+    return Contacts.of(points, normals / np.linalg.norm(normals, axis=1, keepdims=True), 0.02, 0.02)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_round_end_that_was_touched_once_stands_upright_on_its_plate(seed):
+    rng = np.random.default_rng(seed)
+    graph = PatchGraph((plate(rng), face(1, felt(Cylinder([0, 0, 0.0], Z, 18.0), rng))), ())
+    end = uprighted(graph).faces[1].fit
+    assert end.kind == "cylinder"
+    assert abs(end.shape.direction @ Z) > 0.9999
+    assert end.shape.radius == pytest.approx(18.0, abs=3.0)
+
+
+def test_what_leans_for_sure_stays_as_it_was_fitted():
+    rng = np.random.default_rng(1)
+    leaning = face(1, felt(Cone([0, 0, -60.0], Z, 0.29), rng, 25))
+    graph = PatchGraph((plate(rng), leaning), ())
+    assert uprighted(graph).faces[1] is leaning

@@ -1,0 +1,45 @@
+"""A table that is told beforehand."""
+
+import numpy as np
+import pytest
+
+from exploration.planning.known.told import Told
+from exploration.planning.ways.routes import Tool
+from models.csg import Cube
+from models.scene import table_under
+from models.solid import Solid
+from primitives.evidence import NOT_FELT, Contacts
+
+BLOCK = Solid.from_csg(Cube((60.0, 40.0, 20.0)))
+TABLE = table_under(BLOCK)
+
+
+@pytest.fixture
+def told():
+    x, y = np.meshgrid(np.arange(-150.0, 151.0, 10.0), np.arange(-150.0, 151.0, 10.0))
+    top = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, -10.0)])
+    return Told(TABLE, top, Tool.of_size((18.0, 28.8)), -10.0)
+
+
+def test_contacts_on_the_table_are_left_out_and_the_objects_are_kept(told):
+    points = [[0.0, 0.0, 10.0], [50.0, 0.0, -10.0], [30.0, 0.0, -9.9]]
+    normals = [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
+    own = told.without(Contacts.of(points, normals))
+    assert own.points == pytest.approx(np.array([points[0], points[2]]))
+
+
+def test_a_stroke_down_a_side_is_stopped_by_the_table_and_one_across_is_not(told):
+    assert told.stopped(np.array([32.0, 0.0, -8.0]))
+    assert not told.stopped(np.array([0.0, 0.0, 10.0]))
+
+
+def test_a_pad_has_no_room_low_on_a_side(told):
+    points = np.array([[30.0, 0.0, -8.0], [30.0, 0.0, 9.5], [0.0, 0.0, 10.0]])
+    normals = np.array([[1.0, 0, 0], [1.0, 0, 0], [0, 0, 1.0]])
+    assert told.leaves_room(points, normals).tolist() == [False, True, True]
+
+
+def test_the_resting_face_is_on_the_tables_top_and_was_not_felt(told):
+    resting = told.resting(np.array([5.0, 6.0, 10.0]))
+    assert (resting.points[:, 2] == -10.0).all()
+    assert (resting.touch == NOT_FELT).all()

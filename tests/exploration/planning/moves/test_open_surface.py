@@ -1,0 +1,42 @@
+"""How long the pad goes after surface that faces seem to have."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from exploration.planning.moves.open_surface import OpenSurface, OpenSurfaceConfig
+from exploration.planning.open.frontier import Predicted
+from exploration.planning.touching.findings import ExplorerConfig
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def pad_that_lands_on(faces):
+    """A study and a reach, whose touches name those faces in turn; None where nothing was met."""
+    faces = list(faces)
+    pad = SimpleNamespace(size=(10.0, 10.0), guard=SimpleNamespace(world_from_sensor=np.eye(4)))
+    found = SimpleNamespace(graph=SimpleNamespace(faces=()))
+    study = SimpleNamespace(pad=pad, found=found, face_here=lambda: faces.pop(0))
+
+    def touch(pose):
+        if faces[0] is None:
+            faces.pop(0)
+            return False
+        return True
+
+    return study, SimpleNamespace(clear=lambda pose: True, touch=touch)
+
+
+def left_after(met):
+    """How many of 30 open places on face 7, and of one on face 8, are left after touches that met `met`."""
+    surface = OpenSurface(*pad_that_lands_on(met), ExplorerConfig(), OpenSurfaceConfig(misses=3))
+    points = np.array([[20.0 * k, 0.0, 0.0] for k in range(31)])
+    opened = Predicted(points, np.tile(UP, (31, 1)), np.array([7] * 30 + [8]))
+    for k in range(len(met)):
+        surface.come_down(opened, k)
+    return len(surface.left(opened).points)
+
+
+def test_a_face_that_was_missed_too_often_in_a_row_ends_where_it_was_felt():
+    assert left_after([None, 3, None]) == 1
+    assert left_after([None, 3, 7, None, 3]) > 20

@@ -1,0 +1,87 @@
+"""Walls that no array can face, from the rims at which two faces end."""
+
+import numpy as np
+
+from exploration.control.sighting import Sighting
+from exploration.planning.moves.rim_walls import rim_walls, upright_walls
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.patch_graph import MergeOptions, ranked_face
+
+X, Y, Z = np.eye(3)
+
+
+def flat(number, normal, at):
+    u, v = np.roll(normal, 1), np.roll(normal, 2)
+    points = at + np.array([a * u + b * v for a in (-9.0, 0.0, 9.0) for b in (-9.0, 0.0, 9.0)])
+    return ranked_face(number, Contacts.of(points, np.tile(normal, (9, 1))), MergeOptions())
+
+
+FACES = [flat(0, Z, 15.0 * Z), flat(1, Y, 25.0 * Y), flat(2, -Y, -25.0 * Y), flat(3, X, 30.0 * X)]
+
+
+def rim(point, tangent, outward, normal):
+    return Sighting(np.array(point), tangent, outward, normal, 0.05, 12.0)
+
+
+TOP_LEFT = rim([-8.0, 0.0, 15.0], Y, X, Z), 0
+NEAR_LEFT, FAR_LEFT = (rim([-8.1, 25.0, 8.0], Z, X, Y), 1), (rim([-8.0, -25.0, 8.0], Z, X, -Y), 2)
+NEAR_FLOOR, FAR_FLOOR = (rim([0.0, 25.0, 0.0], X, Z, Y), 1), (rim([1.0, -25.0, 0.1], X, Z, -Y), 2)
+
+
+def test_a_wall_of_a_slot_is_the_plane_of_its_rims_on_the_top_and_at_the_ends():
+    (wall,) = rim_walls([TOP_LEFT, NEAR_LEFT, FAR_LEFT], FACES)
+    assert (wall.touch == NOT_FELT).all()
+    assert (wall.normals @ X > 0.999).all()
+    assert np.abs(wall.points[:, 0] + 8.0).max() < 0.2
+
+
+def test_its_floor_is_the_plane_of_the_rims_at_its_ends():
+    (floor,) = rim_walls([NEAR_FLOOR, FAR_FLOOR], FACES)
+    assert (floor.normals @ Z > 0.999).all()
+    assert np.abs(floor.points[:, 2]).max() < 0.2
+
+
+def test_rims_that_share_no_plane_or_look_to_each_other_are_of_no_wall():
+    right = rim([8.0, -25.0, 8.0], Z, -X, -Y), 2
+    apart = rim([-5.0, -25.0, 8.0], Z, X, -Y), 2
+    assert rim_walls([TOP_LEFT, NEAR_FLOOR], FACES) == []
+    assert rim_walls([NEAR_LEFT, right], FACES) == []
+    assert rim_walls([NEAR_LEFT, apart], FACES) == []
+
+
+def test_a_wall_that_runs_as_no_face_does_stands_upright_between_rims_of_parallel_faces():
+    out = np.array([0.5, np.sqrt(0.75), 0.0])
+    along = np.cross(out, Z)
+    top = rim([5.0, 3.0, 15.0], along, out, Z), 0
+    below = rim([5.0, 3.0, -15.0] + 4.0 * along, along, out, -Z), 4
+    (wall,) = rim_walls([top, below], FACES)
+    assert (wall.normals @ out > 0.999).all()
+    assert np.abs((wall.points - [5.0, 3.0, 0.0]) @ out).max() < 1e-6
+    leaning = rim([5.0, 3.0, -15.0] + 2.0 * out, along, out, -Z), 4
+    assert rim_walls([top, leaning], FACES) == []
+
+
+def test_upright_walls_join_a_known_floor_to_rims_that_look_to_each_other():
+    top_right = rim([8.0, 3.0, 15.0], Y, -X, Z), 0
+    walls = rim_walls([TOP_LEFT, top_right, NEAR_FLOOR, FAR_FLOOR], FACES)
+    found = sorted(
+        (float(w.normals[0] @ X), float(w.points[:, 0].mean()), float(w.points[:, 2].min())) for w in walls
+    )
+    assert len(found) == 3
+    for (way, place, low), (asked, there) in zip(
+        (found[0], found[2]), ((-1.0, 8.0), (1.0, -8.0)), strict=True
+    ):
+        assert abs(way - asked) < 1e-3
+        assert abs(place - there) < 0.2
+        assert 0.0 < low < 3.0
+    assert len(rim_walls([TOP_LEFT, top_right], FACES)) == 0
+
+
+def test_below_a_rim_of_its_own_a_wall_stands_upright_down_to_the_next_face():
+    step = flat(4, Z, np.array([8.0, 0.0, 6.0]))
+    tilted = rim([-8.0, 0.0, 15.0], Y, np.cos(0.02) * X + np.sin(0.02) * Y, Z), 0
+    (wall,) = upright_walls([tilted], [*FACES, step])
+    assert (wall.touch == NOT_FELT).all()
+    assert (wall.normals @ X > 0.999999).all()  # as the object's other faces stand
+    assert np.abs(wall.points[:, 0] + 8.0).max() < 0.2
+    assert 6.0 < wall.points[:, 2].min() < 8.0

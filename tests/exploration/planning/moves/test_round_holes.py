@@ -1,0 +1,102 @@
+"""Round holes from looks at their rims, and which rims are the two ends of one."""
+
+import numpy as np
+
+from exploration.planning.moves.round_holes import holes_of
+from exploration.planning.open.round_rims import RoundRim
+from exploration.sensing.frame import TactileImage, TaxelArray
+from exploration.sensing.lines.blurred_disc import of_disc
+from exploration.sensing.lines.round_hole import fit_round_hole
+from exploration.sensing.response import rubber
+from primitives import pose as se3
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import fit
+from primitives.patch_graph import MergeOptions, ranked_face
+
+UP = np.array([0.0, 0.0, 1.0])
+PAD = TaxelArray("pad", 10, 16, (1.8, 1.8))
+SPREAD, NOISE = 1.2, 0.01
+NOWHERE = np.empty((0, 3))
+
+
+def rim(height, up=1.0, radius=6.0, x=0.0, measured=True):
+    return RoundRim(np.array([x, 0.0, height]), up * UP, radius, 0.02, 0, measured)
+
+
+def over(center, radius, pose, rng):
+    """A frame of a pad on a face with a hole, by the disc's own blur."""
+    width = rubber(SPREAD, PAD.pitch).mean_width
+    x, y = np.meshgrid(PAD.x, PAD.y)
+    places = se3.transform_points(pose, np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3))
+    away = np.linalg.norm(places[:, :2] - center, axis=1).reshape(x.shape)
+    depth = (0.5 + 0.004 * x) * (1.0 - of_disc(away / width, radius / width))
+    noisy = depth + NOISE * rng.standard_normal(depth.shape)
+    return TactileImage(PAD, noisy, np.full(depth.shape, NOISE), SPREAD, 0.1, 0.0), pose
+
+
+def test_one_circle_explains_looks_from_several_places():
+    rng = np.random.default_rng(3)
+    down = np.diag([1.0, -1.0, -1.0])
+    for radius, places in ((4.0, [(1.0, 0.5)]), (15.0, [(16.0, 0.0), (-16.0, 1.0), (0.0, 16.0)])):
+        frames = [over([0.3, -0.2], radius, se3.pose(down, [*at, 0.0]), rng) for at in places]
+        found = fit_round_hole(frames, np.zeros(3), UP, radius + 1.0)
+        assert found is not None
+        assert np.linalg.norm(found.center[:2] - [0.3, -0.2]) < 0.1
+        assert abs(found.radius - radius) < max(4.0 * found.sigma, 0.05)
+
+
+def test_a_face_without_a_hole_shows_none():
+    flat = over([0.0, 0.0], 1e-3, np.diag([1.0, -1.0, -1.0, 1.0]), np.random.default_rng(3))
+    assert fit_round_hole([flat], np.zeros(3), UP, 4.0) is None
+
+
+def test_two_rims_that_look_away_from_each_other_are_one_hole():
+    (hole,), left = holes_of([rim(5.0), rim(-5.0, -1.0)], NOWHERE)
+    assert not left
+    wall = hole.wall()
+    found = fit("cylinder", wall)
+    assert found
+    assert not found.convex
+    assert abs(found.shape.radius - 6.0) < 0.05
+    assert (wall.touch == NOT_FELT).all()
+
+
+def test_other_rims_are_left_unknown():
+    lone = [rim(5.0)]
+    facing = [rim(-5.0), rim(5.0, -1.0)]  # a gap between them, no material
+    unlike = [rim(5.0), rim(-5.0, -1.0, radius=8.0)]
+    beside = [rim(5.0), rim(-5.0, -1.0, x=2.0)]
+    for rims in (lone, facing, unlike, beside):
+        assert holes_of(rims, NOWHERE) == ([], rims)
+
+
+def test_a_rim_that_was_looked_at_speaks_for_a_guess_at_the_other_end_and_two_guesses_for_nothing():
+    guess = rim(-5.0, -1.0, radius=5.2, x=0.7, measured=False)
+    (hole,), left = holes_of([rim(5.0), guess], NOWHERE)
+    assert not left
+    assert abs(hole.radius - 6.0) < 0.05
+    assert np.linalg.norm(hole.middle) < 0.05
+    assert not holes_of([rim(5.0, measured=False), guess], NOWHERE)[0]
+
+
+def test_of_lugs_in_a_row_the_nearest_rims_are_one_hole():
+    rims = [rim(5.0), rim(-5.0, -1.0), rim(-25.0), rim(-35.0, -1.0)]
+    holes, left = holes_of(rims, NOWHERE)
+    assert not left
+    assert [hole.depth for hole in holes] == [10.0, 10.0]
+
+
+def test_a_hole_is_as_deep_as_an_array_went_in():
+    went = np.column_stack([np.zeros((8, 2)), np.linspace(-7.0, 9.0, 8)])
+    (hole,), left = holes_of([rim(5.0)], went)
+    assert not left
+    assert abs(hole.depth - 12.0) < 1e-9
+
+
+def test_contacts_in_the_mouth_of_a_hole_are_no_places_of_its_face():
+    (hole,), _ = holes_of([rim(5.0), rim(-5.0, -1.0)], NOWHERE)
+    points = np.array([[0.0, 0.0, 5.0], [4.0, 1.0, 5.0], [9.0, 0.0, 5.0], [-9.0, 9.0, 5.0], [0.0, 12.0, 5.0]])
+    face = ranked_face(0, Contacts.of(points, np.tile(UP, (5, 1))), MergeOptions())
+    kept = hole.off(face)
+    assert len(kept.contacts) == len(kept.fit.inliers) == 3
+    assert kept.fit.shape is face.fit.shape

@@ -1,0 +1,117 @@
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.inferring.inferred_walls import inferred_walls
+from exploration.planning.moves.entering import Entering
+from exploration.planning.open.mouths import gathered, lids, mouths
+from exploration.planning.touching.findings import ExplorerConfig, Findings
+from exploration.planning.touching.pad import Pad
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.routes import Tool
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.parts import build
+from models.solid import Solid
+from primitives import pose as se3
+from primitives.evidence import Contacts
+
+UP = np.array([0.0, 0.0, 1.0])
+SPECS = [load_sensor("lts210"), load_sensor("fingertip")]
+BOX = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
+
+
+def top_of_slotted_block():
+    """What was touched of the top of a block with a slot 16 mm wide, and the slot's rims with the ways out."""
+    x, y = np.meshgrid(
+        [*np.arange(-29.0, -8.0, 2.0), *np.arange(9.0, 30.0, 2.0)], np.arange(-24.0, 25.0, 2.0)
+    )
+    cells = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 15.0)])
+    rim = cells[np.abs(cells[:, 0]) < 10.0]
+    return cells, rim, -np.sign(rim[:, :1]) * np.array([[1.0, 0.0, 0.0]])
+
+
+def test_a_slot_has_one_mouth_with_its_middle_over_the_slots():
+    cells, rim, out = top_of_slotted_block()
+    found = mouths(cells, rim, out, UP)
+    ((mouth, *_),) = gathered(found)
+    assert np.abs(mouth.center - [0.0, 0.0, 15.0]).max() < 1.1
+    assert mouth.width == pytest.approx(18.0)
+    places, facing = lids(found)
+    assert np.abs(places[:, 0]).max() < 9.0
+    assert (facing == UP).all()
+
+
+def test_a_rim_with_nothing_beyond_it_has_no_mouth():
+    cells, _, _ = top_of_slotted_block()
+    edge = cells[cells[:, 0] > 28.0]
+    assert mouths(cells, edge, np.tile([[1.0, 0.0, 0.0]], (len(edge), 1)), UP) == []
+
+
+@pytest.fixture
+def over_slot():
+    """Both arrays back to back over the block, whose top is known."""
+    solid, high = Solid.from_csg(build("slotted_block")), se3.pose(None, [0.0, 0.0, 200.0])
+    stage, arrays = simulate(solid, SPECS, np.random.default_rng(0), start_pose=high)
+    guard = Guard(stage, arrays, [Calibration.nominal(spec) for spec in SPECS])
+    tools = Tool.each(SPECS, [array.flange_from_sensor for array in arrays])
+    reach = Reach(Pad(guard, BOX, lambda kind, detail: None, tools=tools))
+    cells, rim, out = top_of_slotted_block()
+    reach.pad.felt.append((cells, np.tile(UP, (len(cells), 1))))
+    return reach, guard, mouths(cells, rim, out, UP)
+
+
+def test_the_finger_goes_into_a_slot_that_the_pad_has_no_room_in_and_comes_straight_out(over_slot):
+    reach, guard, across = over_slot
+    reach.lids = lids(across)
+    into = se3.pose(se3.frame_along(-UP, [1.0, 0.0, 0.0]), [0.0, 0.0, 13.0])
+    assert not reach.clear(into)
+    guard.use(1)
+    assert reach.clear(into)
+    assert reach.sound(into)
+    assert guard.world_from_sensor[2, 3] == pytest.approx(-0.45, abs=0.1)
+    along_the_floor = into @ se3.pose(None, [0.0, 10.0, 13.0])
+    assert reach.touch(along_the_floor)
+    assert np.abs(guard.world_from_sensor[:3, 3] - along_the_floor[:3, 3]).max() < 0.6
+    reach.come_out()
+    assert guard.world_from_sensor[2, 3] > 22.0
+
+
+def test_a_face_that_was_foreseen_at_a_wrong_angle_is_come_at_from_farther_off(over_slot):
+    reach, guard, _ = over_slot
+    foreseen = np.array([np.cos(0.45), np.sin(0.45), 0.0])
+    target = se3.pose(reach.pad.attitude(foreseen, np.cross(UP, foreseen)), [30.0, 0.0, 8.0])
+    assert not reach.touch(target)
+    assert not reach.led
+    assert reach.touch(target, give=True)
+    assert guard.world_from_sensor[:3, 2] == pytest.approx([-1.0, 0.0, 0.0], abs=0.02)
+
+
+def test_on_the_floor_of_a_slot_both_its_walls_are_found(over_slot):
+    reach, guard, across = over_slot
+    study = Study(reach.pad, Findings(), ExplorerConfig().attribution)
+    entering = Entering(study, reach)
+    assert not list(entering.ways_in(across, lambda normal: []))
+    guard.use(1)
+    ((_, move),) = entering.ways_in(across, lambda normal: [])
+    face, _ = move()
+    floor = study.found.fit_of(face).shape
+    assert abs(floor.signed_distance(np.zeros((1, 3)))[0]) < 0.01
+    assert len(study.walls) == 4
+    places = np.array([[30.0, y, z] for y in (-9.0, 9.0) for z in (-9.0, 0.0, 9.0)])
+    side = Contacts.of(places, np.tile([[1.0, 0.0, 0.0]], (6, 1)), 0.01, 0.002)
+    study.found.graph, _ = study.found.graph.add_stroke(side)
+    walls = inferred_walls(study.walls, study.found.graph.faces)
+    assert sorted(float(np.median(lot.points[:, 0])) for lot in walls) == pytest.approx([-8.0, 8.0], abs=0.15)
+
+
+def test_a_mouth_that_was_sounded_in_vain_is_sounded_elsewhere(over_slot):
+    reach, guard, across = over_slot
+    entering = Entering(Study(reach.pad, Findings(), ExplorerConfig().attribution), reach)
+    guard.use(1)
+    ((middle, _),) = entering.ways_in(across, lambda normal: [])
+    entering._sounded.note(middle)
+    beside = [place for place, _ in entering.ways_in(across, lambda normal: [])]
+    assert [9.0 < abs(place[1] - middle[1]) < 24.0 for place in beside] == [True, True]

@@ -1,0 +1,44 @@
+"""Where an object was not looked at yet, and where nothing is left to look at."""
+
+import numpy as np
+
+from exploration.planning.known.swept_cells import SweptCells
+from exploration.planning.open.views import best_view
+from primitives import pose as se3
+
+BOX = np.array([-100.0, -100.0, -100.0, 100.0, 100.0, 100.0])
+LOW, HIGH = np.array([-15.0, -10.0, -40.0]), np.array([15.0, 10.0, 0.0])
+STEPS = np.linspace(-30.0, 30.0, 31)
+
+
+def sheet(z, facing):
+    """A flat face at a height, and which way it looks."""
+    places = np.array([[x, y, z] for x in STEPS for y in STEPS])
+    return places, np.tile([0.0, 0.0, facing], (len(places), 1))
+
+
+def test_cells_are_swept_where_the_housing_was_and_not_before_the_skin():
+    swept = SweptCells(BOX)
+    for x in np.arange(-30.0, 31.0, 2.0):
+        swept.pass_through(se3.pose(np.diag([1.0, -1.0, -1.0]), [x, 0.0, 10.0]), LOW, HIGH)
+    assert swept.holds(np.array([[0.0, 0.0, 16.0], [25.0, 4.0, 40.0]])).all()
+    assert not swept.holds(np.array([[0.0, 0.0, 8.0], [0.0, 20.0, 16.0], [0.0, 0.0, 500.0]])).any()
+    assert swept.holds_box(se3.pose(translation=[0.0, 0.0, 40.0]), LOW / 2, HIGH)
+    assert not swept.holds_box(se3.pose(translation=[0.0, 10.0, 40.0]), LOW / 2, HIGH)
+
+
+def test_a_plate_felt_on_one_side_is_looked_at_from_behind_until_that_was_swept():
+    swept, half = SweptCells(BOX), np.array([15.0, 10.0])
+    places, facing = sheet(0.0, 1.0)
+    cells = swept.between(BOX[:3], BOX[3:], swept=False)
+    swept.note(cells[(cells[:, 2] > 0.0) | (np.abs(cells[:, :2]).max(axis=1) > 32.0)])
+    seen = 0
+    while (view := best_view(places, facing, swept, half, np.eye(3))) is not None:
+        assert view.target[2, 2] > 0.6  # upward
+        assert (view.unseen[:, 2] < 0.0).all()
+        swept.note(view.unseen)
+        seen += 1
+    assert 1 < seen < 40
+    behind, back = sheet(-0.5, -1.0)
+    whole = np.concatenate([places, behind]), np.concatenate([facing, back])
+    assert best_view(*whole, swept, half, np.eye(3)) is None

@@ -1,0 +1,71 @@
+"""One touch on the simulated stage, against the object that it was made on."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.known.swept import rectangles
+from exploration.planning.touching.lone_touch import Approach, touch_once
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models import parts
+from models.solid import Solid
+from primitives import pose as se3
+
+
+def _touch(part: str, place: list[float], toward: list[float], length: float = 80.0):  # type: ignore[no-untyped-def]
+    solid, spec = Solid.from_csg(parts.build(part)), load_sensor("lts210")
+    start = se3.pose(se3.frame_along(toward), np.array(place) - 50.0 * np.array(toward))
+    stage, arrays = simulate(solid, [spec], np.random.default_rng(0), start_pose=start)
+    guard = Guard(stage, arrays, [Calibration.nominal(spec)])
+    return solid, guard, touch_once(guard, Approach(start, length))
+
+
+def test_a_touch_on_a_face_gives_its_plane_and_its_edge() -> None:
+    solid, guard, touch = _touch("cube", [10.0, 0.0, 20.0], [0.0, 0.0, -1.0])
+    assert touch.met
+    assert guard.cost.touches == 1
+    assert len(touch.contacts) >= 4
+    assert np.abs(solid.signed_distance(touch.contacts.points)).max() < 0.05
+    assert (touch.contacts.normals @ [0.0, 0.0, 1.0]).min() > np.cos(0.02)
+    assert any(np.abs(edge.points[:, 0] - 20.0).max() < 0.3 for edge in touch.edges)
+
+
+@pytest.mark.parametrize(
+    ("place", "toward"), [([10.0, 0.0, 20.0], [0, 0, -1]), ([-18.0, 18.0, 20.0], [0, 0, -1])]
+)
+def test_what_a_touch_calls_free_holds_no_material(place: list[float], toward: list[float]) -> None:
+    solid, _, touch = _touch("cube", place, toward)
+    rng = np.random.default_rng(1)
+    for pose, half in zip(touch.free.poses, touch.free.half_extents, strict=True):
+        inside = se3.transform_points(pose, rng.uniform(-1.0, 1.0, (300, 3)) * half)
+        assert solid.signed_distance(inside).min() > -0.02
+    assert len(touch.free.poses)
+
+
+def test_no_contact_is_told_where_a_hole_is() -> None:
+    solid, _, touch = _touch("plate_with_hole", [6.0, 2.0, 5.0], [0.0, 0.0, -1.0])
+    assert np.abs(solid.signed_distance(touch.contacts.points)).max() < 0.1
+    assert len(touch.untouched)
+    assert solid.signed_distance(touch.untouched).min() > 0.0
+
+
+def test_a_touch_that_misses_says_that_its_way_is_free() -> None:
+    _, _, touch = _touch("cube", [60.0, 0.0, 20.0], [0.0, 0.0, -1.0])
+    assert not touch
+    assert not len(touch.contacts)
+    assert touch.free.contains(np.array([[60.0, 0.0, 0.0]]))[0]
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 10_000))
+def test_rectangles_fill_a_mask_and_nothing_else(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    mask = rng.uniform(size=(10, 16)) < rng.uniform()
+    count = np.zeros(mask.shape, dtype=int)
+    for top, bottom, left, right in rectangles(mask):
+        count[top:bottom, left:right] += 1
+    assert np.array_equal(count, mask.astype(int))

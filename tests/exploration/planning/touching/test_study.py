@@ -1,0 +1,28 @@
+"""What contacts become on an object that turns out not to be convex."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from exploration.planning.faces.attribution import AttributionConfig
+from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.study import Study
+from primitives.evidence import Contacts
+
+
+def tread(height, x, width, touch):
+    """Thirty contacts of a level face, whose middle is at x."""
+    points = np.random.default_rng(touch).uniform(-0.5, 0.5, (30, 3)) * [width, 20.0, 0.01] + [x, 0.0, height]
+    return Contacts.of(points, np.eye(3)[[2] * 30], sigma=0.01, normal_sigma=0.005, touch=touch)
+
+
+def test_a_narrow_step_held_against_a_convex_object_is_a_face_of_a_hollow_one():
+    study = Study(SimpleNamespace(felt=[]), Findings(), AttributionConfig())
+    study.take_in(tread(0.0, 0.0, 20.0, touch=1))
+    study.take_in(tread(20.0, 40.0, 4.0, touch=2))
+    assert len(study.found.graph.faces) == 1
+    assert len(study.loose) == 30
+    study.reconsider()
+    heights = sorted(float(face.contacts.points[:, 2].mean()) for face in study.found.graph.faces)
+    np.testing.assert_allclose(heights, [0.0, 20.0], atol=0.01)
+    assert not len(study.loose)

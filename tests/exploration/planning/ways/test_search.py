@@ -1,0 +1,22 @@
+import numpy as np
+
+from exploration.planning.ways.search import sweeps
+
+BOX = np.array([-300.0, -300.0, -300.0, 300.0, 300.0, 300.0])
+
+
+def test_sweeps_begin_in_the_middle_and_leave_no_gap_that_hides_a_small_object():
+    pad = (28.8, 18.0)
+    lines = np.array([start[:2, 3] for start, _ in sweeps(BOX, pad, feature=10.0)])
+    np.testing.assert_allclose(lines[0], 0.0)
+    assert (np.diff(np.linalg.norm(lines, axis=1)) > -1e-9).all()
+    rng = np.random.default_rng(0)
+    for center in rng.uniform(-290.0, 290.0, (200, 2)):
+        reach = np.asarray(pad) / 2 + 10.0
+        assert (np.abs(lines - center) < reach).all(axis=1).any()
+
+
+def test_every_sweep_goes_from_the_top_of_the_box_to_its_bottom_facing_down():
+    for start, end in list(sweeps(BOX, (8.0, 8.0)))[:20]:
+        assert (start[2, 3], end[2, 3]) == (300.0, -300.0)
+        np.testing.assert_allclose(start[:3, 2], [0.0, 0.0, -1.0])
