@@ -73,3 +73,13 @@ def test_two_round_ends_far_apart_make_no_ring():
     ends = np.concatenate([rng.uniform(-0.06, 0.06, 20) + k * np.pi for k in (0, 1)])
     assert "torus" not in [ranked.fit.kind for ranked in rank(felt(ends), options=options)]
     assert rank(felt(rng.uniform(-0.6, 0.6, 40)), options=options)[0].fit.kind == "torus"
+
+
+def test_a_ball_that_is_hardly_wider_one_way_is_no_ring():
+    rng, ring = np.random.default_rng(6), Torus([0, 0, 0.0], [0, 0, 1.0], 0.15, 40.0)
+    polar, azimuth = rng.uniform(0.1, 0.8, 60), rng.uniform(-np.pi, np.pi, 60)
+    out = 0.15 + 40.0 * np.sin(polar)
+    at = np.column_stack([out * np.cos(azimuth), out * np.sin(azimuth), 40.0 * np.cos(polar)])
+    contacts = Contacts.of(at, ring.normals(at), 0.002, 0.01)
+    assert rank(contacts, options=RankOptions(least_ring=0.0))[0].fit.kind == "torus"
+    assert rank(contacts)[0].fit.kind == "sphere"

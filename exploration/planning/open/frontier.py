@@ -35,6 +35,7 @@ class FrontierConfig:
     few_curved: int = 12  # contacts, below which the kind of a curved face is not settled
     certain: float = 0.1  # [mm] standard deviation of the surface that is certain enough
     certain_edge: float = 0.08  # [mm] the same of an edge within its face
+    about_as_bad: float = 0.5  # of the greatest deviation, from which a place serves as well as the worst
     grazing: float = 0.05  # sine of the angle at which faces that are nearly tangent are taken to meet
     least_edge: float = 4.0  # [mm] of open edge worth a touch
 
@@ -90,10 +91,23 @@ class Frontier:
         return self._those(free.opened(self.predicted.points, self.body))
 
     def doubtful(self) -> Predicted:
-        """The predicted points where their face, or its edge there, is not known well; the worst first."""
+        """The predicted points where their face, or its edge there, is not known well; the best to press first.
+
+        Those about as bad as the worst come first, and of them the one farthest inside its face: what is pressed
+        on a rim tells of the rim.
+        """
         excess = self._doubts()
-        order = np.argsort(-excess, kind="stable")
+        worst = excess.max(initial=0.0)
+        bad = excess > self.config.about_as_bad * worst
+        order = np.lexsort((-np.where(bad, self._inside(), excess), ~bad))
         return self._those(order[excess[order] > 1.0])
+
+    def _inside(self) -> Floats:
+        """(n,) [mm] from a predicted point to the nearest other surface that bounds the body."""
+        p = self.predicted
+        distances = self.body.distances(p.points)
+        distances[np.arange(len(p.points)), [self.index[face] for face in p.face]] = -np.inf
+        return np.asarray(-distances.max(axis=1, initial=-np.inf))
 
     def _those(self, rows: Bools | Ints) -> Predicted:
         p = self.predicted

@@ -96,6 +96,25 @@ def test_a_face_that_is_poorly_known_is_open_though_it_was_touched():
     assert len(Frontier(CUBE.faces, BOX).doubtful().points) == 0
 
 
+def test_a_doubtful_face_is_to_be_pressed_in_its_middle_and_not_on_its_rim():
+    """A ball that rounds a cube's corners, felt at one of the eight."""
+    rng = np.random.default_rng(8)
+    way = np.array([1.0, 1.0, 1.0]) / np.sqrt(3.0) + 0.08 * rng.standard_normal((14, 3))
+    way = way / np.linalg.norm(way, axis=1, keepdims=True)
+    corners = graph_of(
+        *(side(a, s) for a in range(3) for s in (-1.0, 1.0)),
+        Contacts.of(22.0 * way, way, sigma=0.03, normal_sigma=0.01),
+    )
+    frontier = Frontier(corners.faces, BOX)
+    first = frontier.doubtful().points[0]
+    inside = -np.sort(frontier.body.distances(frontier.predicted.points), axis=1)[:, -2]
+    assert (
+        -np.sort(frontier.body.distances(first[None])[0])[-2]
+        > 0.8 * inside[frontier.predicted.face == 6].max()
+    )
+    assert (np.sign(first) < 0).any()
+
+
 def test_the_deviation_of_a_surface_grows_away_from_its_contacts():
     face = graph_of(side(2, 1.0, half=15.0, n=20)).faces[0]
     near, far = distance_sigma(face.fit, np.array([[0.0, 0.0, 15.0], [60.0, 0.0, 15.0]]))
