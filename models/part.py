@@ -33,14 +33,15 @@ def load_part(
     body: int | None = None,
     facets: bool = False,
 ) -> Part:
-    """A built-in part, or one in a CAD file; `units`, `scale` and `body` (from 1) are for files.
+    """A built-in part, or one in a CAD file; `units` and `body` (from 1) are for files.
 
     `facets` keeps the flat sides that OpenSCAD gives its circles, which are round else.
     """
     wanted = str(name_or_path)
     if wanted in parts.names():
         _require_only_body(wanted, body)
-        tree = parts.build(wanted)
+        checked_flags(units, scale)
+        tree = parts.build(wanted) if scale == 1.0 else parts.build(wanted).scaled(scale)
         return Part(wanted, Solid.from_csg(tree), tree)
     if not (intake.looks_like_a_file(wanted) or os.path.lexists(wanted)):
         raise PalpateError(parts.unknown(wanted))

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import reduce
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,6 +68,10 @@ class Csg(ABC):
         return replace(self, name=name)  # type: ignore[type-var]
 
     @abstractmethod
+    def scaled(self, factor: float) -> Csg:
+        """The solid with every length times a positive factor, about its origin."""
+
+    @abstractmethod
     def leaves(self, part_from_self: Floats | None = None, adds: bool = True) -> Iterator[Leaf]:
         """Every primitive, left to right, with its pose in the part frame."""
 
@@ -90,6 +94,11 @@ class Primitive(Csg):
     @abstractmethod
     def support(self, directions: Floats) -> Floats:
         """(n,) the farthest that the solid reaches along each of (n, 3) unit directions [mm]."""
+
+    def scaled(self, factor: float) -> Self:
+        """Every field but the name is a length or holds lengths, unless a primitive says otherwise."""
+        lengths = [f.name for f in fields(self) if f.name != "name"]  # type: ignore[arg-type]
+        return replace(self, **{key: times(getattr(self, key), factor) for key in lengths})  # type: ignore[type-var]
 
     def leaves(self, part_from_self: Floats | None = None, adds: bool = True) -> Iterator[Leaf]:
         """Itself."""
@@ -120,6 +129,12 @@ class Placed(Csg):
             moved = _compose(moved, self.child.pose)
             object.__setattr__(self, "child", self.child.child)
         object.__setattr__(self, "pose", frozen(moved))
+
+    def scaled(self, factor: float) -> Placed:
+        """The child's, its place scaled too."""
+        return Placed(
+            self.child.scaled(factor), pose(self.pose[:3, :3], factor * self.pose[:3, 3]), self.name
+        )
 
     def leaves(self, part_from_self: Floats | None = None, adds: bool = True) -> Iterator[Leaf]:
         """The child's, moved."""
@@ -170,6 +185,10 @@ class Operation(Csg):
             object.__setattr__(self, "children", (*first.children, *others))
         else:
             object.__setattr__(self, "children", (first, *others))
+
+    def scaled(self, factor: float) -> Self:
+        """Of every child's."""
+        return replace(self, children=tuple(child.scaled(factor) for child in self.children))
 
     def leaves(self, part_from_self: Floats | None = None, adds: bool = True) -> Iterator[Leaf]:
         """All children's; those after the first are turned over in a difference."""
@@ -225,6 +244,13 @@ class Difference(Operation):
 
     def __repr__(self) -> str:
         return self._repr(" - ")
+
+
+def times(value: Any, factor: float) -> Any:
+    """Lengths, however deep they are nested in tuples, times a positive factor."""
+    if not (np.isfinite(factor) and factor > 0):
+        raise PalpateError(f"a solid is scaled by a positive number, not {factor!r}")
+    return tuple(times(v, factor) for v in value) if isinstance(value, tuple) else factor * value
 
 
 def _axis_angle(turn: Floats, digits: int) -> tuple[Floats, float]:

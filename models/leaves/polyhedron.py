@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from models.leaves.expression import Primitive
+from models.leaves.expression import Primitive, times
 from models.leaves.polygons import triangulated
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
@@ -51,6 +51,10 @@ class Polyhedron(Primitive):
             raise PalpateError("a polyhedron must hold a volume")
         outward = faces if volume > 0 else [face[::-1] for face in faces]
         object.__setattr__(self, "faces", tuple(_from_least(face) for face in outward))
+
+    def scaled(self, factor: float) -> Polyhedron:
+        """Its points; faces are indices."""
+        return replace(self, points=times(self.points, factor))
 
     def support(self, directions: Floats) -> Floats:
         """Of the farthest corner."""

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 Units = Annotated[str, typer.Option(help="Unit of the CAD file: auto, mm, cm, m or in.")]
-Scale = Annotated[float, typer.Option(help="Factor on the CAD file's size.")]
+Scale = Annotated[float, typer.Option(help="Factor on the part's size.")]
 Body = Annotated[
     int | None,
     typer.Option(help="Which body of a CAD file that holds several, counted from 1.", show_default=False),

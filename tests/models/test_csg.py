@@ -102,6 +102,20 @@ def test_primitive_distance_agrees_with_its_mesh(tree: Csg) -> None:
     np.testing.assert_allclose(tree.signed_distance(points), meshed, atol=0.011)
 
 
+@given(trees, st.floats(0.2, 5.0))
+def test_a_scaled_tree_has_every_distance_times_the_factor(tree: Csg, factor: float) -> None:
+    points = _cloud(tree)
+    np.testing.assert_allclose(
+        tree.scaled(factor).signed_distance(factor * points), factor * tree.signed_distance(points), atol=1e-8
+    )
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf])
+def test_a_solid_is_scaled_by_a_positive_number(factor: float) -> None:
+    with pytest.raises(PalpateError, match="positive"):
+        (Cube((1.0, 2.0, 3.0)) - Sphere(0.5)).scaled(factor)
+
+
 @given(trees)
 def test_signed_distance_never_grows_faster_than_one(tree: Csg) -> None:
     a, b = _cloud(tree, seed=1), _cloud(tree, seed=2)

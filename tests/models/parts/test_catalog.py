@@ -74,3 +74,14 @@ def test_a_built_in_part_keeps_its_tree() -> None:
     part = load_part("block")
     assert part.csg == parts.build("block")
     assert part.solid.volume == pytest.approx(60 * 40 * 12)
+
+
+def test_a_part_may_be_scaled() -> None:
+    np.testing.assert_allclose(
+        load_part("bracket", scale=0.93).solid.extent, 0.93 * _solid("bracket").extent, atol=0.01
+    )
+    tree = load_part("bracket", scale=0.93).csg
+    assert tree is not None
+    assert [leaf.primitive.name for leaf in tree.leaves()] == [
+        leaf.primitive.name for leaf in parts.build("bracket").leaves()
+    ]
