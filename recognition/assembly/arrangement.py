@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import qmc
 
 from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.shapes import Shape
@@ -95,6 +94,8 @@ def arrange(
 
 def _even(count: int) -> Floats:
     """(count, 3) of the unit cube, the same every time."""
+    from scipy.stats import qmc  # takes as long as all else that an exploration imports of scipy
+
     return np.asarray(qmc.Sobol(3, scramble=True, rng=np.random.default_rng(0)).random(count))
 
 
