@@ -7,15 +7,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from primitives.arrays import Bools, Floats, Ints
+from exploration.planning.known.swept_kernel import sweep
+from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import inverse
 
 _CELL = 4.0  # [mm]
 _MOST = 256  # cells along one side of the workspace; in a larger one they are larger
-_STEP = 3.0  # [mm] of the way, after which the box is noted again
-_TURN = 0.1  # of the attitude's matrix, likewise
+_NOTED = (3.0, 0.1)  # [mm] of the way, and of the attitude's matrix, after which the box is noted again
 _WITHIN = 1.0  # [mm] of the housing, where there is surely nothing else
 _SKIN = 1.6  # [mm] behind the skin, as deep as anything may press into it
+_INNER, _OUTER = frozen(np.full(3, _WITHIN)), frozen([_WITHIN, _WITHIN, _SKIN])
 
 
 class SweptCells:
@@ -25,20 +26,15 @@ class SweptCells:
         self._low, high = np.asarray(box[:3], dtype=float), np.asarray(box[3:], dtype=float)
         self.cell = max(_CELL, float((high - self._low).max()) / _MOST)
         self._swept = np.zeros(np.ceil((high - self._low) / self.cell).astype(int) + 1, dtype=bool)
-        self._last: Floats | None = None
+        self._last = np.full((4, 4), np.inf)  # the pose that was noted last
 
     def pass_through(self, pose: Floats, low: Floats, high: Floats) -> None:
         """Note the box between two (3,) corners [mm] at a (4, 4) pose, unless it hardly moved."""
-        if self._last is not None:
-            moved = np.abs(pose - self._last)[:3]
-            if moved[:, 3].max() < _STEP and moved[:, :3].max() < _TURN:
-                return
-        self._last = pose
-        self._mark(self._filled(pose, low, high))
+        sweep(self._swept, self._low, self.cell, self._last, _NOTED, pose, low + _INNER, high - _OUTER)
 
     def ahead(self, pose: Floats, low: Floats, high: Floats) -> Floats:
         """(n, 3) middles [mm] of the cells not swept that the box at a (4, 4) pose was about to move into."""
-        last = pose if self._last is None else self._last
+        last = self._last if np.isfinite(self._last).all() else pose
         rows = self._filled(pose @ inverse(last) @ pose, low, high)
         return np.asarray(self._low + self.cell * rows[~self._swept[tuple(rows.T)]])
 
@@ -75,8 +71,7 @@ class SweptCells:
     def _filled(self, pose: Floats, low: Floats, high: Floats) -> Ints:
         """(n, 3) the cells whose middles are surely in the box at a (4, 4) pose."""
         rows, at = self._under(pose, low, high)
-        inner, outer = low + _WITHIN, high - np.array([_WITHIN, _WITHIN, _SKIN])
-        return np.asarray(rows[((at > inner) & (at < outer)).all(axis=1)])
+        return np.asarray(rows[((at > low + _INNER) & (at < high - _OUTER)).all(axis=1)])
 
     def _lattice(self, first: Ints, last: Ints) -> Ints:
         """(n, 3) all cells of the workspace from one to another."""
