@@ -20,7 +20,7 @@ from exploration.devices.pending import Pending
 from exploration.devices.protocols import MotionStage, StageEvent, TactileSensor
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.frame import TactileImage, TaxelFrame
-from exploration.sensing.load import NO_LOAD, load_of
+from exploration.sensing.load import Load, load_of
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
@@ -56,8 +56,13 @@ class Observation:
     frame: TaxelFrame
     image: TactileImage
     world_from_sensor: Floats  # (4, 4)
-    force: float  # [N] sum over the taxels, along the sensor's -z
+    load: Load
     sensor: int  # index of the array on the stage
+
+    @property
+    def force(self) -> float:
+        """[N] sum over the taxels, along the sensor's -z."""
+        return self.load.force
 
 
 @dataclass
@@ -108,7 +113,6 @@ class Guard:
         self.cost = Cost()
         self.pending = Pending(0.0)
         self._last: Observation | None = None
-        self._load = NO_LOAD
         self._following = Following()
         self._trail: deque[Floats] = deque(maxlen=_TRAIL)
 
@@ -182,8 +186,7 @@ class Guard:
         """The next frame, counted and shown around; no limit is looked at."""
         frame = self.sensor.read()
         image = correct(frame, self.calibrations[self.active], self.sensor.array)
-        self._load = load_of(image)
-        seen = Observation(frame.time, frame, image, self.world_from_sensor, self._load.force, self.active)
+        seen = Observation(frame.time, frame, image, self.world_from_sensor, load_of(image), self.active)
         self._count(seen)
         for observer in self.observers:
             observer(seen)
@@ -207,8 +210,8 @@ class Guard:
             kind = Collision if alarms[0].kind == "collision" else OverPress
             by = f" by {alarms[0].amount:.2f} mm" if alarms[0].amount else ""
             raise kind(f"{alarms[0].kind} of {alarms[0].source}{by}", seen)
-        if self._load.force > self.limits.force or self._load.peak > self.limits.depth:
-            pressed = f"pressed to {self._load.force:.1f} N, {self._load.peak:.2f} mm"
+        if seen.load.force > self.limits.force or seen.load.peak > self.limits.depth:
+            pressed = f"pressed to {seen.load.force:.1f} N, {seen.load.peak:.2f} mm"
             self._back_off()
             raise OverPress(f"{pressed}; lower the press or the speed", seen)
         x, y, z = seen.world_from_sensor[:3, 3].tolist()

@@ -23,9 +23,6 @@ class Load(NamedTuple):
     peak: float  # [mm] greatest mean depth over 2 x 2 taxels, so that no noisy one is it
 
 
-NO_LOAD = Load(0.0, 0.0, 0.0, 0.0, 0.0)
-
-
 def load_of(image: TactileImage) -> Load:
     """The load of one frame."""
     px, py = image.array.pitch

@@ -18,7 +18,7 @@ from exploration.devices.guard import Guard, Observation
 from exploration.recordings.mcap import Recorder
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.hough import sure_lines
-from exploration.sensing.load import load_of
+from exploration.sensing.load import Load, load_of
 from exploration.sensing.spec import SensorSpec
 from primitives.arrays import Floats
 from primitives.evidence import EdgeTrace
@@ -33,8 +33,8 @@ APPROACH = "approach"  # the event with which a touch begins
 class LogConfig:
     """How much is kept for the report."""
 
-    contact_frames: int = 240
-    free_frames: int = 90
+    contact_frames: int = 120
+    free_frames: int = 45
     sigmas: float = 6.0  # a frame is in contact when its force is this far out of its noise
 
 
@@ -73,8 +73,8 @@ class Logbook:
         if array.name not in self._drawn:
             self._recorder.pad(array.name, array.size, seen.time)
             self._drawn.add(array.name)
-        self._recorder.frame(array.name, seen.frame, seen.world_from_sensor, wrench(seen.image))
-        if seen.force > self._config.sigmas * force_sigma(seen.image):
+        self._recorder.frame(array.name, seen.frame, seen.world_from_sensor, wrench(seen.load))
+        if seen.force > self._config.sigmas * seen.load.sigma:
             self._contact.offer(_Kept(seen, guard.cost.touches - 1))
         else:
             self._free.offer(_Kept(seen, -1))
@@ -127,9 +127,8 @@ class Thinned:
         self._count += 1
 
 
-def wrench(image: TactileImage) -> Floats:
+def wrench(load: Load) -> Floats:
     """(6,) force [N] and torque about the pad's center [N mm], in the sensor's frame."""
-    load = load_of(image)
     return np.array([0.0, 0.0, -load.force, load.about_x, load.about_y, 0.0])
 
 

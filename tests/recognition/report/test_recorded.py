@@ -7,6 +7,7 @@ import numpy as np
 from exploration.devices.guard import Observation
 from exploration.recordings.mcap import Recorder
 from exploration.sensing.frame import TactileImage, TaxelArray, TaxelFrame
+from exploration.sensing.load import load_of
 from exploration.sensing.spec import load_sensor
 from primitives.arrays import frozen
 from recognition.report.recorded import recorded
@@ -19,7 +20,7 @@ def observation(index, pressed):
     depth = np.full(ARRAY.shape, 0.4 if pressed else 0.0)
     frame = TaxelFrame(np.round(100 * depth), 0.01 * index, index)
     image = TactileImage(ARRAY, frozen(depth), frozen(np.full(ARRAY.shape, 0.01)), 1.0, 0.1, 0.0)
-    return Observation(frame.time, frame, image, np.eye(4), float(0.6 * depth.sum()), 0)
+    return Observation(frame.time, frame, image, np.eye(4), load_of(image), 0)
 
 
 def test_touches_are_those_that_the_run_counted_however_long_the_pad_was_off(tmp_path):

@@ -8,6 +8,7 @@ import pytest
 from exploration.devices.guard import Observation
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, read
 from exploration.sensing.frame import TactileImage, TaxelArray, TaxelFrame
+from exploration.sensing.load import load_of
 from primitives.arrays import frozen
 from recognition.running.logbook import Logbook, LogConfig, Thinned, wrench
 
@@ -21,7 +22,7 @@ def image(depth, sigma=0.01):
 def observation(index, depth):
     frame = TaxelFrame(np.round(100 * depth), 0.01 * index, index)
     seen = image(depth)
-    return Observation(frame.time, frame, seen, np.eye(4), float(0.6 * depth.sum()), 0)
+    return Observation(frame.time, frame, seen, np.eye(4), load_of(seen), 0)
 
 
 @pytest.mark.parametrize("count", [0, 1, 9, 10, 11, 500, 1234])
@@ -39,7 +40,7 @@ def test_the_wrench_is_that_of_point_forces():
     depth[3, 0] = 0.5
     force = np.array([0.0, 0.0, -0.5 * 0.1 * 6.0])
     at = np.array([ARRAY.x[0], ARRAY.y[3], 0.0])
-    assert wrench(image(depth)) == pytest.approx([*force, *np.cross(at, force)])
+    assert wrench(load_of(image(depth))) == pytest.approx([*force, *np.cross(at, force)])
 
 
 def test_a_dead_taxel_pushes_nothing():
@@ -47,7 +48,7 @@ def test_a_dead_taxel_pushes_nothing():
     sigma[3, 0] = np.inf
     depth = np.zeros(ARRAY.shape)
     depth[3, 0] = 0.5
-    assert wrench(image(depth, sigma)) == pytest.approx(np.zeros(6))
+    assert wrench(load_of(image(depth, sigma))) == pytest.approx(np.zeros(6))
 
 
 def test_every_frame_is_recorded_and_those_in_contact_are_preferred(tmp_path):
