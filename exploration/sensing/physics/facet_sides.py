@@ -34,26 +34,37 @@ def see(pose: Floats, loop: Floats, seen: Floats) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def pick_sides(
-    s0: int, s1: int, about: Floats, slack: float, x_edges: Floats, y_low: float, y_high: float, sides: Ints
+def pick_facets(
+    start: Ints, about: Floats, slack: float, x_edges: Floats, y_edges: Floats, near: Ints, spans: Floats
 ) -> int:
-    """List the sides of a facet that may come between two rows; 0 where the facet cannot touch them."""
-    if slack == np.inf:
-        for i in range(s0, s1):
-            sides[i - s0] = i
-        return s1 - s0
+    """List the facets that may touch the skin in `near`, and in `spans` from where to where along y."""
     count = 0
-    x_least = z_least = np.inf
-    x_most = -np.inf
+    for f in range(len(start) - 1):
+        x_least = y_least = z_least = np.inf
+        x_most = y_most = -np.inf
+        for i in range(start[f], start[f + 1]):
+            x_least, x_most = min(x_least, about[i, 0]), max(x_most, about[i, 0])
+            y_least, y_most = min(y_least, about[i, 1]), max(y_most, about[i, 1])
+            z_least = min(z_least, about[i, 2])
+        beside = x_least > x_edges[-1] + slack or x_most < x_edges[0] - slack
+        if not (beside or y_least > y_edges[-1] + slack or y_most < y_edges[0] - slack or z_least > slack):
+            near[count], spans[count, 0], spans[count, 1] = f, y_least - slack, y_most + slack
+            count += 1
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def pick_sides(
+    s0: int, s1: int, about: Floats, slack: float, y_low: float, y_high: float, sides: Ints
+) -> int:
+    """List the sides of a facet that may come between two rows."""
+    count = 0
     for i in range(s0, s1):
         j = i + 1 if i + 1 < s1 else s0
-        x_least, x_most = min(x_least, about[i, 0]), max(x_most, about[i, 0])
-        z_least = min(z_least, about[i, 2])
         if min(about[i, 1], about[j, 1]) < y_high + slack and max(about[i, 1], about[j, 1]) > y_low - slack:
             sides[count] = i
             count += 1
-    apart = x_least > x_edges[-1] + slack or x_most < x_edges[0] - slack or z_least > slack
-    return 0 if apart else count
+    return count
 
 
 @njit(cache=True, error_model="numpy")

@@ -9,7 +9,14 @@ import numpy as np
 from numba import njit
 
 from exploration.sensing.physics.coverage import add_polygon, clip_to_contact
-from exploration.sensing.physics.facet_sides import most_moved, note_sides, pick_sides, see, span
+from exploration.sensing.physics.facet_sides import (
+    most_moved,
+    note_sides,
+    pick_facets,
+    pick_sides,
+    see,
+    span,
+)
 from primitives.arrays import Bools, Floats, Ints
 
 BEHIND = 10.0  # [mm] past the greatest press: deeper surfaces lie behind the sensor, not in its skin
@@ -49,22 +56,23 @@ def draw(
     rows = len(y_edges) - 1
     deepest = 0.0
     seen, about, sides = np.empty((len(loop), 2)), np.empty((len(loop), 3)), np.empty(len(loop), np.int64)
-    slack = np.inf
-    if len(poses) > 1:
-        middle = poses[len(poses) // 2]
-        slack = most_moved(poses, middle, np.hypot(x_edges[-1], y_edges[-1]) - floor)
-        see(middle, loop, about)
+    near, spans = np.empty(len(normals), np.int64), np.empty((len(normals), 2))
+    middle = poses[len(poses) // 2]
+    slack = most_moved(poses, middle, np.hypot(x_edges[-1], y_edges[-1]) - floor)
+    see(middle, loop, about)
+    listed = pick_facets(start, about, slack, x_edges, y_edges, near, spans)
     for group in range(1 if len(poses) == 1 else rows):
         whole = len(poses) == 1
         pose = poses[0] if whole else poses[2 * group + 1]
         first, last = (0, rows) if whole else (group, group + 1)
-        for f in range(len(normals)):
+        for n in range(listed):
+            f = near[n]
+            if spans[n, 0] >= y_edges[last] or spans[n, 1] <= y_edges[first]:
+                continue
             facing = normals[f, 0] * pose[0, 2] + normals[f, 1] * pose[1, 2] + normals[f, 2] * pose[2, 2]
             if facing >= -_WALL:
                 continue
-            count = pick_sides(
-                start[f], start[f + 1], about, slack, x_edges, y_edges[first], y_edges[last], sides
-            )
+            count = pick_sides(start[f], start[f + 1], about, slack, y_edges[first], y_edges[last], sides)
             if count > 0:
                 depth = _draw_facet(
                     f, facing, pose, first, last, x_edges, y_edges, floor,
