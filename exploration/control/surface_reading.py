@@ -2,8 +2,8 @@
 
 The smooth contact of two free curvatures (`smooth_fit`) has the rubber's blur and the end of contact in it, so
 that its depth and slope have no bias where `feel`'s paraboloid has one.  From one tick to the next it hardly
-moves, and one or two steps find it again.  Where an edge cuts the contact, the model does not hold; then only the
-taxels that no edge blurs are fitted.
+moves, and one or two steps find it again.  Where an edge cuts the contact, the model does not hold, which is soon
+seen; then only the taxels that no edge blurs are fitted.
 """
 
 from dataclasses import dataclass, replace
@@ -14,8 +14,8 @@ from exploration.control.feel import Felt
 from exploration.devices.guard import Observation
 from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, fit_shape, smooth_contact
-from exploration.sensing.surfaces.smooth_shapes import DOME
-from primitives.arrays import Floats
+from exploration.sensing.surfaces.smooth_shapes import DOME, UNKNOWNS
+from primitives.arrays import Floats, frozen
 
 MISFIT = 4.0  # [standard deviations of chi2] beyond which something cuts the contact
 PLAIN = 1.5  # the same, within which a smooth surface leaves no edge to find
@@ -77,10 +77,12 @@ def read_surface(seen: Observation, felt: Felt, last: SurfaceReading | None = No
     contact = smooth_contact(seen.image, felt.mask)
     if not contact:
         return None
-    fit = _fitted(contact, last)
+    divisible = int(np.count_nonzero(felt.inner)) >= LEAST
+    fit = _fitted(contact, last, MISFIT if divisible else np.inf)
     whole, plain = _explains(fit, MISFIT), _explains(fit, PLAIN)
-    if not whole and int(felt.inner.sum()) >= LEAST:
-        part = replace(contact, precision=np.where(felt.inner, contact.precision, 0.0), mask=felt.inner)
+    if not whole and divisible:
+        inner = frozen(felt.inner, np.bool_)  # as every mask is, for which kernels are compiled once
+        part = replace(contact, precision=np.where(inner, contact.precision, 0.0), mask=inner)
         fit = _fitted(part, last)
     if not fit.converged or not np.isfinite(fit.parameters).all():
         return None
@@ -95,10 +97,17 @@ def read_surface(seen: Observation, felt: Felt, last: SurfaceReading | None = No
     )
 
 
-def _fitted(contact: SmoothContact, last: SurfaceReading | None) -> Footprint:
-    """From the last reading, or afresh where that leads nowhere."""
-    fit = None if last is None else fit_shape(contact, _began(last), DOME)
-    return fit if fit is not None and fit.converged else fit_dome(contact)
+def _fitted(contact: SmoothContact, last: SurfaceReading | None, deviations: float = np.inf) -> Footprint:
+    """From the last reading, or afresh where that leads nowhere.
+
+    Given up, unconverged, once it promises to be more than so many `deviations` of chi2 off.
+    """
+    if last is None:
+        return fit_dome(contact)
+    dof = int(np.count_nonzero(contact.precision)) - UNKNOWNS[DOME]
+    limit = dof + deviations * np.sqrt(2.0 * max(1, dof))
+    fit = fit_shape(contact, _began(last), DOME, limit)
+    return fit if fit.converged or limit < fit.chi2 else fit_dome(contact)
 
 
 def _began(last: SurfaceReading) -> Footprint:

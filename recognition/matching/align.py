@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Bools, Floats, frozen
 from recognition.matching.facets import Facets, bent, likeliest, tilt_bound
 from recognition.matching.steps import add_bent_normal, add_distance, moved, rotated, solved, turn
 
@@ -108,7 +108,10 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
 def refine(poses: Floats, points: Floats, normals: Floats, felt: Bools, sigma: Floats, tau: Floats,
            shares: Floats, mesh: Facets, wider: float, rounds: int = 12, cap: float = 25.0,
            absolute: bool = False) -> Aligned:  # fmt: skip
-    """`aligned`, from Python; `shares` (n,) are what each contact counts for."""
+    """`aligned`, from Python; `shares` (n,) are what each contact counts for.
+
+    Points may come read-only or not; kernels are compiled for one of them.
+    """
     return Aligned(
-        *aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider, absolute, mesh)
+        *aligned(poses, frozen(points), normals, felt, sigma, tau, shares, cap, rounds, wider, absolute, mesh)
     )
