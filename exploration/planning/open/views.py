@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull, KDTree
 
 from exploration.planning.known.swept_cells import SweptCells
 from primitives import pose as se3
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -69,19 +69,26 @@ def best_view(
         middle = float(behind[:, 2].mean())
         low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
         lines = [np.arange(a, b + config.step, config.step) for a, b in zip(low, high, strict=True)]
-        for at in map(np.array, product(*lines)):
-            rows = _seen_on(at, places, behind, half)
-            worth = float(rows.sum()) * (1.0 if straight else config.slanting) / least
-            if worth > max(1.0, best[0] if best is not None else 0.0):
-                best = worth, View(se3.pose(turn, turn @ np.array([*at, middle])), unseen[rows])
+        for x in lines[0]:
+            strip, stops = _within(places, 0, x, half[0]), _within(behind, 0, x, half[0])
+            for y in lines[1]:
+                rows = strip[_seen_on(y, half[1], places[strip], behind[stops])]
+                worth = float(len(rows)) * (1.0 if straight else config.slanting) / least
+                if worth > max(1.0, best[0] if best is not None else 0.0):
+                    best = worth, View(se3.pose(turn, turn @ np.array([x, y, middle])), unseen[rows])
     return None if best is None else best[1]
 
 
-def _seen_on(at: Floats, places: Floats, felt: Floats, half: Floats) -> Bools:
-    """(n,) which of (n, 3) places an approach along z at a (2,) line sees before it meets one of (m, 3) felt."""
-    rows = np.asarray((np.abs(places[:, :2] - at) < half).all(axis=1))
-    stops = felt[(np.abs(felt[:, :2] - at) < half).all(axis=1), 2]
-    return np.asarray(rows & (places[:, 2] < stops.min(initial=np.inf)))
+def _within(points: Floats, axis: int, at: float, half: float) -> Ints:
+    """(k,) which of (n, 3) points lie less than `half` from a line along one axis."""
+    return np.flatnonzero(np.abs(points[:, axis] - at) < half)
+
+
+def _seen_on(y: float, half: float, places: Floats, felt: Floats) -> Ints:
+    """(k,) which of (n, 3) places an approach along z at `y` sees before it meets one of (m, 3) felt."""
+    rows = _within(places, 1, y, half)
+    stop = felt[_within(felt, 1, y, half), 2].min(initial=np.inf)
+    return np.asarray(rows[places[rows, 2] < stop])
 
 
 def _unseen(felt: Floats, seen: SweptCells, config: ViewsConfig) -> Floats:
