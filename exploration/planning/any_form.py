@@ -29,6 +29,7 @@ from exploration.planning.moves.wall_facing import face_wall
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, outward_normal
+from exploration.planning.touching.overhung import Overhung
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
 from primitives import pose as se3
@@ -44,9 +45,6 @@ class AnyFormConfig:
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
     overlap: float = 0.22  # of the pad's shorter side, that stays over the rim
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
-    came: float = 2.0  # [mm] from the housing, within which it came to something
-    room: float = 0.6  # [mm] beside it
-    faced: float = 0.9  # cosine from which it was felt to face the way of the stroke
     wall_tries: int = 2
     vain: int = 12  # looks at walls that were not there, from which no more of them are believed
     worth: int = 3  # of those, that a wall found makes up for
@@ -75,6 +73,7 @@ class AnyForm:
         self._entering = Entering(study, self.reach) if later else None
         self._slipped = Slipped(study, self.reach) if later else None
         self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
+        self._overhung = Overhung()
         self._vain = 0
         self._looking = Looking(study, self.reach)
         self._last: tuple[tuple[int, ...], PatchGraph, LocalFrontier] | None = None
@@ -101,7 +100,7 @@ class AnyForm:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
         if len(felt := self.reach.felt.points):
             self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0), swept=True))
-        conclude(self.found, self.study.walls, self._frontier, self._stands)
+        conclude(self.found, self._open_walls, self._frontier)
         if len(self.study.loose):
             graph = self.found.graph
             rest = Face(1 + max((f.id for f in graph.faces), default=-1), _NAMELESS, self.study.loose)
@@ -118,7 +117,7 @@ class AnyForm:
     def _next(self, face: int | None) -> Callable[[], Done] | None:
         frontier = self._frontier()
         opened, rims = frontier.open, frontier.rims
-        walls = [wall for wall in self.study.walls if not self._stands(wall)]
+        walls = self._open_walls()
         self.found.open = len(opened.points) + len(rims) + len(walls)
         here = self.pad.guard.world_from_sensor[:3, 3]
         left = opened.none() if self._entering else self._open.left(opened)
@@ -161,29 +160,19 @@ class AnyForm:
         except (OverPress, Collision):
             return False
 
-    def _stands(self, wall: Wall) -> bool:
-        """Whether a known face stands where a stroke met something."""
+    def _open_walls(self) -> list[Wall]:
+        """What strokes met where no known face stands, and nothing that the housing came to."""
+        walls = self.study.walls
+        at = np.array([wall.point for wall in walls]).reshape(-1, 3)
+        ways = np.array([wall.heading for wall in walls]).reshape(-1, 3)
+        stands = np.zeros(len(walls), dtype=bool)
         for face in self.found.graph.faces:
             if isinstance(face.fit, Fit):
-                away = abs(float(face.fit.shape.signed_distance(wall.point[None])[0]))
+                near = np.abs(face.fit.shape.signed_distance(at)) < self.own.met
                 side = 1.0 if face.fit.convex else -1.0
-                if (
-                    away < self.own.met
-                    and side * face.fit.shape.normals(wall.point[None])[0] @ wall.heading < -0.3
-                ):
-                    return True
-        return self._overhung(wall)
-
-    def _overhung(self, wall: Wall) -> bool:
-        """Whether the housing, and not the skin's side, came to what was felt before."""
-        tool, felt, turn = self.pad.tool, self.reach.felt, wall.pose[:3, :3]
-        local = (felt.points - wall.pose[:3, 3]) @ turn
-        ahead = local - np.outer(
-            (local @ (turn.T @ wall.heading) > 0.0) * self.own.came, turn.T @ wall.heading
-        )
-        within = (np.abs(ahead[:, :2]) < wall.half + self.own.room).all(axis=1)
-        behind = (local[:, 2] > tool.low[2]) & (local[:, 2] < -self.own.met)
-        return bool((within & behind & (felt.facing @ wall.heading < -self.own.faced)).any())
+                stands |= near & (side * (face.fit.shape.normals(at) * ways).sum(axis=1) < -0.3)
+        left = [wall for wall, told in zip(walls, stands, strict=True) if not told]
+        return [wall for wall in left if not self._overhung.holds(wall, self.reach.felt, self.pad.tool)]
 
     def _face_wall(self, wall: Wall) -> Done:
         """Turn to face what a stroke met, just above the face that the pad lay on."""

@@ -36,15 +36,12 @@ _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 
 
 def conclude(
-    found: Findings,
-    walls: Sequence[Wall],
-    frontier: Callable[[], LocalFrontier],
-    stands: Callable[[Wall], bool],
+    found: Findings, walls: Callable[[], Sequence[Wall]], frontier: Callable[[], LocalFrontier]
 ) -> None:
-    """Add what is inferred; `stands` says whether a face is known where a stroke was stopped."""
+    """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
     found.graph = uprighted(drop_poor(flattened(found.graph)))
     rims = [rim for rim, _ in unexplained(found)]
-    for lot in inferred_walls([wall for wall in walls if not stands(wall)], found.graph.faces, rims):
+    for lot in inferred_walls(walls(), found.graph.faces, rims):
         _add(found, lot, _BY_STOPS)
     if lots := rim_walls(unexplained(found), found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}

@@ -4,11 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from exploration.planning.any_form import AnyForm, AnyFormConfig
+from exploration.planning.known.surface_map import SurfaceMap
+from exploration.planning.touching.overhung import Overhung
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Wall
+from exploration.planning.ways.routes import Tool
 
 UP = np.array([0.0, 0.0, 1.0])
+TOOL = Tool(np.array([-10.0, -10.0, -40.0]), np.array([10.0, 10.0, 0.0]))
 LAID = np.diag([1.0, -1.0, -1.0, 1.0])  # (4, 4) of a pad that faces down
 
 
@@ -30,12 +33,13 @@ def test_what_was_gone_through_is_left_out_last_and_only_where_there_is_some():
 def overhung(at, facing):
     """Whether a stop along x is put down to one place felt, of a housing that reaches 10 mm to each side."""
     wall = Wall(np.array([10.0, 0.0, 0.0]), np.array([1.0, 0.0, 0.0]), UP, LAID, np.array([10.0, 10.0]))
-    form = AnyForm.__new__(AnyForm)
-    form.own = AnyFormConfig()
-    form.pad = SimpleNamespace(tool=SimpleNamespace(low=np.array([-10.0, -10.0, -40.0])))
-    felt = SimpleNamespace(points=np.array([at]), facing=np.array([facing]))
-    form.reach = SimpleNamespace(felt=felt)
-    return form._overhung(wall)
+    asked, felt = Overhung(), SurfaceMap()
+    assert not asked.holds(wall, felt, TOOL)
+    felt.add(np.array([at]), np.array([facing]))
+    found = asked.holds(wall, felt, TOOL)
+    felt.add(np.array([[0.0, 50.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]))
+    assert asked.holds(wall, felt, TOOL) == found
+    return found
 
 
 def test_a_stop_is_put_down_to_what_the_housing_came_to_above_the_skin():
