@@ -7,9 +7,9 @@ was never touched is met under guard (our derivation).
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from exploration.sensing.physics.housing import housing_box
 from exploration.sensing.spec import SensorSpec, whole_body
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats
+
+_ALIKE = 0.99  # cosine from which two ways out are one
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class RoutesConfig:
     step: float = 5.0  # [mm] between the poses that are looked at
     turn: float = 0.15  # [rad] the same
     swing: float = 8.0  # [mm] of the farthest corner, the same where the tool is long
-    lever: float = 60.0  # [mm] of way that a radian costs
+    far: float = 50.0  # [mm] of lift, from which a corner on the way is tried
     barred: float = 4.0  # [mm] from a pose at which something was in the way, that it is so yet
     barred_turn: float = 0.15  # of the attitude's matrix, the same
     leading_off: float = 0.1  # share of these, by which a way may come nearer than it began
@@ -107,7 +109,7 @@ class Tool:
 
 
 def _corners(low: Floats, high: Floats) -> Floats:
-    return np.array(list(product(*zip(low, high, strict=True))))
+    return np.array(list(itertools.product(*zip(low, high, strict=True))))
 
 
 def route(
@@ -124,29 +126,34 @@ def route(
     `ways` (n, 3) are directions that may lead out, beside those of the pad's own normals; at poses near to (4, 4)
     `barred` ones something unknown was in the way.
     """
-    turns: dict[tuple[bytes, bytes], float] = {}
-    tried = sorted(_candidates(start, goal, ways, config), key=lambda way: _length(start, way, config, turns))
     legs = _Legs(tool, obstacles, config, np.array(barred).reshape(-1, 4, 4))
+    tried = _shortest_first(start, goal, ways, config)
     return next((poses for poses in tried if legs.free(start, poses)), None)
 
 
-def _candidates(start: Floats, goal: Floats, ways: Floats, config: RoutesConfig) -> Iterator[list[Floats]]:
+def _shortest_first(
+    start: Floats, goal: Floats, ways: Floats, config: RoutesConfig
+) -> Iterator[list[Floats]]:
+    """Ways up, across and down again; far up also round a corner.  All of them turn alike, on the way across."""
     back, front = -start[:3, 2], -goal[:3, 2]
+    firsts, lasts, alike = np.array([back, *ways]), np.array([front, *ways]), np.array([back, front, *ways])
+    i, j = np.nonzero(firsts @ lasts.T < _ALIKE)
+    up, down = np.concatenate([alike, firsts[i]]), np.concatenate([alike, lasts[j]])
+    apart = np.arange(len(up)) >= len(alike)
+    lots = []
     for lift in config.lifts:
-        for way in (back, front, *ways):
-            yield [_lifted(start, lift * way), _lifted(goal, lift * way), goal]
-        for first in (back, *ways):
-            for last in (front, *ways):
-                if first @ last < 0.99:
-                    away, near = _lifted(start, lift * first), _lifted(goal, lift * last)
-                    yield [away, near, goal]
-                    if lift > 50.0:
-                        corner = se3.pose(near[:3, :3], 0.5 * (away + near)[:3, 3] + lift * (first + last))
-                        yield [away, corner, near, goal]
-
-
-def _lifted(pose: Floats, by: Floats) -> Floats:
-    return se3.pose(pose[:3, :3], pose[:3, 3] + by)
+        away, near = start[:3, 3] + lift * up, goal[:3, 3] + lift * down
+        lots.append((away, near, near))
+        if lift > config.far:
+            corner = 0.5 * (away + near) + lift * (up + down)
+            lots.append((away[apart], corner[apart], near[apart]))
+    away, corner, near = (np.concatenate(places) for places in zip(*lots, strict=True))
+    stops = [start[:3, 3], away, corner, near, goal[:3, 3]]
+    length = sum(np.linalg.norm(b - a, axis=1) for a, b in itertools.pairwise(np.broadcast_arrays(*stops)))
+    for n in np.argsort(length, kind="stable"):
+        first, *others = away[n], corner[n], near[n]
+        turned = others if (corner[n] != near[n]).any() else others[1:]
+        yield [se3.pose(start[:3, :3], first), *(se3.pose(goal[:3, :3], at) for at in turned), goal]
 
 
 class _Legs:
@@ -202,18 +209,3 @@ def on_the_way(a: Floats, b: Floats, mount: Floats, most: float, most_turn: floa
     shares = np.linspace(0.0, 1.0, count)
     flange = se3.pose(se3.rotation_exp(shares[:, None] * turn) @ a[:3, :3], a[:3, 3] + shares[:, None] * line)
     return np.asarray(flange @ mount)
-
-
-def _length(
-    start: Floats, poses: list[Floats], config: RoutesConfig, turns: dict[tuple[bytes, bytes], float]
-) -> float:
-    """[mm] of a way, its turning included; `turns` [rad] keeps those between two attitudes."""
-    total, at = 0.0, start
-    for pose in poses:
-        total += float(np.linalg.norm(pose[:3, 3] - at[:3, 3]))
-        key = (at[:3, :3].tobytes(), pose[:3, :3].tobytes())
-        if key not in turns:
-            turns[key] = float(np.linalg.norm(se3.rotation_log(pose[:3, :3] @ at[:3, :3].T)))
-        total += config.lever * turns[key]
-        at = pose
-    return total
