@@ -12,8 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from exploration.planning.faces.consistency import drop_poor, flattened
-from exploration.planning.inferring.inferred_walls import inferred_walls
+from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
+from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.inferring.uprighted import uprighted
 from exploration.planning.moves.rim_walls import SeenRim, rim_walls, upright_walls
@@ -30,6 +31,7 @@ _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped
 _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two others"
 _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
 _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
+_BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
@@ -41,8 +43,10 @@ def conclude(
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
     found.graph = uprighted(drop_poor(flattened(found.graph)))
     rims = [rim for rim, _ in unexplained(found)]
+    inside = np.concatenate([np.empty((0, 3)), *found.inside])
     for lot in inferred_walls(walls(), found.graph.faces, rims):
-        _add(found, lot, _BY_STOPS)
+        if not gone_through(lot, inside):
+            _add(found, lot, _BY_STOPS)
     if lots := rim_walls(unexplained(found), found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}
         _replace(found, lambda face: placed.get(face.id, face))
@@ -52,7 +56,6 @@ def conclude(
         _add(found, lot, _BY_TURN)
     for lot in upright_walls(unexplained(found), found.graph.faces):
         _add(found, lot, _BY_RIM)
-    inside = np.concatenate([np.empty((0, 3)), *found.inside])
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
     hollows = hollows_of(found.graph.faces)
     holes, left = holes_of([rim for rim in (*found.rims, *guessed) if not own_rim(rim, hollows)], inside)
@@ -61,6 +64,8 @@ def conclude(
     for hole in holes:
         _replace(found, hole.off)
         _add(found, hole.wall(), _BY_ENDS, "cylinder")
+    for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
+        _add(found, riser.contacts, _BY_STEP, riser.kind)
     found.warnings.extend(rim.told() for rim in found.openings)
 
 

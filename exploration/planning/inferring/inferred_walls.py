@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,8 +36,18 @@ class InferredWallConfig:
     agree: float = 1.0  # [mm] between stops of one plane
     apart: float = 4.0  # [mm] between the places of two of them
     height: float = 4.0  # [mm] over the face, of where the housing is
+    behind: tuple[float, float] = (1.0, 5.0)  # [mm] behind a wall, where its material is
+    went: int = 4  # places there that an array went through, from which there is none
     sigma: float = 0.3  # [mm]
     normal_sigma: float = 0.05  # [rad]
+
+
+class Stop(NamedTuple):
+    """A stroke that was stopped, and how the wall stands that may have done it."""
+
+    wall: Wall
+    normal: Floats  # (3,) out of the wall
+    offset: float  # [mm] of the wall along it
 
 
 def inferred_walls(
@@ -46,26 +57,43 @@ def inferred_walls(
     config: InferredWallConfig = InferredWallConfig(),
 ) -> list[Contacts]:
     """Contacts of each plane that stops agree on, or a stop and one of the `rims` seen of other faces."""
+    return _agreeing(stops_of(walls, faces, config), rims, config)
+
+
+def stops_of(
+    walls: Sequence[Wall], faces: Sequence[Face], config: InferredWallConfig = InferredWallConfig()
+) -> list[Stop]:
+    """What stood upright on a known face where a stroke on it was stopped."""
     fits = [face.fit for face in faces if isinstance(face.fit, Fit)]
     ways = _ways(fits)
-    stops: list[tuple[Wall, Floats, float]] = []
+    stops: list[Stop] = []
     for wall in walls:
         if not len(ways) or not any(_lies_on(fit, wall, config) for fit in fits):
             continue
         normal = ways[int(np.argmin(ways @ wall.heading))]
         upright = -config.overhang < float(normal @ wall.normal) < config.upright
         if upright and normal @ wall.heading < -config.across:
-            stops.append((wall, normal, _offset(wall, normal)))
-    return _agreeing(stops, rims, config)
+            stops.append(Stop(wall, normal, _offset(wall, normal)))
+    return stops
 
 
-def _agreeing(
-    stops: list[tuple[Wall, Floats, float]], rims: Sequence[Sighting], config: InferredWallConfig
-) -> list[Contacts]:
+def gone_through(lot: Contacts, free: Floats, config: InferredWallConfig = InferredWallConfig()) -> bool:
+    """Whether an array has been right behind an inferred wall, at (n, 3) places that hold no material."""
+    normal = lot.normals[0]
+    depth = float(normal @ lot.points[0]) - free @ normal
+    face = free + np.outer(depth, normal)
+    beside = ((face > lot.points.min(axis=0) - 1.0) & (face < lot.points.max(axis=0) + 1.0)).all(axis=1)
+    behind = (depth > config.behind[0]) & (depth < config.behind[1])
+    return int((beside & behind).sum()) >= config.went
+
+
+def _agreeing(stops: list[Stop], rims: Sequence[Sighting], config: InferredWallConfig) -> list[Contacts]:
     lots: list[Contacts] = []
     while stops:
         _, normal, offset = stops[0]
-        alike = [s for s in stops if s[1] @ normal > config.flush and abs(s[2] - offset) < config.agree]
+        alike = [
+            s for s in stops if s.normal @ normal > config.flush and abs(s.offset - offset) < config.agree
+        ]
         stops = [s for s in stops if not any(s is other for other in alike)]
         ends = [
             rim.point

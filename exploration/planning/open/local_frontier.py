@@ -48,7 +48,9 @@ class LocalFrontierConfig:
 
 
 @dataclass(frozen=True)
-class _Known:
+class Known:
+    """A face as it was felt, place by place."""
+
     face: Face
     fit: Fit
     side: float  # of the shape's normals, outward
@@ -83,13 +85,13 @@ class LocalFrontier:
     ) -> None:
         self.config, self.reach = config or LocalFrontierConfig(), min(max(feature / 2.0, 3.0), 8.0)
         self.felt, self.free = felt, free
-        self.known: list[_Known] = []
+        self.known: list[Known] = []
         for face in faces:
             if isinstance(face.fit, Fit):
                 side = 1.0 if face.fit.convex else -1.0
                 on = felt.on(face.fit.shape, side)
                 cells, away = felt.points[on], self._free_of(face.fit, side)
-                self.known.append(_Known(face, face.fit, side, cells, away))
+                self.known.append(Known(face, face.fit, side, cells, away))
 
     @cached_property
     def open(self) -> Predicted:
@@ -163,7 +165,7 @@ class LocalFrontier:
         """
         return [self._without_bridges(own) for own in self.known]
 
-    def _without_bridges(self, own: _Known) -> Face:
+    def _without_bridges(self, own: Known) -> Face:
         free, points = own.free, own.face.contacts.points
         if own.fit.kind != "plane" or not len(free) or not len(own.cells):
             return own.face
@@ -175,7 +177,7 @@ class LocalFrontier:
         fit = replace(own.fit, inliers=frozen(own.fit.inliers[kept], bool))
         return replace(own.face, fit=fit, contacts=own.face.contacts.select(kept))
 
-    def _further(self, own: _Known) -> tuple[Floats, Floats]:
+    def _further(self, own: Known) -> tuple[Floats, Floats]:
         """(m, 3) places a little further than touched ones, not touched themselves; and where they came from."""
         normals = own.fit.shape.normals(own.cells)
         u = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
@@ -187,7 +189,7 @@ class LocalFrontier:
         fresh = ~own.touched(at, 0.75 * self.reach)
         return at[fresh], came[fresh]
 
-    def _past_rim(self, own: _Known, at: Floats, came: Floats) -> Bools:
+    def _past_rim(self, own: Known, at: Floats, came: Floats) -> Bools:
         out, beside = np.zeros(len(at), dtype=bool), self.config.beside
         if len(own.free) and len(at):
             for share in (0.6, 0.8, 1.0):
@@ -195,7 +197,7 @@ class LocalFrontier:
                 out |= own.near_free.query(between, distance_upper_bound=beside)[0] < beside
         return out
 
-    def _behind_wall(self, own: _Known, at: Floats, came: Floats) -> Bools:
+    def _behind_wall(self, own: Known, at: Floats, came: Floats) -> Bools:
         """Whether another touched face stands between, or the place is inside its material."""
         out = np.zeros(len(at), dtype=bool)
         for other in self.known:
@@ -213,7 +215,7 @@ class LocalFrontier:
         above = side * fit.shape.signed_distance(self.free)
         return self.free[(above > low) & (above < high)]
 
-    def _rim(self, own: _Known) -> tuple[Floats, Floats]:
+    def _rim(self, own: Known) -> tuple[Floats, Floats]:
         """(n, 3) touched cells beside free ones, and the ways out of the face there."""
         free = own.free
         if not len(free) or not len(own.cells):
@@ -228,7 +230,7 @@ class LocalFrontier:
         far = length > 0.2
         return at[far], out[far] / length[far, None]
 
-    def _explained(self, own: _Known, at: Floats, out: Floats) -> Bools:
+    def _explained(self, own: Known, at: Floats, out: Floats) -> Bools:
         told = np.zeros(len(at), dtype=bool)
         for other in self.known:
             if other is own or not len(other.cells) or not len(at):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exploration.control.sighting import Sighting
-from exploration.planning.inferring.inferred_walls import inferred_walls
+from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls
 from exploration.planning.touching.study import Wall
 from primitives import pose as se3
 from primitives.evidence import NOT_FELT, Contacts
@@ -99,3 +99,13 @@ def test_a_rim_that_ends_where_a_pad_was_stopped_tells_the_wall_and_where_it_sta
     (lot,) = inferred_walls([one], PLATE, [rim([20.3, 9.0, 8.0])])
     assert lot.points[:, 0] == pytest.approx(20.3, abs=0.01)
     assert inferred_walls([one], PLATE, [rim([23.0, 9.0, 8.0])]) == []
+
+
+def test_a_wall_that_an_array_has_gone_through_was_none():
+    stops = [stopped([10.0, y, 0.0], [1.0, 0.0, 0.0]) for y in (-12.0, 0.0, 12.0)]
+    (lot,) = inferred_walls(stops, PLATE)
+    x, y, z = np.meshgrid([23.0], np.arange(-12.0, 13.0, 4.0), [2.0, 4.0, 6.0])
+    behind = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    assert gone_through(lot, behind)
+    assert not gone_through(lot, behind - [8.0, 0.0, 0.0])
+    assert not gone_through(lot, behind - [0.0, 60.0, 0.0])

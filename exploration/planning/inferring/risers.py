@@ -1,0 +1,239 @@
+"""Walls between two faces that look the same way, one higher than the other, inferred where none was felt.
+
+Whoever goes from the floor of a pocket outward comes to the face round its mouth, and from the top of an island to
+the floor round it: in between a wall stands, whether or not any pad had room to face it.  On the way the one face
+ends, and so do the places where the skin felt that the other is not there, and the other begins; the wall stands
+upright between, as surely as that gap is narrow, or where a stroke was stopped in it (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from exploration.planning.inferring.inferred_walls import Stop
+from exploration.planning.known.surface_map import clusters
+from exploration.planning.open.local_frontier import Known
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT, Contacts
+
+
+@dataclass(frozen=True)
+class RiserConfig:
+    """What counts as two faces with a wall in between."""
+
+    alike: float = 0.999  # least cosine between the two normals
+    step: float = 1.5  # [mm] that one is higher than the other, at least
+    upright: float = 0.03  # most cosine between their normal and a direction across it
+    least: int = 4  # touched places of a patch from which one goes out
+    cluster: float = 8.0  # [mm] between neighboring places of one patch
+    side: float = (
+        0.2  # of a patch's places, that lie beside the middle from which one goes out, on either hand
+    )
+    wrong: float = 0.2  # of places, that may lie on the wrong side of where a face begins
+    past: float = 6.0  # [mm] behind where a face has begun, within which places say where
+    gap: float = 30.0  # [mm] between the two, from which nothing is said of the wall
+    behind: float = 2.0  # [mm] behind a rim, where the wall's face cannot be any more
+    as_wide: float = 0.15  # of its size, that a round patch may be wider than long
+    corners: float = 0.88  # of its box, that a patch with corners covers; a round one covers pi / 4
+    met: float = 2.0  # [mm] about the gap, within which what stopped a stroke was this wall
+    normal_sigma: float = 0.05  # [rad]
+    sigma: float = 0.5  # [mm] at least
+
+
+class Riser(NamedTuple):
+    """A wall that nobody felt."""
+
+    contacts: Contacts
+    kind: str  # plane, or cylinder
+
+
+def risers(
+    known: Sequence[Known], stops: Sequence[Stop] = (), config: RiserConfig = RiserConfig()
+) -> list[Riser]:
+    """Contacts of each wall that is missing, as if felt at a quarter and three quarters of its height."""
+    ways = _ways(known)
+    flat = [own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.least]
+    out: list[Riser] = []
+    for own in flat:
+        normal = own.side * own.fit.shape.direction
+        level = float((own.cells @ normal).mean())
+        across = [w for w in ways if abs(float(w @ normal)) < config.upright]
+        others = [
+            (other, float((other.cells @ normal).mean()) - level)
+            for other in flat
+            if float(other.side * other.fit.shape.direction @ normal) > config.alike
+        ]
+        others = [(other, step) for other, step in others if abs(step) > config.step]
+        if not others or not across:
+            continue
+        for members in clusters(own.cells, config.cluster):
+            if members.sum() >= config.least:
+                patch = Patch(own, own.cells[members], normal)
+                found = [_wall(patch, way, others, known, stops, config) for way in _four(normal, across[0])]
+                walls = [wall for wall in found if wall is not None]
+                ring = _ring(patch, walls, config) if len(walls) == 4 else None
+                out += (
+                    [Riser(wall.contacts(patch, config), "plane") for wall in walls]
+                    if ring is None
+                    else [ring]
+                )
+    return out
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Touched places of a face that hang together."""
+
+    own: Known
+    cells: Floats  # (n, 3)
+    normal: Floats  # (3,) outward
+
+    @property
+    def middle(self) -> Floats:
+        """(3,) [mm]."""
+        return np.asarray(self.cells.mean(axis=0))
+
+    def edge(self, way: Floats) -> float:
+        """[mm] along `way` of its farthest place."""
+        return float((self.cells @ way).max())
+
+    def ahead(self, points: Floats, way: Floats, config: RiserConfig) -> Floats:
+        """(m,) how far along `way` those of (n, 3) points are that lie straight ahead of its middle."""
+        if not len(points):
+            return np.empty(0)
+        along = np.cross(self.normal, way)
+        low, high = np.quantile(self.cells @ along, [config.side, 1.0 - config.side])
+        where, far = points @ along, points @ way
+        return np.asarray(far[(where > low) & (where < high) & (far > float(self.middle @ way))])
+
+
+def _four(normal: Floats, first: Floats) -> Iterator[Floats]:
+    second = np.cross(normal, first)
+    yield from (first, -first, second, -second)
+
+
+@dataclass(frozen=True)
+class _Wall:
+    """Upright, across one way out of a patch."""
+
+    way: Floats  # (3,)
+    at: float  # [mm] along it
+    gap: float  # [mm] that may hold it
+    step: float  # [mm] up, or down where it is negative
+
+    def contacts(self, patch: Patch, config: RiserConfig) -> Contacts:
+        """As if felt at a quarter and three quarters of its height, in three places."""
+        along = np.cross(patch.normal, self.way)
+        reach = np.ptp(patch.cells @ along) / 2.0
+        foot = patch.middle + (self.at - float(patch.middle @ self.way)) * self.way
+        up = self.step * patch.normal
+        places = np.array([foot + u * reach * along + v * up for u in (-1, 0, 1) for v in (0.25, 0.75)])
+        looks = np.tile(-np.sign(self.step) * self.way, (len(places), 1))
+        sigma = max(config.sigma, self.gap / np.sqrt(12.0))
+        return Contacts.of(places, looks, sigma, config.normal_sigma, touch=NOT_FELT)
+
+
+def _wall(
+    patch: Patch,
+    way: Floats,
+    others: Sequence[tuple[Known, float]],
+    known: Sequence[Known],
+    stops: Sequence[Stop],
+    config: RiserConfig,
+) -> _Wall | None:
+    """The wall that one comes to, where it is not known; that of the face that begins first."""
+    seen = [(_where(patch, way, other, step > 0, config), step) for other, step in others]
+    (at, gap), step = min(seen, key=lambda found: found[0][0])
+    if not np.isfinite(at) or gap > config.gap or _stands(known, patch, way, at, step, config):
+        return None
+    side = -np.sign(step)
+    met = [
+        side * s.offset
+        for s in stops
+        if side * float(s.normal @ way) > config.alike and abs(side * s.offset - at) < 0.5 * gap + config.met
+    ]
+    return _Wall(way, float(np.median(met)) if met else at, 0.0 if met else gap, step)
+
+
+def _ring(patch: Patch, walls: Sequence[_Wall], config: RiserConfig) -> Riser | None:
+    """One round wall in the place of four that go down, where the patch is as wide as long and lacks corners."""
+    if any(wall.step > 0.0 for wall in walls):
+        return None
+    first, second = walls[0].way, walls[2].way
+    width, length = walls[0].at + walls[1].at, walls[2].at + walls[3].at
+    spread = patch.cells @ np.column_stack([first, second])
+    covered = ConvexHull(spread).volume / float(np.prod(np.ptp(spread, axis=0)))
+    alike = abs(width - length) < config.as_wide * max(width, length)
+    if not alike or covered > config.corners:
+        return None
+    radius = 0.25 * (width + length)
+    level = float((patch.cells @ patch.normal).mean())
+    center = 0.5 * (walls[0].at - walls[1].at) * first + 0.5 * (walls[2].at - walls[3].at) * second
+    turns = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    out = np.cos(turns)[:, None] * first + np.sin(turns)[:, None] * second
+    places = [center + radius * out + (level + v * walls[0].step) * patch.normal for v in (0.25, 0.75)]
+    sigma = max(config.sigma, max(wall.gap for wall in walls) / np.sqrt(12.0))
+    looks = np.concatenate([out, out])
+    return Riser(
+        Contacts.of(np.concatenate(places), looks, sigma, config.normal_sigma, touch=NOT_FELT), "cylinder"
+    )
+
+
+def _where(patch: Patch, way: Floats, other: Known, up: bool, config: RiserConfig) -> tuple[float, float]:
+    """[mm] along `way` where one goes up or down, and how wide the gap is that may hold the rim.
+
+    The place that leaves fewest touched and empty places on the wrong side; infinite where the other face never
+    begins, or the patch's own goes on before.
+    """
+    edge = patch.edge(way) - config.behind
+    begins = patch.ahead(other.cells, way, config)
+    begins = begins[begins > edge]
+    more = patch.ahead(patch.own.cells, way, config)
+    more = more[more > edge + config.behind + config.cluster]
+    if not len(begins) or (len(more) and float(more.min()) < float(np.quantile(begins, config.wrong))):
+        return np.inf, 0.0
+    lower, here = (other, patch.cells @ way) if up else (patch.own, patch.cells @ way)
+    free = patch.ahead(lower.free, way, config)
+    here, there = (
+        (np.concatenate([here, free]), begins) if up else (here, np.concatenate([begins, free[free > edge]]))
+    )
+    end = float(np.quantile(there, config.wrong)) + config.past
+    here, there = here[here < end], there[there < end]
+    bounds = np.sort(np.concatenate([here, there]))
+    cuts = 0.5 * (bounds[1:] + bounds[:-1])
+    wrong = np.array([(there < cut).sum() + (here > cut).sum() for cut in cuts])
+    best = np.flatnonzero(wrong == wrong.min())
+    widest = best[np.argmax(bounds[best + 1] - bounds[best])]
+    lost = wrong.min() > config.wrong * len(there) or cuts[widest] < edge
+    return (np.inf, 0.0) if lost else (float(cuts[widest]), float(bounds[widest + 1] - bounds[widest]))
+
+
+def _stands(
+    known: Sequence[Known], patch: Patch, way: Floats, at: float, step: float, config: RiserConfig
+) -> bool:
+    """Whether a known face is crossed on the way, half way up or down: into it going up, out of it going down."""
+    start = patch.middle + 0.5 * step * patch.normal - float(patch.middle @ way) * way
+    steps = start + np.linspace(at - config.past, at + config.behind, 40)[:, None] * way
+    for own in known:
+        outside = np.sign(step) * own.side * own.fit.shape.signed_distance(steps)
+        crossed = np.flatnonzero((outside[:-1] > 0.0) & (outside[1:] <= 0.0))
+        if len(crossed):
+            normal = own.side * own.fit.shape.normals(steps[crossed[:1]])[0]
+            if np.sign(step) * float(normal @ way) < -0.3:
+                return True
+    return False
+
+
+def _ways(known: Sequence[Known]) -> Floats:
+    """(n, 3) directions of the object's flat faces and axes, those of most contacts first."""
+    out: list[Floats] = []
+    for own in sorted(known, key=lambda k: -len(k.face.contacts)):
+        way = getattr(own.fit.shape, "direction", None)
+        if way is not None and all(abs(float(way @ other)) < 0.995 for other in out):
+            out.append(np.asarray(way))
+    return np.array(out).reshape(-1, 3)

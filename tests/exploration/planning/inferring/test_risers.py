@@ -1,0 +1,92 @@
+"""A plate with a pocket whose walls nobody felt, and an island in it, as the skin would have felt them."""
+
+import numpy as np
+import pytest
+
+from exploration.planning.inferring.risers import risers
+from exploration.planning.open.local_frontier import Known
+from primitives.evidence import Contacts
+from primitives.fit import fit
+from primitives.patch_graph import Face
+
+FLOOR, TOP = -11.0, 0.0
+SIDE, ISLAND = (30.0, 25.0), 9.0
+
+
+def flat(number, points, normal, free=()):
+    """A face that was touched at points, with a contact each."""
+    contacts = Contacts.of(
+        points, np.tile(normal, (len(points), 1)), sigma=0.01, normal_sigma=0.01, touch=number
+    )
+    found = fit("plane", contacts)
+    side = 1.0 if found.convex else -1.0
+    return Known(Face(number, found, contacts), found, side, points, np.array(free).reshape(-1, 3))
+
+
+def places(height, inside, step=2.0, reach=40.0):
+    """Places on a grid at a height where `inside` says so."""
+    grid = np.arange(-reach, reach + step, step)
+    x, y = (g.ravel() for g in np.meshgrid(grid, grid))
+    keep = inside(x, y)
+    return np.column_stack([x[keep], y[keep], np.full(int(keep.sum()), height)])
+
+
+def in_pocket(x, y, less=0.0):
+    return (np.abs(x) < SIDE[0] - less) & (np.abs(y) < SIDE[1] - less)
+
+
+def plate(*more, island=lambda x, y: np.hypot(x, y) < ISLAND):
+    """Top, floor and an outer side; the floor was felt no nearer than 4 mm to its walls."""
+    top = places(TOP, lambda x, y: ~in_pocket(x, y) | island(x, y))
+    missing = places(TOP - 0.6, lambda x, y: in_pocket(x, y, 2.0) & ~island(x, y))
+    floor = places(FLOOR, lambda x, y: in_pocket(x, y, 4.0) & (np.hypot(x, y) > 14.0))
+    outer = places(40.0, lambda x, y: np.abs(y) < 5.0)[:, [2, 0, 1]]
+    up = [0.0, 0.0, 1.0]
+    return [flat(0, top, up, missing), flat(1, floor, up), flat(2, outer, [1.0, 0.0, 0.0]), *more]
+
+
+def test_walls_of_a_pocket_stand_where_its_floor_ends_and_the_face_above_begins():
+    walls = [r.contacts for r in risers(plate()) if r.kind == "plane"]
+    stands = {tuple(np.round(c.normals[0]).astype(int)): float(c.points[0] @ -c.normals[0]) for c in walls}
+    assert set(stands) == {(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)}
+    for (x, _, _), at in stands.items():
+        assert abs(at - SIDE[0 if x else 1]) < 2.1
+    for wall in walls:
+        assert wall.points[:, 2].min() > FLOOR
+        assert wall.points[:, 2].max() < TOP
+        assert wall.sigma.min() >= 0.5
+
+
+def test_an_island_without_corners_is_round():
+    (ring,) = (r.contacts for r in risers(plate()) if r.kind == "cylinder")
+    assert np.abs(np.hypot(*ring.points[:, :2].T) - ISLAND).max() < 2.0
+    assert (ring.points[:, :2] * ring.normals[:, :2]).sum(axis=1).min() > 0.0
+
+
+def test_an_island_with_corners_has_four_walls():
+    square = plate(island=lambda x, y: (np.abs(x) < ISLAND) & (np.abs(y) < ISLAND))
+    found = risers(square)
+    assert {r.kind for r in found} == {"plane"}
+    assert len(found) == 8
+
+
+def test_a_wall_that_is_known_is_not_inferred_again():
+    x = SIDE[0]
+    points = np.array([[x, y, z] for y in np.arange(-10.0, 11.0, 2.0) for z in (-8.0, -4.0)])
+    found = risers(plate(flat(3, points, [-1.0, 0.0, 0.0])))
+    assert not [r for r in found if r.kind == "plane" and r.contacts.normals[0, 0] < -0.5]
+    assert len([r for r in found if r.kind == "plane"]) == 3
+
+
+@pytest.mark.parametrize("reach", [4.0])
+def test_where_the_floor_runs_out_to_the_side_there_is_no_wall(reach):
+    step = [
+        flat(0, places(TOP, lambda x, y: x < 0.0), [0.0, 0.0, 1.0], places(TOP - 0.6, lambda x, y: x > 2.0)),
+        flat(1, places(FLOOR, lambda x, y: x > reach), [0.0, 0.0, 1.0]),
+        flat(2, places(40.0, lambda x, y: np.abs(y) < 5.0)[:, [2, 0, 1]], [1.0, 0.0, 0.0]),
+    ]
+    found = risers(step)
+    assert found
+    for riser in found:
+        assert np.abs(riser.contacts.normals[:, 0]).min() > 0.99
+        assert abs(float(riser.contacts.points[0, 0]) - 1.0) < 1.5
