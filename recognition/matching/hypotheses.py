@@ -33,7 +33,7 @@ class SearchConfig:
     turns: int = 30  # tried about a line
     starts: int = 400  # turns all round, where no normals were felt
     seed: int = 0  # of these turns
-    most: int = 1500  # pairs of samples tried for a pair of contacts without normals
+    most: int = 300  # pairs of samples tried for a pair of contacts without normals
     scored: int = 16  # contacts that score a pose first; more are thinned
     judged: int = 64  # contacts that score it at last
     rounds: int = 4  # of descent at each width
