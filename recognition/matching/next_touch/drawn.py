@@ -108,8 +108,7 @@ def _put_back(at: Floats, entry: Entry, seen: Seen, config: DrawConfig) -> tuple
     off += np.where(few.felt, np.minimum((done.angles / few.tau) ** 2, config.bound), 0.0)
     poses = np.tile(np.eye(4), (len(at), 1, 1))
     poses[:, :3] = _turned_round(done.poses)
-    lost = np.array([_contradicted(entry, world, seen, config) for world in poses])
-    return poses, np.asarray(-0.5 * off @ few.shares - lost)
+    return poses, np.asarray(-0.5 * off @ few.shares - _contradicted(entry, poses, seen, config))
 
 
 def _turned_round(at: Floats) -> Floats:
@@ -118,19 +117,25 @@ def _turned_round(at: Floats) -> Floats:
     return np.concatenate([turn, -turn @ at[:, :3, 3:]], axis=2)
 
 
-def _contradicted(entry: Entry, world: Floats, seen: Seen, config: DrawConfig) -> float:
-    """Log likelihood that a pose loses by what is no contact."""
-    target, back = target_of(entry), se3.inverse(world)
-    slack, lost = config.slack + field_error(target), 0.0
+def _contradicted(entry: Entry, worlds: Floats, seen: Seen, config: DrawConfig) -> Floats:
+    """(n,) log likelihood that poses (n, 4, 4) lose by what is no contact."""
+    target, back = target_of(entry), se3.inverse(worlds)
+    slack, lost = config.slack + field_error(target), np.zeros(len(worlds))
+
+    def bounded(wrong: Bools, each: float) -> Floats:
+        return np.asarray(np.minimum(each * wrong.reshape(len(worlds), -1).sum(axis=1), config.most))
+
+    def depth(points: Floats) -> Floats:
+        return np.asarray(entry.field.signed_distance(se3.transform_points(back, points).reshape(-1, 3)))
+
     if len(seen.pressed):
-        away = np.abs(entry.field.signed_distance(se3.transform_points(back, seen.pressed))) > slack
-        lost += min(config.wrong * int(away.sum()), config.most)
+        lost += bounded(np.abs(depth(seen.pressed)) > slack, config.wrong)
     if len(seen.bare):
-        inside = entry.field.signed_distance(se3.transform_points(back, seen.bare)) < -slack
-        lost += min(config.wrong * int(inside.sum()), config.most)
+        lost += bounded(depth(seen.bare) < -slack, config.wrong)
+    if seen.swept:
+        there = se3.transform_points(worlds, target.points).reshape(-1, 3)
     for space in seen.swept:
-        within = space.contains(se3.transform_points(world, target.points), margin=config.shrunk)
-        lost += min(config.swept * int(within.sum()), config.most)
+        lost += bounded(space.contains(there, margin=config.shrunk), config.swept)
     return lost
 
 
