@@ -53,26 +53,30 @@ def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[f
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     c, k, h = len(approaches), len(grid), len(solids)
     origins = starts[:, None, :3, 3] + np.einsum("cij,kj->cki", starts[:, :3, :2], grid)
-    ways = np.broadcast_to(starts[:, None, :3, 2], origins.shape)
-    length = np.array([a.length for a in approaches])
+    ways = np.ascontiguousarray(np.broadcast_to(starts[:, None, :3, 2], origins.shape))
+    rays = [np.ascontiguousarray(x.reshape(-1, 3), dtype=np.float32) for x in (origins, ways)]
+    length, rows = np.array([a.length for a in approaches]), np.arange(len(approaches))
     hit, depth = np.zeros((c, h), dtype=bool), np.zeros((c, h))
     normal, gaps, risk = np.zeros((c, h, 3)), np.full((c, h, k), _GAP), np.zeros((c, h))
     sharp, spacing = np.zeros((c, h), dtype=bool), max(x[1] - x[0], y[1] - y[0])
     beside = np.linalg.norm(grid[:, None] - grid, axis=2) < 1.5 * spacing
     for j, solid in enumerate(solids):
-        cast = solid.cast_rays(origins.reshape(-1, 3), np.ascontiguousarray(ways.reshape(-1, 3)))
-        reached = cast.distance.reshape(c, k)
+        distance, triangle = solid.first_hits(rays[0], rays[1])
+        reached = distance.astype(np.float64).reshape(c, k)
         first = reached.argmin(axis=1)
-        rows = np.arange(c)
         met = reached[rows, first] <= length
         hit[:, j], depth[:, j] = met, np.where(met, reached[rows, first], 0.0)
-        normal[:, j] = cast.normals.reshape(c, k, 3)[rows, first] * met[:, None]
+        normal[:, j] = solid.cast_rays(origins[rows, first], ways[rows, first]).normals * met[:, None]
         felt = np.isfinite(reached)
-        points = origins + np.where(felt, reached, 0.0)[..., None] * ways
-        below = np.einsum("cki,ci->ck", points[rows, first][:, None] - points, normal[:, j])
-        gaps[:, j] = np.where(felt & met[:, None], np.clip(below, -_GAP, _GAP), _GAP)
         along = -np.einsum("ci,ci->c", normal[:, j], starts[:, :3, 2])
-        folded = np.einsum("cki,ci->ck", cast.normals.reshape(c, k, 3), normal[:, j]) < np.cos(_FOLD)
+        height = (
+            np.einsum("cki,ci->ck", origins, normal[:, j]) - np.where(felt, reached, 0.0) * along[:, None]
+        )
+        below = height[rows, first][:, None] - height
+        gaps[:, j] = np.where(felt & met[:, None], np.clip(below, -_GAP, _GAP), _GAP)
+        facets = solid.body.triangle_normals[triangle].reshape(c, k, 3)
+        turned = np.einsum("cki,ci->ck", facets, normal[:, j] @ solid.pose[:3, :3]) < np.cos(_FOLD)
+        folded = turned | ~felt
         beyond = reached > reached[rows, first][:, None] + _BESIDE
         sharp[:, j] = met & (along < np.cos(_ASLANT)) & (beside[first] & (folded | beyond)).any(axis=1)
         steep = along < 0.5
@@ -84,5 +88,5 @@ def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[f
 
 def _across(side: float, apart: float) -> Floats:
     """(n,) [mm] places along a side of the skin, its middle among them."""
-    half = max(1, min(8, int(np.ceil(0.5 * _SKIN * side / apart))))
+    half = max(1, min(8, round(0.5 * _SKIN * side / apart)))
     return np.linspace(-0.5 * _SKIN * side, 0.5 * _SKIN * side, 2 * half + 1)
