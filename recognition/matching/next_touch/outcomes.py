@@ -4,7 +4,8 @@ A grid of rays stands for the skin.  The first hit is where contact begins; its 
 and so is, once the pad lies flush, how far every place of the skin is from the plane of contact: nothing there,
 an edge, a hole, or a wall in the way.  That gap is felt up to the press only.  A pad that comes down aslant on an
 edge or a corner may roll onto any face beside it: neither normal nor gaps are foreseen there, and how deep it lies
-only as well as rays stand close.
+only as well as rays stand close.  Where something stands higher than the plane of contact, as the far rim of a
+bowl, the pad cannot lie flush, and no normal is felt.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ _RAYS = (
 _ASLANT = 0.25  # [rad] between pad and face, from which it meets the face's edge first
 _FOLD = 0.5  # [rad] between the normals beside an edge
 _BESIDE = 8.0  # [mm] by which the same face may lie deeper beside the first contact
+_HIGHER = 0.6  # [mm] above the plane of contact, to which the rubber does not give way
 _SKIN = 0.9  # of the skin's sides, that rays cover
 
 
@@ -41,6 +43,12 @@ class Outcomes:
         Bools  # (c, h) whether it meets an edge or a corner aslant, so that either face's normal may be felt
     )
     cell: float = 50.0  # [mm^2] of the skin that a place stands for
+    propped: Bools | None = None  # (c, h) whether something stands too high for the pad to lie flush
+
+    @property
+    def flush(self) -> Bools:
+        """(c, h) whether the normal and the gaps are felt that are foreseen."""
+        return ~self.sharp if self.propped is None else ~(self.sharp | self.propped)
 
 
 def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[float, float]) -> Outcomes:
@@ -58,7 +66,8 @@ def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[f
     length, rows = np.array([a.length for a in approaches]), np.arange(len(approaches))
     hit, depth = np.zeros((c, h), dtype=bool), np.zeros((c, h))
     normal, gaps, risk = np.zeros((c, h, 3)), np.full((c, h, k), _GAP), np.zeros((c, h))
-    sharp, spacing = np.zeros((c, h), dtype=bool), max(x[1] - x[0], y[1] - y[0])
+    sharp, propped = np.zeros((c, h), dtype=bool), np.zeros((c, h), dtype=bool)
+    spacing = max(x[1] - x[0], y[1] - y[0])
     beside = np.linalg.norm(grid[:, None] - grid, axis=2) < 1.5 * spacing
     for j, solid in enumerate(solids):
         distance, triangle = solid.first_hits(rays[0], rays[1])
@@ -79,11 +88,12 @@ def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[f
         folded = turned | ~felt
         beyond = reached > reached[rows, first][:, None] + _BESIDE
         sharp[:, j] = met & (along < np.cos(_ASLANT)) & (beside[first] & (folded | beyond)).any(axis=1)
+        propped[:, j] = met & (below < -_HIGHER).any(axis=1, where=felt)
         steep = along < 0.5
         blocked = (below < -2.0).any(axis=1, where=felt)
         risk[:, j] = np.where(met, 0.15 + 0.35 * steep + 0.4 * blocked, 0.0)
     return Outcomes(frozen(hit, bool), frozen(depth), frozen(normal), frozen(gaps), frozen(risk),
-                    frozen(sharp, bool), cell)  # fmt: skip
+                    frozen(sharp, bool), cell, frozen(propped, bool))  # fmt: skip
 
 
 def _across(side: float, apart: float) -> Floats:

@@ -18,13 +18,14 @@ def unlikeness(outcomes: Outcomes, vague: Bools, noise: tuple[float, float, floa
     depth, normal, gaps = (
         np.asarray(x, np.float32) for x in (outcomes.depth, outcomes.normal, outcomes.gaps)
     )
-    flush, together = ~outcomes.sharp, max(alike / outcomes.cell, 1.0)
-    args = np.array(outcomes.hit), depth, normal, np.ascontiguousarray(gaps), flush, np.array(vague)
+    flush, together = outcomes.flush, max(alike / outcomes.cell, 1.0)
+    rolled = np.array(outcomes.sharp)
+    args = np.array(outcomes.hit), depth, normal, np.ascontiguousarray(gaps), flush, rolled, np.array(vague)
     return np.asarray(_unlike(*args, *noise, outcomes.cell, together))
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _unlike(hit, depth, normal, gaps, flush, vague, deep, turned, gapped, cell, together):  # type: ignore[no-untyped-def]
+def _unlike(hit, depth, normal, gaps, flush, rolled, vague, deep, turned, gapped, cell, together):  # type: ignore[no-untyped-def]
     count, many = hit.shape
     apart = np.zeros((count, many, many), dtype=np.float32)
     for c in range(count):
@@ -35,7 +36,7 @@ def _unlike(hit, depth, normal, gaps, flush, vague, deep, turned, gapped, cell, 
                     d = np.float32(-1.0)
                 elif hit[c, i]:
                     both = flush[c, i] and flush[c, j]
-                    unsure = deep**2 if both else deep**2 + cell
+                    unsure = deep**2 + cell if rolled[c, i] or rolled[c, j] else deep**2
                     d = np.float32((depth[c, i] - depth[c, j]) ** 2 / unsure)
                     if both:
                         turn, gap = np.float32(0.0), np.float32(0.0)
