@@ -200,6 +200,8 @@ class Identifier:
             if isinstance(found, Choice):
                 self._idle = 0
                 return found.approach, found
+            if self._agreed and (confirm := self._finish(ball)) is not None:
+                return confirm, None
             self._idle += 1
             if self._idle > self.config.idle:
                 self.ended = found.reason
@@ -218,7 +220,8 @@ class Identifier:
         felt = self.evidence.contacts
         noise = float(np.median(felt.sigma)), float(np.median(felt.normal_sigma))
         entry, hand = self.library[best.name], self.hand
-        found = placing(best, entry, ball, hand.pad, noise, self.rng, hand.reachable)
+        skin = next((t.imprint for t in reversed(self.touches) if t.imprint is not None), None)
+        found = placing(best, entry, ball, hand.pad, noise, self.rng, hand.reachable, skin=skin)
         if found is None or (known := self._known()) is None:
             return found
         return flown(least_turned(found, hand.here), known, self.library, hand.pad)

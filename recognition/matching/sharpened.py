@@ -13,12 +13,13 @@ likely a mode is stays what contacts say, for an imprint that fits costs nothing
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from models.library import Entry
+from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.evidence import Imprint
 from primitives.pose import hat, inverse, pose
@@ -78,6 +79,21 @@ def sharpened(modes: Sequence[Mode], library: Mapping[str, Entry], seen: Felt, e
     return kept
 
 
+def known_by(
+    imprint: Imprint, solid: Solid, center: Floats, config: SharpenConfig = SharpenConfig()
+) -> Floats:
+    """(6, 6) what an imprint would tell of a posed solid's (v, w) about a (3,) `center`, in the solid's frame.
+
+    Only where the imprint lies counts, and what the sensor is like: it is felt as the solid would dent it.
+    """
+    foretold = foreseen(imprint, solid, config.skin)
+    felt = replace(imprint, depth=foretold[0])
+    own = np.array([config.aside, config.aside, *config.told, config.told[1], config.spin])
+    _, known, _ = _of_one(felt, foretold, own, config)
+    move = _moving(inverse(solid.pose) @ imprint.pose, center)
+    return np.asarray(move.T @ known @ move)
+
+
 def among(kept: Sequence[Mode], mode: Mode, entry: Entry) -> bool:
     """Whether a mode is one that is there already."""
     target = target_of(entry)
@@ -134,14 +150,18 @@ def _fit(at: Floats, entry: Entry, seen: Felt, evidence: Evidence, config: Sharp
         depth, tilt = config.told if imprint.touch in told else config.bare
         own = np.array([config.aside, config.aside, depth, tilt, tilt, config.spin])
         lost, known, g = _of_one(imprint, foreseen(imprint, solid, config.skin), own, config)
-        pad = whole @ imprint.pose
-        back = pad[:3, :3].T
-        move = np.block([[back, -back @ hat(pad[:3, 3] - center)], [np.zeros((3, 3)), back]])
+        move = _moving(whole @ imprint.pose, center)
         share = min(1.0, config.bound / max(lost, 1e-9))
         off, worst = off + min(lost, config.bound), max(worst, lost)
         information += share * move.T @ known @ move
         pull += share * move.T @ g
     return _Fit(off, worst, information, pull)
+
+
+def _moving(pad: Floats, center: Floats) -> Floats:
+    """(6, 6) how a pad at (4, 4) object_from_sensor moves in its own frame, by (v, w) about a (3,) center."""
+    back = pad[:3, :3].T
+    return np.block([[back, -back @ hat(pad[:3, 3] - center)], [np.zeros((3, 3)), back]])
 
 
 def _of_one(imprint: Imprint, foretold: tuple[Floats, Floats], own: Floats,

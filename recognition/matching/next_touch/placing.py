@@ -6,13 +6,15 @@ turned.  With the covariance C of (v, w) the place x is off by v + w x x, and wh
     doubt^2 = mean over x of |v + w x x|^2 = tr(C M),   M = mean over x of A^T A,   A = [I, -[x]]
 
 C after a touch is (C^-1 + J^T J)^-1, J = ([n, r x n] / sigma, [0, t_k] / tau) with t_k across n: optimal design
-for a mean of variances, one touch ahead (Pukelsheim 2006, chapter 6; the choice of M is ours).
+for a mean of variances, one touch ahead (Pukelsheim 2006, chapter 6; the choice of M is ours).  Where the skin's
+own picture is matched too, an edge under it tells where the object is along the skin: what that adds to J^T J is
+asked of the touches that promise most, and of some beside edges (`sharpened.known_by`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,9 +23,11 @@ from exploration.planning.ways.round_ball import Ball
 from models.library import Entry
 from primitives import pose as se3
 from primitives.arrays import Floats, Ints
+from primitives.evidence import Imprint
 from recognition.matching.next_touch.candidates import toward
 from recognition.matching.next_touch.held import Posed
 from recognition.matching.next_touch.outcomes import Outcomes, foresee
+from recognition.matching.sharpened import known_by
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,8 @@ class PlacingConfig:
 
     places: int = 120  # on the surface, that are aimed at
     risk: float = 0.3  # chance that a touch does not settle, beyond which it is not made
+    pictured: int = 16  # touches whose whole picture is asked, and as many beside edges
+    press: float = 0.6  # [mm] by which the skin is pressed in
 
 
 def doubt(h: Posed, entry: Entry) -> float:
@@ -48,8 +54,12 @@ def placing(
     rng: np.random.Generator,
     reachable: Callable[[Approach], bool] = lambda approach: True,
     config: PlacingConfig | None = None,
+    skin: Imprint | None = None,
 ) -> Approach | None:
-    """From outside the ball, for a skin of `pad` [mm] with `noise` [mm], [rad]; None where nothing can be felt."""
+    """From outside the ball, for a skin of `pad` [mm] with `noise` [mm], [rad]; None where nothing can be felt.
+
+    `skin` is an imprint of this sensor, where such pictures are matched.
+    """
     config = config or PlacingConfig()
     points = se3.transform_points(h.pose, entry.samples.points)
     normals = se3.rotate(h.pose, entry.samples.normals)
@@ -59,16 +69,43 @@ def placing(
     if not offered:
         return None
     foreseen = foresee(offered, (entry.solid.placed(h.pose),), pad)
-    sound = foreseen.hit[:, 0] & ~foreseen.sharp[:, 0] & (foreseen.risk[:, 0] <= config.risk)
+    sound = foreseen.hit[:, 0] & foreseen.flush[:, 0] & (foreseen.risk[:, 0] <= config.risk)
     rows = np.flatnonzero(sound)
     if not len(rows):
         return None
     told = _told(h, entry, [offered[r] for r in rows], foreseen, rows, noise)
     before = np.linalg.inv(h.covariance + 1e-9 * np.eye(6))
-    after = np.linalg.inv(before + told)
-    left = np.einsum("cij,ji->c", after, _displacing(entry))
+    left = _left(before + told, entry)
+    if skin is not None:
+        asked = _pictured(left, foreseen.gaps[rows, 0], config)
+        lying = [_lying(offered[r], foreseen, r, config) for r in rows[asked]]
+        solid, center = entry.solid.placed(h.pose), _center(entry)
+        more = np.stack([known_by(replace(skin, pose=at), solid, center) for at in lying])
+        rows, left = rows[asked], _left(before + told[asked] + more, entry)
     best: Approach = offered[int(rows[int(np.argmin(left))])]
     return best
+
+
+def _left(information: Floats, entry: Entry) -> Floats:
+    """(c,) [mm^2] in doubt where (c, 6, 6) is known."""
+    return np.asarray(np.einsum("cij,ji->c", np.linalg.inv(information), _displacing(entry)))
+
+
+def _pictured(left: Floats, gaps: Floats, config: PlacingConfig) -> Ints:
+    """Rows of the touches that promise most by (c,) what they leave, and of those beside edges by (c, k) gaps."""
+    order = np.argsort(left, kind="stable")
+    beside = order[(gaps[order] >= gaps.max()).any(axis=1)]
+    return np.unique(np.concatenate([order[: config.pictured], beside[: config.pictured]]))
+
+
+def _lying(made: Approach, foreseen: Outcomes, row: int, config: PlacingConfig) -> Floats:
+    """(4, 4) world_from_sensor of the undented skin, as it lies flush and pressed."""
+    normal = foreseen.normal[row, 0]
+    across = made.start[:3, 0] - normal * float(normal @ made.start[:3, 0])
+    x = across / float(np.linalg.norm(across))
+    turn = np.column_stack([x, np.cross(-normal, x), -normal])
+    reached = made.start[:3, 3] + foreseen.depth[row, 0] * made.direction
+    return se3.pose(turn, reached - config.press * normal)
 
 
 def _told(

@@ -1,0 +1,41 @@
+"""What is touched once a name is sure, and no touch tells more of it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Cost
+from exploration.planning.touching.lone_touch import Approach, LoneTouch, joined
+from exploration.planning.ways.round_ball import Ball
+from models.csg import Cube
+from models.library import Library
+from models.solid import Solid
+from primitives.evidence import Contacts
+from primitives.pose import pose
+from recognition.identifying import identify
+from recognition.identifying.identify import Identifier
+from recognition.matching import Belief, Hypothesis
+from recognition.matching.next_touch import NoChoice
+
+LIBRARY = Library.of({"cube": Solid.from_csg(Cube((40.0, 40.0, 40.0)))})
+BALL = Ball(np.zeros(3), 60.0)
+SETTLING = Approach(pose(translation=[0.0, 0.0, -60.0]), 120.0)
+
+
+@pytest.mark.parametrize("agreed", [0, 1])
+def test_a_touch_that_only_confirms_a_name_is_made_for_the_pose(
+    agreed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(identify, "choose", lambda *args, **more: NoChoice("nothing"))
+    monkeypatch.setattr(identify, "placing", lambda *args, **more: SETTLING)
+    monkeypatch.setattr(identify, "sampled", lambda *args: None)
+    hand = SimpleNamespace(cost=Cost(), here=np.eye(4), pad=(20.0, 20.0), limits=None, reachable=None)
+    found = Hypothesis("cube", np.eye(4), 0.0, 1e-4 * np.eye(6), 0.0, np.zeros(1))
+    contacts = Contacts.of([[0.0, 0.0, 20.0]], [[0.0, 0.0, 1.0]], 0.1, 0.01)
+    felt = LoneTouch(1, SETTLING, contacts, (), joined([]), True, "a flat face", np.eye(4))
+    identifier = Identifier(hand, LIBRARY, np.array([-100.0] * 3 + [100.0] * 3), touches=[felt])
+    identifier.belief, identifier._agreed = Belief((found,), {"cube": 0.99, "unknown": 0.01}), agreed
+    approach, choice = identifier._next(BALL)
+    assert choice is None
+    assert (approach is SETTLING) == bool(agreed)
