@@ -8,7 +8,6 @@ see `Observation`s and nothing else of the devices.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -18,6 +17,7 @@ import numpy as np
 from exploration.devices.following import Following
 from exploration.devices.pending import Pending
 from exploration.devices.protocols import MotionStage, StageEvent, TactileSensor
+from exploration.devices.way_back import WayBack, leads_off
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.frame import TactileImage, TaxelFrame
 from exploration.sensing.load import Load, load_of
@@ -27,9 +27,6 @@ from primitives.errors import PalpateError
 from primitives.pose import apart
 
 _STALE = 0.1  # [s] without a frame, in which a stage of itself ends what it was told
-_TRAIL = 80  # ticks of the way back that are remembered
-_TRAIL_STEP = 10  # ticks between its stops
-_OFF = 0.3  # cosine of a way with the array's own back, from which it leads off what the array touches
 
 
 @dataclass(frozen=True)
@@ -114,7 +111,7 @@ class Guard:
         self.pending = Pending(0.0)
         self._last: Observation | None = None
         self._following = Following()
-        self._trail: deque[Floats] = deque(maxlen=_TRAIL)
+        self._way_back = WayBack()
 
     @property
     def sensor(self) -> TactileSensor:
@@ -149,9 +146,10 @@ class Guard:
     def use(self, sensor: int) -> None:
         """Work with another of the arrays on the stage, which stands still meanwhile."""
         if sensor != self.active:
+            old = self.sensor.flange_from_sensor
             self.active = sensor
+            self._way_back.turned_to(se3.inverse(old) @ self.sensor.flange_from_sensor)
             self._following.rest()
-            self._trail.clear()
             self._last = None
 
     def hold(self, ticks: int = 1) -> Observation:
@@ -177,6 +175,7 @@ class Guard:
     def observe(self) -> Observation:
         """Read the next frame, count its cost, show it around, and enforce the limits."""
         seen = self._read()
+        self._way_back.add(seen.world_from_sensor)
         self._enforce(seen)
         for learner in self.learners:
             learner(seen)
@@ -201,7 +200,6 @@ class Guard:
             if passed > _STALE:
                 self._following.rest()
         self._last = seen
-        self._trail.append(seen.world_from_sensor)
 
     def _enforce(self, seen: Observation) -> None:
         alarms = self.stage.events()
@@ -228,15 +226,12 @@ class Guard:
         """
         self.stage.stop()
         self._following.rest()
-        if trail := list(self._trail):
-            for here in [*trail[-2::-_TRAIL_STEP], trail[0]]:
+        if leg := self._way_back.back():
+            for here in self._way_back.stops(leg):
                 self._back_to(here, through=True)
             lift = se3.pose(translation=[0.0, 0.0, -distance])
-            came = trail[-1][:3, 3] - trail[0][:3, 3]
-            on = float(came @ -trail[-1][:3, 2]) <= _OFF * float(np.linalg.norm(came))
-            if on and not self._back_to(trail[0] @ lift):
-                self._back_to(trail[0], through=True)
-        self._trail.clear()
+            if not leads_off(leg) and not self._back_to(leg[-1] @ lift):
+                self._back_to(leg[-1], through=True)
 
     def _back_to(self, world_from_sensor: Floats, through: bool = False) -> bool:
         """Straight back, no farther than a housing meets something, unless `through` that; false where it did.
