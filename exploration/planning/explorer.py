@@ -66,6 +66,7 @@ class Explorer:
         self.pad = Pad(guard, box, announce, told=told, tools=tools)
         self._felt = SurfaceMap()
         self._looked = 0  # times that the object was looked for again
+        self._stopped = 0  # moves that something unknown stopped, since the last that came to a face
         self._hidden = 0  # predicted places that what was told hides
         self._tried = Attempts(config.tries)
         self._study = Study(self.pad, self.found, config.attribution)
@@ -112,8 +113,11 @@ class Explorer:
                 done, note = move()
             except (OverPress, Collision) as error:
                 self.found.warnings.append(str(error))
+                self._stopped += 1
                 done, note = None, f"backed off: {error}"
-            face = done if done is not None else face
+            if done is not None:
+                face, self._stopped = done, 0
+            self.found.hollow |= self._stopped >= self.config.stopped
             yield self._say(note)
         self.found.ended = "budget"
 
@@ -167,7 +171,7 @@ class Explorer:
         if crossing is not None:
             return lambda: self._crossing.cross(*crossing)
         self._lay()
-        frontier = Frontier(self.found.graph.faces, self.box)
+        frontier = Frontier(self.found.graph.faces, self._around())
         bare = frontier.untouched(self.pad.covered, self.config.feature / 2.0)
         untouched = self._open_to(bare)
         self._hidden = len(bare.points) - len(untouched.points)
@@ -189,6 +193,16 @@ class Explorer:
             return lambda: self._tracing.trace(nearest)
         self.found.open = len(untouched.points) + len(contradicted.points)
         return None
+
+    def _around(self) -> Floats:
+        """(6,) box [mm] in which a boundary that is open anywhere is open too: what was touched, and round it.
+
+        The boundary of a convex body hangs together, so who goes on from what was touched comes to all of it.  A
+        face whose few contacts let it go on without end predicts no more than others, and next to what was felt.
+        """
+        points = np.concatenate([face.contacts.points for face in self.found.graph.faces])
+        low, high = points.min(axis=0) - self.config.region, points.max(axis=0) + self.config.region
+        return np.concatenate([np.maximum(low, self.box[:3]), np.minimum(high, self.box[3:])])
 
     def _lay(self) -> None:
         """Add the face that lies on the table, once another is known."""

@@ -35,6 +35,7 @@ class ExplorerConfig:
     beside: float = 8.0  # [mm] from a place that was tried before, where another way in is taken
     region: float = 40.0  # [mm] of open surface that is come at as one
     change: float = 20.0  # [mm] off the object, before another array is turned to it
+    stopped: int = 8  # moves on end that something stopped where a convex object leaves room: it is none
     first_tries: int = 60  # touches after which an object that shows no face is given up
     attribution: AttributionConfig = field(default_factory=AttributionConfig)
     policy: str = "closure"  # or one of `survey.POLICIES`, to measure against

@@ -105,3 +105,27 @@ def test_a_policy_without_thought_touches_until_its_budget_ends(policy):
     assert explorer.found.ended == "budget"
     assert explorer.guard.cost.touches <= 8
     assert explorer.found.graph.faces
+
+
+def test_an_object_is_taken_for_hollow_where_move_after_move_is_stopped_though_a_convex_one_leaves_room():
+    explorer, _ = explorer_over(Cube((40.0, 40.0, 40.0)), seed=0, stopped=3)
+
+    def stopped():
+        raise Collision("something is in the way")
+
+    explorer._next = lambda face: stopped
+    explorer._any_form = lambda: iter(())
+    notes = [findings.note for findings in explorer.run()]
+    assert sum(note.startswith("backed off") for note in notes) == 3
+    assert explorer.found.hollow
+
+
+def test_a_face_without_end_predicts_no_farther_than_round_what_was_touched():
+    explorer, _ = explorer_over(Cube((40.0, 40.0, 40.0)), seed=0, region=30.0)
+    run = explorer.run()
+    next(run)
+    felt = np.concatenate([face.contacts.points for face in explorer.found.graph.faces])
+    around = explorer._around().reshape(2, 3)
+    assert np.allclose(around, [felt.min(axis=0) - 30.0, felt.max(axis=0) + 30.0])
+    explorer.box = np.concatenate([felt.min(axis=0), felt.max(axis=0)])
+    assert np.allclose(explorer._around(), explorer.box)
