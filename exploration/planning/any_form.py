@@ -99,7 +99,7 @@ class AnyForm:
     def conclude(self) -> None:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
         if len(felt := self.reach.felt.points):
-            self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0), swept=True))
+            self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0)))
         conclude(self.found, self._open_walls, self._frontier)
         if len(self.study.loose):
             graph = self.found.graph

@@ -26,6 +26,7 @@ class SweptCells:
         self._low, high = np.asarray(box[:3], dtype=float), np.asarray(box[3:], dtype=float)
         self.cell = max(_CELL, float((high - self._low).max()) / _MOST)
         self._swept = np.zeros(np.ceil((high - self._low) / self.cell).astype(int) + 1, dtype=bool)
+        self._aside = np.zeros_like(self._swept)
         self._last = np.full((4, 4), np.inf)  # the pose that was noted last
 
     def pass_through(self, pose: Floats, low: Floats, high: Floats) -> None:
@@ -38,9 +39,9 @@ class SweptCells:
         rows = self._filled(pose @ inverse(last) @ pose, low, high)
         return np.asarray(self._low + self.cell * rows[~self._swept[tuple(rows.T)]])
 
-    def note(self, places: Floats) -> None:
-        """Take (n, 3) places [mm] for swept."""
-        self._mark(self._rows(places))
+    def set_aside(self, places: Floats) -> None:
+        """Take (n, 3) places [mm] for not worth a look: nobody was there, so that they may hold anything."""
+        self._mark(self._aside, self._rows(places))
 
     def holds(self, places: Floats) -> Bools:
         """(n,) whether the cell of each of (n, 3) places was swept; none outside the workspace was."""
@@ -56,10 +57,16 @@ class SweptCells:
         rows = rows[((at > low) & (at < high)).all(axis=1)]
         return bool(self._swept[tuple(rows.T)].all())
 
-    def between(self, low: Floats, high: Floats, swept: bool) -> Floats:
-        """(n, 3) middles [mm] of the cells between two (3,) corners that were swept, or of those that were not."""
+    def between(self, low: Floats, high: Floats) -> Floats:
+        """(n, 3) middles [mm] of the cells between two (3,) corners that were swept."""
         rows = self._lattice(self._rows(low[None])[0], self._rows(high[None])[0])
-        return np.asarray(self._low + self.cell * rows[self._swept[tuple(rows.T)] == swept])
+        return np.asarray(self._low + self.cell * rows[self._swept[tuple(rows.T)]])
+
+    def unseen_between(self, low: Floats, high: Floats) -> Floats:
+        """(n, 3) middles [mm] of the cells between two (3,) corners that are yet worth a look."""
+        rows = self._lattice(self._rows(low[None])[0], self._rows(high[None])[0])
+        done = self._swept[tuple(rows.T)] | self._aside[tuple(rows.T)]
+        return np.asarray(self._low + self.cell * rows[~done])
 
     def _under(self, pose: Floats, low: Floats, high: Floats) -> tuple[Ints, Floats]:
         """(n, 3) the cells about a box at a (4, 4) pose, and (n, 3) where their middles are in the box's frame."""
@@ -80,8 +87,8 @@ class SweptCells:
         axes = [np.arange(a, b + 1) for a, b in spans]
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
-    def _mark(self, rows: Ints) -> None:
-        self._swept[tuple(rows[self._inside(rows)].T)] = True
+    def _mark(self, cells: Bools, rows: Ints) -> None:
+        cells[tuple(rows[self._inside(rows)].T)] = True
 
     def _inside(self, rows: Ints) -> Bools:
         return np.asarray(((rows >= 0) & (rows < self._swept.shape)).all(axis=1))

@@ -63,12 +63,12 @@ class Looking:
         start = se3.pose(view.target[:3, :3], at - (float((at - middle) @ way) + far) * way)
         if not self._round(start, ball):
             if self._failed.count(start[:3, 3]):
-                pad.swept.note(view.unseen)  # not worth a third try
+                pad.swept.set_aside(view.unseen)  # not worth a third try
             self._failed.note(start[:3, 3])
             if pad.come_down(guard.world_from_sensor[:3, 2], self.config.beside):
                 return self.study.face_here(), "met something on the way round"
             return None, "met something on the way round, and lost it"
-        pad.swept.note(view.unseen)  # seen, or behind what will be met
+        pad.swept.set_aside(view.unseen)  # seen, or behind what will be met
         if not pad.come_down(way, 2.0 * far, ApproachConfig().search_speed):
             guard.go_to(start)
             return None, "looked from afar and met nothing"

@@ -95,7 +95,7 @@ def _unseen(felt: Floats, seen: SweptCells, config: ViewsConfig) -> Floats:
     """(n, 3) middles of the cells in and about the hull of felt places that hold nobody knows what."""
     wider = np.concatenate([felt + config.about * way for way in (*np.eye(3), *-np.eye(3))])
     sides = ConvexHull(wider).equations
-    cells = seen.between(wider.min(axis=0), wider.max(axis=0), swept=False)
+    cells = seen.unseen_between(wider.min(axis=0), wider.max(axis=0))
     cells = cells[(cells @ sides[:, :3].T + sides[:, 3] < 0.0).all(axis=1)]
     return np.asarray(cells[KDTree(felt).query(cells)[0] > config.beside]) if len(cells) else cells
 

@@ -30,15 +30,24 @@ def test_cells_are_swept_where_the_housing_was_and_not_before_the_skin():
 def test_a_plate_felt_on_one_side_is_looked_at_from_behind_until_that_was_swept():
     swept, half = SweptCells(BOX), np.array([15.0, 10.0])
     places, facing = sheet(0.0, 1.0)
-    cells = swept.between(BOX[:3], BOX[3:], swept=False)
-    swept.note(cells[(cells[:, 2] > 0.0) | (np.abs(cells[:, :2]).max(axis=1) > 32.0)])
+    cells = swept.unseen_between(BOX[:3], BOX[3:])
+    swept.set_aside(cells[(cells[:, 2] > 0.0) | (np.abs(cells[:, :2]).max(axis=1) > 32.0)])
     seen = 0
     while (view := best_view(places, facing, swept, half, np.eye(3))) is not None:
         assert view.target[2, 2] > 0.6  # upward
         assert (view.unseen[:, 2] < 0.0).all()
-        swept.note(view.unseen)
+        swept.set_aside(view.unseen)
         seen += 1
     assert 1 < seen < 40
     behind, back = sheet(-0.5, -1.0)
     whole = np.concatenate([places, behind]), np.concatenate([facing, back])
     assert best_view(*whole, swept, half, np.eye(3)) is None
+
+
+def test_what_is_not_worth_a_look_is_not_taken_for_empty():
+    swept = SweptCells(BOX)
+    cells = swept.unseen_between(BOX[:3], BOX[3:])
+    swept.set_aside(cells)
+    assert not len(swept.unseen_between(BOX[:3], BOX[3:]))
+    assert not len(swept.between(BOX[:3], BOX[3:]))
+    assert not swept.holds(cells).any()
