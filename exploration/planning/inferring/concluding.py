@@ -23,6 +23,7 @@ from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.study import Wall
+from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.fit import Fit, fit
 from primitives.patch_graph import Face
@@ -42,8 +43,9 @@ def conclude(
 ) -> None:
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
     found.graph = uprighted(drop_poor(flattened(found.graph)))
-    rims = [rim for rim, _ in unexplained(found)]
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
+    found.openings = _holes(found, found.rims, inside)  # before walls: a round hole stops strokes, too
+    rims = [rim for rim, _ in unexplained(found)]
     for lot in inferred_walls(walls(), found.graph.faces, rims):
         if not gone_through(lot, inside):
             _add(found, lot, _BY_STOPS)
@@ -57,16 +59,21 @@ def conclude(
     for lot in upright_walls(unexplained(found), found.graph.faces):
         _add(found, lot, _BY_RIM)
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
-    hollows = hollows_of(found.graph.faces)
-    holes, left = holes_of([rim for rim in (*found.rims, *guessed) if not own_rim(rim, hollows)], inside)
-    led = {id(rim): hole for rim in left if rim.measured and (hole := led_into(rim, hollows)) is not None}
-    holes, found.openings = [*holes, *led.values()], [rim for rim in left if id(rim) not in led]
-    for hole in holes:
-        _replace(found, hole.off)
-        _add(found, hole.wall(), _BY_ENDS, "cylinder")
+    found.openings = _holes(found, [*found.openings, *guessed], inside)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
         _add(found, riser.contacts, _BY_STEP, riser.kind)
     found.warnings.extend(rim.told() for rim in found.openings)
+
+
+def _holes(found: Findings, rims: Sequence[RoundRim], inside: Floats) -> list[RoundRim]:
+    """Add the walls of the holes that rims are the ends of; the rims that are left."""
+    hollows = hollows_of(found.graph.faces)
+    holes, left = holes_of([rim for rim in rims if not own_rim(rim, hollows)], inside)
+    led = {id(rim): hole for rim in left if rim.measured and (hole := led_into(rim, hollows)) is not None}
+    for hole in (*holes, *led.values()):
+        _replace(found, hole.off)
+        _add(found, hole.wall(), _BY_ENDS, "cylinder")
+    return [rim for rim in left if id(rim) not in led]
 
 
 def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> None:

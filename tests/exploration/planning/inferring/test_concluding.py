@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from exploration.control.sighting import Sighting
-from exploration.planning.inferring.concluding import unexplained
+from exploration.planning.inferring.concluding import conclude, unexplained
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.touching.findings import Findings
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 from primitives.shapes import Cone
@@ -72,3 +73,15 @@ def test_a_round_opening_goes_on_to_the_countersink_behind_it():
     assert own_rim(RoundRim(8.0 * Z, Z, 14.0, 0.05, 5, True), [face])
     assert not own_rim(under, [face])
     assert led_into(replace(under, center=under.center + np.array([30.0, 0.0, 0.0])), [face]) is None
+
+
+def test_a_round_hole_between_two_rims_is_known_before_it_is_asked_what_stopped_strokes():
+    found = Findings()
+    square = np.array([[x, y, 0.0] for x in (-25.0, 0.0, 25.0) for y in (-25.0, 0.0, 25.0)])
+    for z, way in ((0.0, Z), (-20.0, -Z)):
+        found.graph, own = found.graph.add_stroke(Contacts.of(square + z * Z, np.tile(way, (9, 1))))
+        found.rims.append(RoundRim(z * Z, way, 9.0, 0.05, own, True))
+    known = []
+    frontier = SimpleNamespace(openings=[], known=[], placed=list)
+    conclude(found, lambda: known.append({f.fit.kind for f in found.graph.faces}) or [], lambda: frontier)
+    assert "cylinder" in known[0]
