@@ -45,6 +45,7 @@ class RimWallsConfig:
     likely: float = 0.93  # least cosine between the way out of such a rim and one that the object has
     deep: float = 3.0  # [mm] of such a wall, where nothing tells more
     felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
+    rows: tuple[float, ...] = (0.5, 1.2, 2.5)  # [mm] from a rim, where its wall is
     sigma: float = 0.1  # [mm]
     normal_sigma: float = 0.02  # [rad]
 
@@ -218,7 +219,12 @@ def _along(rim: Sighting) -> Floats:
     return np.asarray(rim.point + np.outer(np.linspace(-0.4, 0.4, 7), rim.tangent * rim.length))
 
 
-def _between(a: Floats, b: Floats) -> Floats:
-    """(m, 3) places all over a wall from (n, 3) places on one of its ends to (n, 3) on another."""
+def _between(a: Floats, b: Floats, config: RimWallsConfig = RimWallsConfig()) -> Floats:
+    """(m, 3) places on a wall, beside its rims: from (n, 3) places on one of them toward (n, 3) on another.
+
+    Farther from both something may stand on the wall, or open into it.
+    """
     straight = b if (b[-1] - b[0]) @ (a[-1] - a[0]) >= 0.0 else b[::-1]
-    return np.concatenate([(1.0 - share) * a + share * straight for share in np.linspace(0.1, 0.9, 7)])
+    far = float(np.linalg.norm(straight - a, axis=1).mean())
+    deep = np.minimum(np.array(config.rows) / max(far, 1e-6), 0.4)
+    return np.concatenate([(1.0 - share) * a + share * straight for share in (*deep, *(1.0 - deep))])

@@ -85,3 +85,11 @@ def test_below_a_rim_of_its_own_a_wall_stands_upright_down_to_the_next_face():
     assert (wall.normals @ X > 0.999999).all()  # as the object's other faces stand
     assert np.abs(wall.points[:, 0] + 8.0).max() < 0.2
     assert 6.0 < wall.points[:, 2].min() < 8.0
+
+
+def test_a_wall_between_two_rims_is_told_beside_them_and_not_where_something_may_stand_on_it():
+    ends = [rim([x, 0.0, 0.0], Y, Z, np.sign(x) * X) for x in (-18.0, 18.0)]
+    sides = [flat(k, np.sign(end.point[0]) * X, end.point) for k, end in enumerate(ends)]
+    (top,) = rim_walls([(end, k) for k, end in enumerate(ends)], sides)
+    assert np.abs(top.normals - Z).max() < 1e-6
+    assert (18.0 - np.abs(top.points[:, 0])).max() < 3.0
