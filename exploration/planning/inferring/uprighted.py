@@ -1,8 +1,9 @@
 """Round faces of few contacts, taken for cylinders along a direction that the object has already.
 
-A pad that met a round end once or twice felt some ten contacts of it.  They fit a leaning cone as well as the
-cylinder that stands upright on its plate, and what leans ends somewhere else.  A cylinder along a known direction
-has three parameters, where a cone has six: Schwarz's criterion says what the contacts pay for (our derivation).
+A pad that met a round end once or twice felt some ten contacts of it, or many on a narrow band.  They fit what
+leans, a cone or a cylinder, as well as the cylinder that stands upright on its plate; what leans ends somewhere
+else.  A cylinder along a known direction has three parameters, where a cone has six: Schwarz's criterion says what
+the contacts pay for (our derivation).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from primitives.patch_graph import Face, PatchGraph
 from primitives.shapes import Cylinder
 
 _FEW = 30  # contacts, from which a face tells its own direction
+_BAND = 0.5  # of a cylinder's radius, along which it was felt at least where it tells its own direction
 _PARAMETERS = 3  # of a cylinder along a given direction
 _RESIDUALS = 3  # of a point with its normal
 _SLACK = 3.0  # times chi2, by which contacts of one touch err together beyond their frames' noise
@@ -43,7 +45,7 @@ def _directions(graph: PatchGraph) -> Iterator[Floats]:
     found: list[Floats] = []
     for face in graph.faces:
         direction = getattr(face.fit.shape, "direction", None) if isinstance(face.fit, Fit) else None
-        if direction is None or len(face.contacts) < _FEW:
+        if direction is None or len(face.contacts) < _FEW or _narrow(face):
             continue
         if all(abs(direction @ other) < _SAME for other in found):
             found.append(direction)
@@ -52,7 +54,9 @@ def _directions(graph: PatchGraph) -> Iterator[Floats]:
 
 def _upright(face: Face, ways: list[Floats]) -> Fit | None:
     """The cylinder along the direction that its contacts like best; None where its own fit explains more."""
-    if not isinstance(face.fit, Fit) or face.fit.kind == "plane" or len(face.contacts) >= _FEW:
+    if not isinstance(face.fit, Fit) or face.fit.kind == "plane":
+        return None
+    if len(face.contacts) >= _FEW and not _narrow(face):
         return None
     felt = face.contacts.select(face.fit.inliers)
     if not len(felt) or (felt.touch == NOT_FELT).any() or not np.isfinite(felt.normals).all():
@@ -75,6 +79,14 @@ def _upright(face: Face, ways: list[Floats]) -> Fit | None:
             dof = max(_RESIDUALS * len(felt) - _PARAMETERS, 1)
             best, least = replace(made, inliers=rows, chi2=float(own.sum()), dof=dof), score
     return best
+
+
+def _narrow(face: Face) -> bool:
+    """Whether a cylinder was felt on so narrow a band that its own blur turns its axis, as of a flange's rim."""
+    shape = face.fit.shape if isinstance(face.fit, Fit) else None
+    if not isinstance(shape, Cylinder):
+        return False
+    return float(np.ptp(face.contacts.points @ shape.axis)) < _BAND * shape.radius
 
 
 def _drawn_out(felt: Contacts, way: Floats) -> Contacts:

@@ -44,3 +44,20 @@ def test_what_leans_for_sure_stays_as_it_was_fitted():
     leaning = face(1, felt(Cone([0, 0, -60.0], Z, 0.29), rng, 25))
     graph = PatchGraph((plate(rng), leaning), ())
     assert uprighted(graph).faces[1] is leaning
+
+
+def band(rng, lean, high, count=48):
+    """Of the rim of a flange of radius 24, all round, by cylinders that lean."""
+    leaning = Cylinder([0, 0, 0.0], np.array([np.sin(lean), 0.0, np.cos(lean)]), 24.0)
+    turn, up = np.linspace(0.0, 6.0, count), rng.uniform(0.0, high, count)
+    at = leaning.project(np.column_stack([24.0 * np.cos(turn), 24.0 * np.sin(turn), up]))
+    return Contacts.of(at, leaning.normals(at), 0.05, 0.1)
+
+
+def test_a_narrow_band_of_many_contacts_stands_upright_where_a_long_one_tells_its_lean():
+    rng = np.random.default_rng(2)
+    narrow, long = face(1, band(rng, 0.03, 3.0)), face(1, band(rng, 0.03, 40.0))
+    assert abs(narrow.fit.shape.direction @ Z) < 0.9998
+    (_, upright), (_, kept) = (uprighted(PatchGraph((plate(rng), own), ())).faces for own in (narrow, long))
+    assert abs(upright.fit.shape.direction @ Z) > 0.9999
+    assert kept is long
