@@ -102,8 +102,9 @@ def _bored(
     """
     worth = weight * (solid & ~state.held).astype(float) - weight * (~solid & ~state.held)
     for hole in vocabulary.rounds(weight * np.where(solid, -1.0, 1.0), options.tried):
-        inside = vocabulary.mask(hole)
-        for _, candidate in vocabulary.best(np.where(inside, 0.0, worth), options.tried):
+        outside = np.where(vocabulary.mask(hole), 0.0, worth)
+        found = [candidate for _, candidate in vocabulary.best(outside, options.tried)]
+        for candidate in (*found, *_prisms(outside, np.maximum(outside, 0.0), vocabulary, options)):
             steps = (*state.steps, Step("add", candidate), Step("subtract", hole))
             yield replayed(steps, vocabulary, solid, weight, options)
 
@@ -176,16 +177,19 @@ def _steps(
         deep = (solid & state.held) if adding else (~solid & ~state.held)
         worth = weight * (right.astype(float) - spoiled + _DEEP * deep)
         found = [candidate for _, candidate in vocabulary.best(worth, options.tried)]
-        seeds = np.argsort(-np.where(right, weight, 0.0), kind="stable")[: options.seeds]
-        for seed in seeds:
-            sides = vocabulary.grown(int(seed), worth) if right[seed] else None
-            if sides is not None and len(sides.sides) > 1:
-                found.append(sides)
+        found += _prisms(worth, np.where(right, weight, 0.0), vocabulary, options)
         for candidate in found:
             after = _after(state, Step(operation, candidate), vocabulary, solid, weight, options)
             if after.wrong < state.wrong - 1e-9:
                 out.append(after)
     return out
+
+
+def _prisms(worth: Floats, want: Floats, vocabulary: Vocabulary, options: SearchOptions) -> list[Candidate]:
+    """Sides of planes round the cells that are wanted most, by (c,) `want` [nats]."""
+    seeds = [int(seed) for seed in np.argsort(-want, kind="stable")[: options.seeds] if want[seed] > 0.0]
+    grown = [vocabulary.grown(seed, worth) for seed in seeds]
+    return [sides for sides in grown if sides is not None and len(sides.sides) > 1]
 
 
 def _after(
