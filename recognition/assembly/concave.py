@@ -144,9 +144,6 @@ def _piece(step: Step, vocabulary: Vocabulary, corners: Floats, room: Floats) ->
             made = Piece("torus", "add", ring, pose(shape.frame, shape.center), candidate.body, ())
         else:
             slab = candidate.slabs[0] if candidate.slabs else (None, None)
-            along = vocabulary.along(candidate.body)
-            if along is not None and vocabulary.directions[along].axis @ shape.direction < 0:
-                slab = (slab[1], slab[0])
             made = round_piece(candidate.body, shape, slab, shapes, corners)
     return replace(made, operation=step.operation)
 

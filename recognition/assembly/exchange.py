@@ -89,13 +89,10 @@ def _other_ends(candidate: Candidate, vocabulary: Vocabulary) -> Iterator[Candid
 
 def _planes(candidate: Candidate, vocabulary: Vocabulary) -> list[Sequence[int]]:
     """The planes, in order, that each slab may end at."""
-    axes: tuple[int | None, ...]
-    if candidate.frame is not None:
-        axes = vocabulary.frames[candidate.frame]
-    else:
-        axes = (None if candidate.body is None else vocabulary.along(candidate.body),)
-    slabs = len(candidate.slabs)
-    return [() if axis is None else vocabulary.directions[axis].planes for axis in axes[:slabs]]
+    if candidate.frame is None:
+        return [vocabulary.across(candidate.body)] if candidate.slabs and candidate.body is not None else []
+    axes = vocabulary.frames[candidate.frame]
+    return [() if axis is None else vocabulary.directions[axis].planes for axis in axes]
 
 
 def _other_slabs(slab: Slab, planes: Sequence[int]) -> Iterator[Slab]:

@@ -42,10 +42,15 @@ class Piece:
         return self.solid.placed(self.world_from_piece)
 
 
+def _crossed(origin: Floats, axis: Floats, end: Plane) -> float:
+    """[mm] along an axis through a point, at which it crosses a plane."""
+    return float((end.origin - origin) @ end.normal) / float(axis @ end.normal)
+
+
 def span(origin: Floats, axis: Floats, ends: Sequence[Plane | None], corners: Floats) -> tuple[float, float]:
     """Where a piece begins and ends along an axis through a point; open ends are past the corners, rounded."""
     along = (corners - origin) @ axis
-    low, high = (float((e.origin - origin) @ axis) if e is not None else None for e in ends)
+    low, high = (_crossed(origin, axis, e) if e is not None else None for e in ends)
     if low is None and high is None:
         middle = 0.5 * float(along.min() + along.max())
         half = 0.5 * _round_up(float(np.ptp(along)) + 2 * _PAST)

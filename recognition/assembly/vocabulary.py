@@ -18,6 +18,7 @@ from primitives.pose import frame_along
 from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
 
 _PARALLEL = 1e-3  # [rad] within which directions are one
+_ACROSS = 0.01  # [rad] from upright on a round surface's axis, within which a plane ends it
 Slab = tuple[int | None, int | None]  # the planes below and above, None where it is open
 
 
@@ -71,18 +72,24 @@ class Vocabulary:
                 if axis is not None:
                     inside &= _within(self.directions[axis], slab)
         elif candidate.slabs and candidate.body is not None:
-            along = self.along(candidate.body)
-            assert along is not None
-            inside &= _within(self.directions[along], candidate.slabs[0])
+            for end, above in zip(candidate.slabs[0], (True, False), strict=True):
+                if end is not None:
+                    inside &= self._above(end, candidate.body) == above
         return inside
 
-    def along(self, body: int) -> int | None:
-        """The direction of planes across a round surface's axis."""
-        axis = self.shapes[body].direction
-        near = (
-            k for k, d in enumerate(self.directions) if np.linalg.norm(np.cross(d.axis, axis)) < _PARALLEL
-        )
-        return next(near, None)
+    def across(self, body: int) -> tuple[int, ...]:
+        """The planes across a round surface's axis, by rising height along it."""
+        axis, anchor = self.shapes[body].direction, self.shapes[body].anchor
+        heights: dict[int, float] = {}
+        for k, plane in enumerate(self.shapes):
+            if isinstance(plane, Plane) and float(np.linalg.norm(np.cross(plane.normal, axis))) < _ACROSS:
+                heights[k] = float((plane.origin - anchor) @ plane.normal) / float(axis @ plane.normal)
+        return tuple(sorted(heights, key=lambda k: heights[k]))
+
+    def _above(self, plane: int, body: int) -> Bools:
+        """(c,) which cells lie above a plane along a round surface's axis."""
+        up = float(self.shapes[plane].direction @ self.shapes[body].direction) > 0.0
+        return np.asarray(self.outside[:, plane] == up)
 
     def best(self, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
         """The candidates whose cells are worth most, best first."""
@@ -128,10 +135,9 @@ class Vocabulary:
                 yield Candidate("torus", i)
             elif not isinstance(shape, Plane):
                 kind = "cylinder" if isinstance(shape, Cylinder) else "cone"
-                along = self.along(i)
-                planes = () if along is None else self.directions[along].planes
+                planes = self.across(i)
                 for slab in _slabs(planes):
-                    yield Candidate(kind, i, slabs=() if along is None else (slab,))
+                    yield Candidate(kind, i, slabs=(slab,) if planes else ())
 
     def _best_boxes(self, number: int, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
         """All boxes of a frame at once, from the cumulative sums over its bins."""
