@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.shapes import Shape
@@ -22,6 +23,7 @@ class ArrangementOptions:
     """How finely space is sampled."""
 
     grid: int = 32_768  # points over the box
+    passed: float = 2.5  # [mm] round a place that something went through, that is as large as a swept cell
     aside: float = 1e-3  # of the box's diagonal: how far beside a contact its two sides are looked at
 
 
@@ -33,7 +35,9 @@ class Arrangement:
     volume: Floats  # (c,) [mm^3] of it within the box; zero where no grid point fell
     beyond: Floats  # (c,) share of that volume outside the box of the contacts
     solid_votes: Floats  # (c,) contacts that say that it is solid
-    free_votes: Floats  # (c,) contacts, and swept places, that say that it is free
+    free_votes: Floats  # (c,) contacts that say that it is free
+    swept_votes: Floats  # (c,) places in it that something went through
+    swept_share: Floats  # (c,) share of its volume beside such places
     pairs: Ints  # (f, 2) the cells inside and outside of a facet's surface
     area: Floats  # (f,) [mm^2] of the facet
 
@@ -73,12 +77,14 @@ def arrange(
     outer[np.arange(len(surface)), surface] = True
     found, cell = _distinct(np.concatenate([to_surface > 0, _distances(shapes, felt) > 0, inner, outer]))
     count, g, n, s = len(found), len(grid), len(points), len(surface)
-    of_grid, behind, before = cell[:g], cell[g : g + n], cell[g + n : g + len(felt)]
+    of_grid, behind, before = cell[:g], cell[g : g + n], cell[g + n : g + 2 * n]
+    went, passed = cell[g + 2 * n : g + len(felt)], _beside(grid, free, options.passed)
     sides = cell[g + len(felt) :]
     box = np.stack([points.min(axis=0), points.max(axis=0)]) + np.outer([-1, 1], [2 * aside] * 3)
     away = ((grid < box[0]) | (grid > box[1])).any(axis=1)
     held = np.bincount(of_grid, minlength=count).astype(float)
     gone = np.bincount(of_grid, away, minlength=count)
+    seen = np.bincount(of_grid, passed, minlength=count)
     keys, which = np.unique(sides[:s] * count + sides[s:], return_inverse=True)
     volume = float(np.prod(span)) / g
     return Arrangement(
@@ -87,6 +93,8 @@ def arrange(
         frozen(gone / np.maximum(held, 1)),
         frozen(np.bincount(behind, minlength=count).astype(float)),
         frozen(np.bincount(before, minlength=count).astype(float)),
+        frozen(np.bincount(went, minlength=count).astype(float)),
+        frozen(seen / np.maximum(held, 1)),
         frozen(np.stack([keys // count, keys % count], axis=1), np.int64),
         frozen(np.bincount(which, minlength=len(keys)) * volume / slab),
     )
@@ -103,6 +111,13 @@ def _distances(shapes: Sequence[Shape], points: Floats) -> Floats:
     if not shapes:
         return np.empty((len(points), 0))
     return np.stack([shape.signed_distance(points) for shape in shapes], axis=1)
+
+
+def _beside(grid: Floats, places: Floats, within: float) -> Bools:
+    """(g,) which points of a grid are `within` mm of one of (k, 3) places."""
+    if not len(places):
+        return np.zeros(len(grid), dtype=bool)
+    return np.asarray(KDTree(places).query(grid, distance_upper_bound=within)[0] < within)
 
 
 def _distinct(rows: Bools) -> tuple[Bools, Ints]:

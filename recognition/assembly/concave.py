@@ -90,11 +90,12 @@ def _listed(
         return NotClosed("the contacts' normals leave no cell solid")
     vocabulary = Vocabulary(shapes, found.outside)
     scale = _SPACE * len(points) / max(float(found.volume.sum()), 1e-9)
-    weight = _VOTE * (found.solid_votes + found.free_votes) + scale * found.volume
+    against_solid = found.free_votes + found.swept_votes
+    weight = _VOTE * (found.solid_votes + against_solid) + scale * found.volume
     state = exchanged(shortest(vocabulary, solid, weight), vocabulary, solid, weight, SearchOptions())
     if not state.steps:
         return NotClosed("no list of primitives explains the contacts")
-    against = _VOTE * float(np.where(solid, found.free_votes, found.solid_votes).sum())
+    against = _VOTE * float(np.where(solid, against_solid, found.solid_votes).sum())
     return _Listed(vocabulary, state, against)
 
 

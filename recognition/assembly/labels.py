@@ -7,6 +7,10 @@ probability.  So, with s of {0, 1} the labels (our derivation)::
     -ln p = stray * (votes against) + sum over facets rho a [s_inner != s_outer],
 
 which is submodular: its minimum is a minimum cut (Greig, Porteous and Seheult 1989).
+
+A cell with contacts that say solid, and places that something went through, is no one thing: a surface is missing
+that would part it, as of a bore whose wall nobody felt.  It is what its greater part is: the votes for the lesser
+cost no more than a missing surface does, and the volume that is wrong.
 """
 
 from __future__ import annotations
@@ -29,6 +33,8 @@ class LabelOptions:
     """Probabilities, in nats."""
 
     stray: float = 6.0  # of a contact that lies on no boundary, or on one turned the other way
+    missing: float = 40.0  # of a surface that parts a cell and was not recognized
+    space: float = 10.0  # per contact, of the whole volume wrongly filled
     outside: float = 50.0  # of material past all contacts, for a cell of which all lies there
 
 
@@ -36,14 +42,20 @@ def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bool
     """(c,) whether a cell is solid."""
     options = options or LabelOptions()
     touched = float(found.solid_votes.sum())
-    supported = (found.solid_votes[found.pairs[:, 0]] > 0) & (found.free_votes[found.pairs[:, 1]] > 0)
-    supported |= (found.solid_votes[found.pairs[:, 1]] > 0) & (found.free_votes[found.pairs[:, 0]] > 0)
+    material, empty = found.solid_votes > 0, found.free_votes + found.swept_votes > 0
+    supported = material[found.pairs[:, 0]] & empty[found.pairs[:, 1]]
+    supported |= material[found.pairs[:, 1]] & empty[found.pairs[:, 0]]
     density = touched / max(float(found.area[supported].sum()), 1e-9)
     volume = max(float(found.volume.sum()), 1e-9)
     whole = found.beyond > 0.5
-    to_free = options.stray * found.free_votes + np.where(whole, options.outside, 0.0)
+    parted = (found.solid_votes > 0) & (found.swept_votes > 0)
+    room = options.space * touched * found.volume / volume
+    swept, solid = options.stray * found.swept_votes, options.stray * found.solid_votes
+    lesser = options.missing + room * np.minimum(found.swept_share, 1.0 - found.swept_share)
+    swept = np.where(parted & (found.swept_share < 0.5), np.minimum(swept, lesser), swept)
+    to_solid = np.where(parted & (found.swept_share > 0.5), np.minimum(solid, lesser), solid)
+    to_free = options.stray * found.free_votes + swept + np.where(whole, options.outside, 0.0)
     to_free = to_free + touched * found.beyond * found.volume / volume
-    to_solid = options.stray * found.solid_votes
     return _cut(to_solid, to_free, found, density)
 
 

@@ -12,7 +12,9 @@ from primitives.fit import Fit, refit
 from primitives.pose import pose, random_rotation
 from primitives.shapes import Cylinder, Plane, Torus
 from recognition.assembly import assemble
+from recognition.assembly.arrangement import Arrangement
 from recognition.assembly.exchange import exchanged
+from recognition.assembly.labels import solid_cells
 from recognition.assembly.search import SearchOptions, State, Step, mended, shortest
 from recognition.assembly.separators import separators, stops
 from recognition.assembly.vocabulary import Candidate, Vocabulary
@@ -146,3 +148,54 @@ def test_a_ring_round_a_bore_that_was_felt_is_added_and_bored():
     found = shortest(Vocabulary([*foot, *rings], outside), part, weight)
     assert (found.held == part).all()
     assert [step.operation for step in found.steps] == ["add", "add", "subtract"]
+
+
+def parted(solid, swept, share):
+    """A cell between two that are free, with contacts that say solid, and places that were gone through."""
+    none = np.zeros(3)
+    return Arrangement(
+        outside=np.array([[True, False], [False, False], [False, True]]),
+        volume=np.array([1e4, 1e4, 1e4]),
+        beyond=none,
+        solid_votes=np.array([0.0, solid, 0.0]),
+        free_votes=np.array([20.0, 0.0, 20.0]),
+        swept_votes=np.array([0.0, swept, 0.0]),
+        swept_share=np.array([0.0, share, 0.0]),
+        pairs=np.array([[1, 0], [1, 2]]),
+        area=np.array([500.0, 500.0]),
+    )
+
+
+def test_a_cell_that_a_missing_surface_parts_is_what_its_greater_part_is():
+    assert solid_cells(parted(40.0, 0.0, 0.0)).tolist() == [False, True, False]
+    assert solid_cells(parted(40.0, 400.0, 0.2)).tolist() == [False, True, False]
+    assert not solid_cells(parted(40.0, 400.0, 0.9)).any()
+    assert not solid_cells(parted(2.0, 400.0, 0.2)).any()  # strays
+
+
+def test_a_plane_hardly_off_upright_ends_a_round_body():
+    lean = np.array([0.004, 0.0, 1.0])
+    shapes = [Cylinder(np.zeros(3), np.eye(3)[2], 10.0), Plane(np.zeros(3), -np.eye(3)[2])]
+    shapes += [Plane(np.array([0, 0, 30.0]), lean / np.linalg.norm(lean)), Plane(np.zeros(3), np.eye(3)[0])]
+    vocabulary = Vocabulary(shapes, np.zeros((1, 4), dtype=bool))
+    assert vocabulary.across(0) == (1, 2)
+    assert Candidate("cylinder", 0, slabs=((1, 2),)) in vocabulary.rounds(np.ones(1), 50)
+
+
+def test_a_hexagonal_bar_is_added_together_with_the_bore_that_weighs_more_than_it():
+    ways = [np.array([np.cos(a), np.sin(a), 0.0]) for a in np.arange(6) * np.pi / 3]
+    shapes = [Plane(18.0 * way, way) for way in ways]
+    shapes += [Plane(z * np.eye(3)[2], np.eye(3)[2]) for z in (0.0, 16.0)]
+    shapes.append(Cylinder(np.zeros(3), np.eye(3)[2], 9.0))
+    places = np.random.default_rng(0).uniform(-30.0, 30.0, (20_000, 3))
+    outside = np.unique(np.stack([s.signed_distance(places) > 0 for s in shapes], axis=1), axis=0)
+    vocabulary = Vocabulary(shapes, outside)
+    block = ~outside[:, :6].any(axis=1) & outside[:, 6] & ~outside[:, 7]
+    bore = ~outside[:, 8]
+    weight = np.where(block & ~bore, 1000.0, np.where(bore, 2000.0, 100.0))
+    found = shortest(vocabulary, block & ~bore, weight)
+    assert [(step.operation, step.candidate.kind) for step in found.steps] == [
+        ("add", "prism"),
+        ("subtract", "cylinder"),
+    ]
+    assert found.wrong == 0.0
