@@ -54,6 +54,7 @@ class ExploreOptions:
     cover: str | None = None  # a CAD file of another body in the way, in the part's own coordinates
     seed: int = 0
     max_touches: int = 500
+    max_minutes: float = 30.0  # of the stage
     policies: ClassVar[tuple[str, ...]] = POLICIES
     policy: str = "closure"  # how exploration chooses what it touches
     out: Path | None = None  # None: a new folder below runs/
@@ -92,6 +93,9 @@ class ExploreOptions:
             self.policy in self.policies, f"--policy {self.policy!r} is not one of {', '.join(self.policies)}"
         )
         _require(self.max_touches >= 1, f"--max-touches must be 1 or more, not {self.max_touches}")
+        _require(
+            _positive(self.max_minutes), f"--max-minutes must be a positive number, not {self.max_minutes}"
+        )
 
     @property
     def fixed_pose(self) -> Floats | None:

@@ -114,6 +114,7 @@ def _explored(
     config = ExplorerConfig(
         feature=options.feature,
         max_touches=options.max_touches,
+        max_minutes=options.max_minutes,
         policy=options.policy,
         seed=options.seed,
     )

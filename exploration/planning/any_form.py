@@ -82,7 +82,7 @@ class AnyForm:
     def run(self) -> Iterator[str]:
         """Make moves until nothing is left to try; yields what each one did."""
         face: int | None = None
-        while self.pad.guard.cost.touches < self.config.max_touches:
+        while not self.config.spent(self.pad.guard.cost):
             move = self._next(face)
             if move is None and self.study.name_loose():
                 continue

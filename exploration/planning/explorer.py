@@ -78,7 +78,7 @@ class Explorer:
     def run(self) -> Iterator[Findings]:
         """Explore; yields after every move."""
         if not self._find():
-            spent = self.guard.cost.touches >= self.config.max_touches
+            spent = self.config.spent(self.guard.cost)
             self.found.ended = "budget" if spent else "nothing was found in the workspace"
             return
         face: int | None = None
@@ -90,13 +90,13 @@ class Explorer:
         if self.config.policy != "closure":
             yield from self._surveyed()
             return
-        while self.guard.cost.touches < self.config.max_touches:
+        while not self.config.spent(self.guard.cost):
             self.found.hollow = self.found.hollow or self._dented()
             if self.found.hollow:
                 self._walls.recall()
                 self._lay()
                 yield from map(self._say, self._any_form())
-                spent = self.guard.cost.touches >= self.config.max_touches
+                spent = self.config.spent(self.guard.cost)
                 whole = "closed" if not self.found.open else "nothing reachable is open"
                 self.found.ended = "budget" if spent else whole
                 return
@@ -132,7 +132,7 @@ class Explorer:
     def _any_form(self) -> Iterator[str]:
         """Face by face, with one array after the other: each goes for what those before it found no room for."""
         for sensor, array in enumerate(self.guard.sensors):
-            if self.guard.cost.touches >= self.config.max_touches and sensor:
+            if self.config.spent(self.guard.cost) and sensor:
                 break
             if sensor != self.guard.active:
                 self._unless_met(partial(retreat, self.guard, self.config.change))
@@ -154,7 +154,7 @@ class Explorer:
         rng = np.random.default_rng(self.config.seed)
         policy = next(p for p in POLICIES if p == self.config.policy)
         yield from map(self._say, Survey(self._study, policy, self.config, rng).run())
-        spent = self.guard.cost.touches >= self.config.max_touches
+        spent = self.config.spent(self.guard.cost)
         self.found.ended = "budget" if spent else "nothing reachable is open"
 
     def _say(self, note: str) -> Findings:
@@ -228,7 +228,7 @@ class Explorer:
         floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
         box = np.array([*self.box[:2], floor, *self.box[3:]])
         for start, end in sweeps(box, self.pad.size, self.config.feature):
-            if self.guard.cost.touches >= self.config.max_touches:
+            if self.config.spent(self.guard.cost):
                 return False
             try:
                 self.guard.go_to(start)

@@ -58,7 +58,7 @@ class Survey:
         retreat(self.pad.guard, self.own.far)
         tries = self._random() if self.policy == "random" else self._rings()
         for start in tries:
-            if self.pad.guard.cost.touches >= self.config.max_touches:
+            if self.config.spent(self.pad.guard.cost):
                 return
             yield self._touch(start)
 

@@ -22,6 +22,7 @@ def explore(
     part: Part = "",
     device: flags.Device = None,
     max_touches: Annotated[int, typer.Option(help="Touches after which exploration stops.")] = 500,
+    max_minutes: Annotated[float, typer.Option(help="Minutes of the stage after which it stops.")] = 30.0,
     policy: Annotated[
         str,
         typer.Option(help="closure, or to measure against: grid, random, raster.", show_default=True),
@@ -49,6 +50,7 @@ def explore(
             ExploreOptions,
             part=part,
             max_touches=max_touches,
+            max_minutes=max_minutes,
             policy=policy,
             device=device,
         )

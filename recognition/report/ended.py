@@ -1,7 +1,7 @@
 """Why a run ended, as a person would say it; `ended` of its summary in words that need no explanation."""
 
 _WORDS = {
-    "budget": "the touches that it may make, or make in vain, are used up",
+    "budget": "its time, or the touches that it may make, or make in vain, are used up",
     "nothing reachable is open": "what is still open is out of the pad's reach",
 }
 

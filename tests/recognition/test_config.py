@@ -91,6 +91,7 @@ def test_a_bad_pose_is_refused_in_one_line(text):
         {"pose_noise": -1.0},
         {"seed": -1},
         {"max_touches": 0},
+        {"max_minutes": 0.0},
         {"sensors": ()},
     ],
 )

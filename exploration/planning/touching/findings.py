@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
+from exploration.devices.guard import Cost
 from exploration.planning.faces.attribution import CONVEX, AttributionConfig
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.round_rims import RoundRim
@@ -25,6 +26,7 @@ class ExplorerConfig:
 
     feature: float = 10.0  # [mm] the smallest feature that must not be missed
     max_touches: int = 500
+    max_minutes: float = 30.0  # of the stage
     explained: float = 0.8  # [mm] from a known face, an edge seen needs no crossing
     passes: float = 2.0  # [mm] from a face that a crossing led to, its edge is explained by it
     roll: tuple[float, ...] = (60.0, 95.0)  # [deg] attitudes from which an edge is crossed, in turn
@@ -40,6 +42,10 @@ class ExplorerConfig:
     attribution: AttributionConfig = field(default_factory=AttributionConfig)
     policy: str = "closure"  # or one of `survey.POLICIES`, to measure against
     seed: int = 0  # of a policy that draws at random
+
+    def spent(self, cost: Cost) -> bool:
+        """Whether all touches, or all time, that it may take are taken."""
+        return cost.touches >= self.max_touches or cost.seconds >= 60.0 * self.max_minutes
 
 
 @dataclass

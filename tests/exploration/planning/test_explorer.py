@@ -50,6 +50,14 @@ def test_touches_never_exceed_the_budget():
     assert explorer.guard.cost.touches <= 2
 
 
+def test_time_on_the_stage_is_a_budget_too():
+    explorer, _ = explorer_over(Cube((40.0, 40.0, 40.0)), seed=0, max_minutes=0.2)
+    for _ in explorer.run():
+        pass
+    assert explorer.found.ended == "budget"
+    assert 12.0 <= explorer.guard.cost.seconds < 40.0  # the move that was under way is ended
+
+
 def test_an_empty_workspace_is_said_so():
     explorer, _ = explorer_over(Cube((10.0, 10.0, 10.0)).at(900.0, 0.0, 0.0), seed=0)
     small = np.array([-30.0, -30.0, -10.0, 30.0, 30.0, 200.0])
