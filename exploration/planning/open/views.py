@@ -2,8 +2,9 @@
 
 What an array passes through is seen, and holds nothing.  A cell near what was felt that was not passed through may
 hold anything.  A straight approach from outside sees every cell on its way until something that was felt stops it;
-the approach that sees most of what is unseen comes first (compare next-best-view planning, Connolly 1985).  A side
-from which nothing was felt at all is worth one for less.
+the approach that sees most of what is unseen comes first (compare next-best-view planning, Connolly 1985).  From
+a side that nothing was felt from, or where what comes first was not, as the end of a post of which the flank is
+known, it is worth one for less.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ class ViewsConfig:
     step: float = 10.0  # [mm] between approaches that are compared
     deep: float = 10.0  # [mm] of unseen space, over the whole pad, that is worth an approach
     side: float = 3.0  # [mm] the same from a side that was not felt yet
+    end: float = 1.0  # [mm] the same before an end that was not felt from that side
+    first: float = 8.0  # [mm] behind the first felt place on the way, up to where what comes first reaches
     facing: float = 0.8  # least cosine of a felt place that shows a side
     few: int = 10  # felt places, below which a side was not felt
     slanting: float = 0.6  # worth of an approach between the object's axes
@@ -56,23 +59,30 @@ def best_view(
     """
     if not len(felt):
         return None
-    _, first = np.unique(np.round(felt / config.coarse).astype(int), axis=0, return_index=True)
+    alike = np.round(np.concatenate([felt / config.coarse, facing], axis=1)).astype(int)
+    _, first = np.unique(alike, axis=0, return_index=True)
     felt, facing = felt[first], facing[first]
     unseen = _unseen(felt, seen, config)
     best: tuple[float, View] | None = None
     for way in _ways(axes) if len(unseen) else ():
         turn = se3.frame_along(way, axes[:, int(np.argmin(np.abs(way @ axes)))])
         straight = float(np.abs(way @ axes).max()) > 0.99
-        unknown = straight and int((facing @ -way > config.facing).sum()) < config.few
-        least = (config.side if unknown else config.deep) * 4.0 * half[0] * half[1] / seen.cell**3
-        places, behind = unseen @ turn, felt @ turn
-        middle = float(behind[:, 2].mean())
+        over = 4.0 * half[0] * half[1] / seen.cell**3  # cells a millimeter of depth
+        places, behind, shown = unseen @ turn, felt @ turn, facing @ -way > config.facing
+        unfelt, middle = int(shown.sum()) < config.few, float(behind[:, 2].mean())
         low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
         lines = [np.arange(a, b + config.step, config.step) for a, b in zip(low, high, strict=True)]
         for x in lines[0]:
             strip, stops = _within(places, 0, x, half[0]), _within(behind, 0, x, half[0])
             for y in lines[1]:
-                rows = strip[_seen_on(y, half[1], places[strip], behind[stops])]
+                met = stops[_within(behind[stops], 1, y, half[1])]
+                stop = behind[met, 2].min(initial=np.inf)
+                rows = strip[_within(places[strip], 1, y, half[1])]
+                rows = rows[places[rows, 2] < stop]
+                end = met[behind[met, 2] < stop + config.first]
+                new = len(end) > 0 and not shown[end].any()
+                deep = config.end if new else config.side if unfelt else config.deep
+                least = over * (deep if straight else config.deep)
                 worth = float(len(rows)) * (1.0 if straight else config.slanting) / least
                 if worth > max(1.0, best[0] if best is not None else 0.0):
                     best = worth, View(se3.pose(turn, turn @ np.array([x, y, middle])), unseen[rows])
@@ -82,13 +92,6 @@ def best_view(
 def _within(points: Floats, axis: int, at: float, half: float) -> Ints:
     """(k,) which of (n, 3) points lie less than `half` from a line along one axis."""
     return np.flatnonzero(np.abs(points[:, axis] - at) < half)
-
-
-def _seen_on(y: float, half: float, places: Floats, felt: Floats) -> Ints:
-    """(k,) which of (n, 3) places an approach along z at `y` sees before it meets one of (m, 3) felt."""
-    rows = _within(places, 1, y, half)
-    stop = felt[_within(felt, 1, y, half), 2].min(initial=np.inf)
-    return np.asarray(rows[places[rows, 2] < stop])
 
 
 def _unseen(felt: Floats, seen: SweptCells, config: ViewsConfig) -> Floats:

@@ -51,3 +51,22 @@ def test_what_is_not_worth_a_look_is_not_taken_for_empty():
     assert not len(swept.unseen_between(BOX[:3], BOX[3:]))
     assert not len(swept.between(BOX[:3], BOX[3:]))
     assert not swept.holds(cells).any()
+
+
+def test_the_end_of_a_post_is_looked_at_though_the_plate_round_it_was_felt_from_that_side():
+    swept, half = SweptCells(BOX), np.array([15.0, 10.0])
+    places, facing = sheet(0.0, 1.0)
+    turns = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    out = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(12)])
+    flank = np.concatenate([8.0 * out + [0.0, 0.0, z] for z in np.arange(4.0, 30.0, 4.0)])
+    whole = np.concatenate([places, flank]), np.concatenate([facing, np.tile(out, (7, 1))])
+    cells = swept.unseen_between(BOX[:3], BOX[3:])
+    beside = np.hypot(cells[:, 0], cells[:, 1]) > 12.0
+    swept.note(cells[(cells[:, 2] < -1.0) | beside & (cells[:, 2] > 0.0) | (cells[:, 2] > 38.0)])
+    view = best_view(*whole, swept, half, np.eye(3))
+    assert view is not None
+    np.testing.assert_allclose(view.target[:3, 2], [0.0, 0.0, -1.0], atol=1e-9)
+    assert np.hypot(*view.target[:2, 3]) < 15.0
+    top = np.array([[x, y, 28.0] for x in (-6.0, -2.0, 2.0, 6.0) for y in (-4.0, 0.0, 4.0)])
+    felt = np.concatenate([whole[0], top]), np.concatenate([whole[1], np.tile([0.0, 0.0, 1.0], (12, 1))])
+    assert best_view(*felt, swept, half, np.eye(3)) is None
