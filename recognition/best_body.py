@@ -20,6 +20,8 @@ from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import cut_off
 from recognition.hulled import hulled
 
+_FEW = 6  # contacts outside the body, that are no strays
+_SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
 _LEFT_OUT = 8  # faces at most
 
 
@@ -104,15 +106,29 @@ def reach_past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
     return float(max((felt.min(axis=0) - bounds[0]).max(), (bounds[1] - felt.max(axis=0)).max()))
 
 
+def fall_short(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
+    """[mm] that a few contacts lie outside the body, as on a post of which nobody felt the end.
+
+    Without end where there is no body.
+    """
+    if isinstance(assembly, NotClosed):
+        return np.inf
+    outside = assembly.solid.signed_distance(contacts.points[contacts.touch != NOT_FELT])
+    return float(np.sort(outside)[-_FEW]) if len(outside) >= _FEW else 0.0
+
+
 def _closed(felt: tuple[FeltFace, ...], box: Floats, free: Floats | None, most: float) -> Body:
-    """All faces, and where they leave the body open, or it reaches too far, its ends."""
+    """All faces, and where they leave the body open, or it reaches too far or not far enough, its ends."""
     assembly = _assembled(felt, box, free)
     contacts = Contacts.concatenate([face.contacts for face in felt])
-    if (past := reach_past(assembly, contacts)) > most:
+    past, short = reach_past(assembly, contacts), fall_short(assembly, contacts)
+    if past > most or short > _SHORT:
         fitted = ((fit("plane", lot), lot) for lot in cut_off(felt))
         ends = tuple(FeltFace(found, lot) for found, lot in fitted if isinstance(found, Fit))
         whole = _assembled((*felt, *ends), box, free) if ends else assembly
-        if reach_past(whole, contacts) < past:
+        if reach_past(whole, contacts) < past or (
+            fall_short(whole, contacts) < short and reach_past(whole, contacts) <= max(past, most)
+        ):
             return Body(whole, felt, ends)
     return Body(assembly, felt)
 

@@ -98,6 +98,22 @@ def test_a_round_body_is_cut_off_along_its_axis_alone():
     assert len(made.faces) == 3
 
 
+def test_a_post_of_which_the_end_was_never_felt_reaches_as_far_as_contact_did():
+    post = Cube((70, 70, 12)) | Cylinder(10, 40).at(0, 0, 20)
+    _, brep = graph_of(post)
+    end = min((f for f in brep.faces if f.kind == "plane" and f.area < 400.0), key=lambda f: f.area)
+    graph, _ = graph_of(post, skip=[end.id], per_face=60)
+    few = []
+    for face in graph.faces:
+        low = np.flatnonzero(face.contacts.points[:, 2] < 24.0)
+        few.append(
+            face if face.fit.kind == "plane" else replace(face, contacts=face.contacts.select(low[:12]))
+        )
+    made = reconstruct(PatchGraph(tuple(few)), [], BOX)
+    assert made.assembly.solid.bounds[1, 2] > 18.0
+    assert "cylinder" in [row["kind"] for row in made.primitives]
+
+
 def test_what_nobody_touched_of_a_body_is_told():
     graph, _ = graph_of(Cube((80, 60, 60)), per_face=200)
     assert reconstruct(graph, [], BOX).warnings == ()
