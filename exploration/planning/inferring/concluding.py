@@ -15,6 +15,7 @@ from exploration.planning.faces.consistency import drop_poor, flattened
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.risers import risers
+from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.inferring.uprighted import uprighted
 from exploration.planning.moves.rim_walls import SeenRim, rim_walls, upright_walls
@@ -33,6 +34,7 @@ _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two oth
 _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
 _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
 _BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
+_BY_LEDGE = "a round hole is wider at one end; its ledge is taken for half way down"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
@@ -44,7 +46,10 @@ def conclude(
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
     found.graph = uprighted(drop_poor(flattened(found.graph)))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
-    found.openings = _holes(found, found.rims, inside)  # before walls: a round hole stops strokes, too
+    guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
+    found.openings = _holes(
+        found, found.rims, guessed, inside
+    )  # before walls: a round hole stops strokes, too
     rims = [rim for rim, _ in unexplained(found)]
     for lot in inferred_walls(walls(), found.graph.faces, rims):
         if not gone_through(lot, inside):
@@ -59,20 +64,26 @@ def conclude(
     for lot in upright_walls(unexplained(found), found.graph.faces):
         _add(found, lot, _BY_RIM)
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
-    found.openings = _holes(found, [*found.openings, *guessed], inside)
+    found.openings = _holes(found, [*found.openings, *guessed], [], inside)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
         _add(found, riser.contacts, _BY_STEP, riser.kind)
     found.warnings.extend(rim.told() for rim in found.openings)
 
 
-def _holes(found: Findings, rims: Sequence[RoundRim], inside: Floats) -> list[RoundRim]:
-    """Add the walls of the holes that rims are the ends of; the rims that are left."""
+def _holes(
+    found: Findings, rims: Sequence[RoundRim], guessed: Sequence[RoundRim], inside: Floats
+) -> list[RoundRim]:
+    """Add the walls of the holes that rims are the ends of, the far ends perhaps only guessed; the rims left."""
     hollows = hollows_of(found.graph.faces)
-    holes, left = holes_of([rim for rim in rims if not own_rim(rim, hollows)], inside)
+    rims = [rim for rim in rims if not own_rim(rim, hollows)]
+    steps = stepped_holes(rims, guessed)
+    holes, left = holes_of([rim for rim in rims if all(rim is not step.rim for step in steps)], inside)
     led = {id(rim): hole for rim in left if rim.measured and (hole := led_into(rim, hollows)) is not None}
-    for hole in (*holes, *led.values()):
+    for hole in (*holes, *(step.hole for step in steps), *led.values()):
         _replace(found, hole.off)
         _add(found, hole.wall(), _BY_ENDS, "cylinder")
+    for step in steps:
+        _set(found, step.ledge, _BY_LEDGE)
     return [rim for rim in left if id(rim) not in led]
 
 
@@ -83,6 +94,14 @@ def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> None:
     if len(found.graph.face(own).contacts) == len(lot) and isinstance(made, Fit):
         _replace(found, lambda face: replace(face, fit=made, ranked=()) if face.id == own else face)
     found.warnings.append(why)
+
+
+def _set(found: Findings, lot: Contacts, why: str) -> None:
+    """Add a plane of its own: contacts as unsure as these would be taken for any face that looks their way."""
+    made, number = fit("plane", lot), 1 + max((face.id for face in found.graph.faces), default=-1)
+    if isinstance(made, Fit):
+        found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
+        found.warnings.append(why)
 
 
 def _replace(found: Findings, other: Callable[[Face], Face]) -> None:

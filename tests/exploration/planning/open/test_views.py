@@ -62,7 +62,7 @@ def test_the_end_of_a_post_is_looked_at_though_the_plate_round_it_was_felt_from_
     whole = np.concatenate([places, flank]), np.concatenate([facing, np.tile(out, (7, 1))])
     cells = swept.unseen_between(BOX[:3], BOX[3:])
     beside = np.hypot(cells[:, 0], cells[:, 1]) > 12.0
-    swept.note(cells[(cells[:, 2] < -1.0) | beside & (cells[:, 2] > 0.0) | (cells[:, 2] > 38.0)])
+    swept.set_aside(cells[(cells[:, 2] < -1.0) | beside & (cells[:, 2] > 0.0) | (cells[:, 2] > 38.0)])
     view = best_view(*whole, swept, half, np.eye(3))
     assert view is not None
     np.testing.assert_allclose(view.target[:3, 2], [0.0, 0.0, -1.0], atol=1e-9)
