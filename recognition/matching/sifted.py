@@ -32,8 +32,8 @@ class SiftConfig:
 
     each: int = 12  # poses of an object that are looked at
     each_blind: int = 96  # the same where no normals were felt
-    contacts: int = 24  # that judge them
-    rounds: int = 4
+    contacts: int = 16  # that judge them
+    rounds: int = 3
     behind: float = 14.0  # of log likelihood on the exact surface, by which a pose may be behind
     on_field: float = 12.0  # the same on the field, where the noise is not known; and, a contact,
     on_field_each: float = 1.0
