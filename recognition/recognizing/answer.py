@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from models.library import Entry
+from models.library import Entry, Library
 from models.symmetry import pose_error
 from primitives.arrays import Floats
 from primitives.pose import quaternion_wxyz
@@ -16,6 +16,8 @@ from recognition.matching.belief import UNKNOWN
 from recognition.matching.next_touch import Choice
 
 _LEAST = 1e-4  # a candidate less probable than this is not told, unless it is the best of its object
+_CROWDED = 0.1  # of the length of the smallest object: contacts nearer together are hardly in mm,
+_MANY = 6  # where there are so many of them
 
 
 def pose_json(world_from_object: Floats) -> dict[str, Any]:
@@ -111,6 +113,19 @@ def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
     if belief.confidence < 0.95:
         said.append(f"not sure: {belief.decision} has {_percent(belief.confidence)}; {_advice(belief)}")
     return said
+
+
+def other_unit(evidence: Evidence, library: Library, names: Iterable[str]) -> list[str]:
+    """A warning where contacts lie too close together for objects of these names: they are hardly in mm."""
+    points = evidence.contacts.points
+    across = float(np.linalg.norm(np.ptp(points, axis=0)))
+    least = min((float(library[name].solid.extent.max()) for name in set(names)), default=0.0)
+    if len(points) < _MANY or across > _CROWDED * least:
+        return []
+    return [
+        f"all {len(points)} contacts lie within {across:.2g} mm, and no object that was matched is shorter than "
+        f"{least:.0f} mm; contacts are in mm: multiply them by 1000 if these are in m, by 25.4 if in inches"
+    ]
 
 
 def _advice(belief: Belief) -> str:

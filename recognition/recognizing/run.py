@@ -26,7 +26,7 @@ from recognition.matching.hypotheses import SearchConfig
 from recognition.matching.match import MatchConfig
 from recognition.matching.next_touch import Choice, separating
 from recognition.matching.next_touch.sampled import sampled
-from recognition.recognizing.answer import modes, objects, warnings_of, why
+from recognition.recognizing.answer import modes, objects, other_unit, warnings_of, why
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
 from recognition.reconstructing.options import require_sigma
@@ -106,7 +106,7 @@ def locate(
         "history": [],
         "why": {"runner_up": entry.name if len(told) > 1 else None, "separating_contacts": []},
         "truth": truth_of(asked.source, belief, library),
-        "warnings": [*source.warnings, *noted],
+        "warnings": [*source.warnings, *noted, *other_unit(evidence, library, [entry.name])],
     }
 
 
@@ -118,6 +118,10 @@ def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> 
     began = time.perf_counter()
     belief = match(evidence, library, prior_of(asked, evidence), config=asked.matching)
     seconds = time.perf_counter() - began
+    noted = [
+        *warnings_of(belief, evidence),
+        *other_unit(evidence, library, [h.name for h in belief.hypotheses]),
+    ]
     return {
         "command": "recognize",
         "decision": belief.decision,
@@ -130,7 +134,7 @@ def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> 
         "history": [],
         "why": why(belief, _would_tell(belief, evidence, library, asked.seed)),
         "truth": truth_of(asked.source, belief, library),
-        "warnings": [*source.warnings, *library.warnings, *warnings_of(belief, evidence)],
+        "warnings": [*source.warnings, *library.warnings, *noted],
     }
 
 

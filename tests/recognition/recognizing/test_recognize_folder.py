@@ -5,14 +5,16 @@ import pytest
 from typer.testing import CliRunner
 
 from models import parts
+from models.csg import Cube
 from models.formats.openscad.writer import write
 from models.library import Library
+from models.solid import Solid
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from primitives.pose import pose
 from recognition import cli
 from recognition.matching import Belief, Evidence, Hypothesis
-from recognition.recognizing.answer import objects, warnings_of, why
+from recognition.recognizing.answer import objects, other_unit, warnings_of, why
 from recognition.recognizing.run import Asked, locate, recognize
 from recognition.recognizing.text import summary_text
 
@@ -128,3 +130,12 @@ def test_a_pose_among_others_as_probable_is_told_as_unsure(tmp_path):
     assert told["rotation_deg"] > 90.0
     alone = objects(Belief((sharp[0],), {"bracket": 1.0}), library)[0]["pose_sigma"]
     assert alone["rotation_deg"] < 2.0
+
+
+@pytest.mark.parametrize(("scale", "warned"), [(1.0, False), (1.0 / 25.4, True), (1e-3, True)])
+def test_contacts_in_another_unit_are_told_from_contacts_in_mm(scale, warned):
+    cube = Library.of({"cube": Solid.from_csg(Cube((60.0, 40.0, 30.0)))})
+    corners = np.array([[x, y, z] for x in (-30.0, 30.0) for y in (-20.0, 20.0) for z in (-15.0, 15.0)])
+    said = other_unit(Evidence(Contacts.of(scale * corners)), cube, ["cube"])
+    assert bool(said) == warned
+    assert not other_unit(Evidence(Contacts.of(scale * corners[:4])), cube, ["cube"])
