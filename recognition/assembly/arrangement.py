@@ -24,6 +24,7 @@ class ArrangementOptions:
 
     grid: int = 32_768  # points over the box
     passed: float = 2.5  # [mm] round a place that something went through, that is as large as a swept cell
+    on: float = 3.0  # times that, from a surface, within which a contact lies on it
     aside: float = 1e-3  # of the box's diagonal: how far beside a contact its two sides are looked at
 
 
@@ -40,6 +41,7 @@ class Arrangement:
     swept_share: Floats  # (c,) share of its volume beside such places
     pairs: Ints  # (f, 2) the cells inside and outside of a facet's surface
     area: Floats  # (f,) [mm^2] of the facet
+    touched: Floats  # (m,) contacts that lie on each surface
 
     def __len__(self) -> int:
         return len(self.outside)
@@ -97,6 +99,7 @@ def arrange(
         frozen(seen / np.maximum(held, 1)),
         frozen(np.stack([keys // count, keys % count], axis=1), np.int64),
         frozen(np.bincount(which, minlength=len(keys)) * volume / slab),
+        frozen((np.abs(_distances(shapes, points)) < options.on * aside).sum(axis=0).astype(float)),
     )
 
 

@@ -45,7 +45,7 @@ def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bool
     material, empty = found.solid_votes > 0, found.free_votes + found.swept_votes > 0
     supported = material[found.pairs[:, 0]] & empty[found.pairs[:, 1]]
     supported |= material[found.pairs[:, 1]] & empty[found.pairs[:, 0]]
-    density = touched / max(float(found.area[supported].sum()), 1e-9)
+    density = _densities(found, supported, touched / max(float(found.area[supported].sum()), 1e-9))
     volume = max(float(found.volume.sum()), 1e-9)
     whole = found.beyond > 0.5
     parted = (found.solid_votes > 0) & (found.swept_votes > 0)
@@ -59,7 +59,20 @@ def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bool
     return _cut(to_solid, to_free, found, density)
 
 
-def _cut(to_solid: Floats, to_free: Floats, found: Arrangement, density: float) -> Bools:
+def _densities(found: Arrangement, supported: Bools, mean: float) -> Floats:
+    """(f,) contacts to be expected per area of a facet: those of its own surface, where that was felt sparsely.
+
+    Shrunk to the mean by one contact; a surface that nobody felt counts as the mean.
+    """
+    inner, outer = found.outside[found.pairs[:, 0]], found.outside[found.pairs[:, 1]]
+    surface = (inner != outer).argmax(axis=1)
+    area = np.bincount(surface, np.where(supported, found.area, 0.0), minlength=found.outside.shape[1])
+    own = (found.touched + 1.0) / (area + 1.0 / max(mean, 1e-9))
+    own = np.where(found.touched > 0, np.minimum(own, mean), mean)
+    return np.asarray(own[surface])
+
+
+def _cut(to_solid: Floats, to_free: Floats, found: Arrangement, density: Floats) -> Bools:
     count = len(found)
     source, sink = count, count + 1
     everyone = np.arange(count)

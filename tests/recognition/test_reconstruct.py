@@ -114,6 +114,17 @@ def test_a_post_of_which_the_end_was_never_felt_reaches_as_far_as_contact_did():
     assert "cylinder" in [row["kind"] for row in made.primitives]
 
 
+def test_a_knob_that_was_felt_in_few_places_stays_beside_a_plate_that_was_felt_all_over():
+    knob = Cube((70, 70, 12)) | Sphere(14).at(0, 0, 12)
+    graph, _ = graph_of(knob, per_face=400)
+    few = [
+        f if f.fit.kind == "plane" else replace(f, contacts=f.contacts.select(np.arange(9)))
+        for f in graph.faces
+    ]
+    made = reconstruct(PatchGraph(tuple(few)), [], BOX)
+    assert iou(made.assembly.solid, Solid.from_csg(knob, 0.01)) > 0.97
+
+
 def test_what_nobody_touched_of_a_body_is_told():
     graph, _ = graph_of(Cube((80, 60, 60)), per_face=200)
     assert reconstruct(graph, [], BOX).warnings == ()
