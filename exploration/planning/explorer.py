@@ -92,7 +92,7 @@ class Explorer:
             return
         while not self.config.spent(self.guard.cost):
             self.found.hollow = self.found.hollow or self._dented()
-            if self.found.hollow:
+            if self.found.hollow and (self._named() or not self._worth_another_look()):
                 self._walls.recall()
                 self._lay()
                 yield from map(self._say, self._any_form())
@@ -100,7 +100,7 @@ class Explorer:
                 whole = "closed" if not self.found.open else "nothing reachable is open"
                 self.found.ended = "budget" if spent else whole
                 return
-            wall = self._walls.next()
+            wall = None if self.found.hollow else self._walls.next()
             move = self._next(face) if wall is None else partial(self._walls.look, wall)
             if move is None and self.found.open:
                 self.found.hollow = True
@@ -164,9 +164,9 @@ class Explorer:
 
     def _next(self, face: int | None) -> Callable[[], Done] | None:
         """The next move: cross an edge, touch what is untouched, trace an edge; None when nothing is open."""
-        if not any(isinstance(f.fit, Fit) for f in self.found.graph.faces):
+        if not self._named():
             self.found.open = 1
-            return self._look_again if self.guard.cost.touches < self.config.first_tries else None
+            return self._look_again if self._worth_another_look() else None
         crossing = self._crossing.open_sighting(face)
         if crossing is not None:
             return lambda: self._crossing.cross(*crossing)
@@ -193,6 +193,14 @@ class Explorer:
             return lambda: self._tracing.trace(nearest)
         self.found.open = len(untouched.points) + len(contradicted.points)
         return None
+
+    def _named(self) -> bool:
+        """Whether any face is known."""
+        return any(isinstance(face.fit, Fit) for face in self.found.graph.faces)
+
+    def _worth_another_look(self) -> bool:
+        """Whether an object without a face may show one yet."""
+        return max(self.guard.cost.touches, self._looked) < self.config.first_tries
 
     def _around(self) -> Floats:
         """(6,) box [mm] in which a boundary that is open anywhere is open too: what was touched, and round it.

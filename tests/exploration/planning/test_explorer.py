@@ -121,7 +121,7 @@ def test_an_object_is_taken_for_hollow_where_move_after_move_is_stopped_though_a
     def stopped():
         raise Collision("something is in the way")
 
-    explorer._next = lambda face: stopped
+    explorer._next, explorer._named = lambda face: stopped, lambda: True
     explorer._any_form = lambda: iter(())
     notes = [findings.note for findings in explorer.run()]
     assert sum(note.startswith("backed off") for note in notes) == 3
@@ -137,3 +137,21 @@ def test_a_face_without_end_predicts_no_farther_than_round_what_was_touched():
     assert np.allclose(around, [felt.min(axis=0) - 30.0, felt.max(axis=0) + 30.0])
     explorer.box = np.concatenate([felt.min(axis=0), felt.max(axis=0)])
     assert np.allclose(explorer._around(), explorer.box)
+
+
+def test_an_object_without_a_face_is_come_down_on_again_before_its_faces_are_explored_for_themselves():
+    explorer, _ = explorer_over(Cube((40.0, 40.0, 40.0)), seed=0, first_tries=12)
+    explorer._study.face_here, looks, explored = lambda: None, [], []
+    explorer.found.hollow = True
+
+    def look():
+        explorer._looked += 1
+        looks.append(len(explored))
+        raise Collision("something is in the way")  # before any touch
+
+    explorer._look_again = look
+    explorer._any_form = lambda: iter(explored.append(1) or ())
+    for _ in explorer.run():
+        pass
+    assert looks == [0] * 12
+    assert explored == [1]
