@@ -163,6 +163,7 @@ def parted(solid, swept, share):
         swept_share=np.array([0.0, share, 0.0]),
         pairs=np.array([[1, 0], [1, 2]]),
         area=np.array([500.0, 500.0]),
+        touched=np.array([20.0, 20.0]),
     )
 
 
