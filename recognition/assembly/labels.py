@@ -35,6 +35,7 @@ class LabelOptions:
     stray: float = 6.0  # of a contact that lies on no boundary, or on one turned the other way
     missing: float = 40.0  # of a surface that parts a cell and was not recognized
     space: float = 10.0  # per contact, of the whole volume wrongly filled
+    sparse: float = 1.5  # times the contacts per area of a surface, that are expected of every part of it
     outside: float = 50.0  # of material past all contacts, for a cell of which all lies there
 
 
@@ -45,7 +46,8 @@ def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bool
     material, empty = found.solid_votes > 0, found.free_votes + found.swept_votes > 0
     supported = material[found.pairs[:, 0]] & empty[found.pairs[:, 1]]
     supported |= material[found.pairs[:, 1]] & empty[found.pairs[:, 0]]
-    density = _densities(found, supported, touched / max(float(found.area[supported].sum()), 1e-9))
+    mean = touched / max(float(found.area[supported].sum()), 1e-9)
+    density = _densities(found, supported, mean, options.sparse)
     volume = max(float(found.volume.sum()), 1e-9)
     whole = found.beyond > 0.5
     parted = (found.solid_votes > 0) & (found.swept_votes > 0)
@@ -59,16 +61,17 @@ def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bool
     return _cut(to_solid, to_free, found, density)
 
 
-def _densities(found: Arrangement, supported: Bools, mean: float) -> Floats:
-    """(f,) contacts to be expected per area of a facet: those of its own surface, where that was felt sparsely.
+def _densities(found: Arrangement, supported: Bools, mean: float, sparse: float) -> Floats:
+    """(f,) contacts to be expected per area of a facet: the mean of all, but where its own surface has far fewer.
 
-    Shrunk to the mean by one contact; a surface that nobody felt counts as the mean.
+    What a surface has is shrunk to the mean by one contact, and `sparse` times that is expected, for none has the
+    same everywhere; one that nobody felt counts as the mean.
     """
     inner, outer = found.outside[found.pairs[:, 0]], found.outside[found.pairs[:, 1]]
     surface = (inner != outer).argmax(axis=1)
     area = np.bincount(surface, np.where(supported, found.area, 0.0), minlength=found.outside.shape[1])
     own = (found.touched + 1.0) / (area + 1.0 / max(mean, 1e-9))
-    own = np.where(found.touched > 0, np.minimum(own, mean), mean)
+    own = np.where(found.touched > 0, np.minimum(sparse * own, mean), mean)
     return np.asarray(own[surface])
 
 
