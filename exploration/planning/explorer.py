@@ -15,8 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from exploration.control.procedures.approach import ApproachConfig, retreat
-from exploration.control.procedures.settle import SettleConfig
+from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.planning.any_form import LATER, AnyForm
 from exploration.planning.faces.consistency import flattened
@@ -24,6 +23,7 @@ from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.known.told import Told
 from exploration.planning.moves.covering import Covering
 from exploration.planning.moves.crossing import Crossing
+from exploration.planning.moves.finding import Finding
 from exploration.planning.moves.tracing import Tracing
 from exploration.planning.moves.wall_facing import Walls
 from exploration.planning.open.frontier import Frontier, Predicted
@@ -33,15 +33,12 @@ from exploration.planning.touching.findings import Attempts, Done, ExplorerConfi
 from exploration.planning.touching.pad import Announce, Pad
 from exploration.planning.touching.study import Study
 from exploration.planning.ways.routes import Tool
-from exploration.planning.ways.search import sweeps
-from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 
 __all__ = ["Explorer", "ExplorerConfig", "Findings"]
 
-_GOLDEN = 0.6180339887498949  # of what was touched, from one look to the next: spreads them evenly
 _UNDER = 1.0  # [mm] that the workspace reaches under a table's top
 
 
@@ -65,11 +62,11 @@ class Explorer:
         self.found = Findings()
         self.pad = Pad(guard, box, announce, told=told, tools=tools)
         self._felt = SurfaceMap()
-        self._looked = 0  # times that the object was looked for again
         self._stopped = 0  # moves that something unknown stopped, since the last that came to a face
         self._hidden = 0  # predicted places that what was told hides
         self._tried = Attempts(config.tries)
         self._study = Study(self.pad, self.found, config.attribution)
+        self._finding = Finding(self._study, self.box, self.config, told)
         self._crossing = Crossing(self._study, config)
         self._covering = Covering(self._study, self._tried, config)
         self._walls = Walls(self._study)
@@ -77,7 +74,7 @@ class Explorer:
 
     def run(self) -> Iterator[Findings]:
         """Explore; yields after every move."""
-        if not self._find():
+        if not self._finding.find():
             spent = self.config.spent(self.guard.cost)
             self.found.ended = "budget" if spent else "nothing was found in the workspace"
             return
@@ -166,7 +163,7 @@ class Explorer:
         """The next move: cross an edge, touch what is untouched, trace an edge; None when nothing is open."""
         if not self._named():
             self.found.open = 1
-            return self._look_again if self._worth_another_look() else None
+            return self._finding.look_again if self._worth_another_look() else None
         crossing = self._crossing.open_sighting(face)
         if crossing is not None:
             return lambda: self._crossing.cross(*crossing)
@@ -200,7 +197,7 @@ class Explorer:
 
     def _worth_another_look(self) -> bool:
         """Whether an object without a face may show one yet."""
-        return max(self.guard.cost.touches, self._looked) < self.config.first_tries
+        return max(self.guard.cost.touches, self._finding.looked) < self.config.first_tries
 
     def _around(self) -> Floats:
         """(6,) box [mm] in which a boundary that is open anywhere is open too: what was touched, and round it.
@@ -231,47 +228,3 @@ class Explorer:
             return predicted
         keep = self.told.leaves_room(predicted.points, predicted.normals)
         return Predicted(predicted.points[keep], predicted.normals[keep], predicted.face[keep])
-
-    def _find(self) -> bool:
-        floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
-        box = np.array([*self.box[:2], floor, *self.box[3:]])
-        for start, end in sweeps(box, self.pad.size, self.config.feature):
-            if self.config.spent(self.guard.cost):
-                return False
-            try:
-                self.guard.go_to(start)
-                distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
-                settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
-                if settled or self.pad.touches():
-                    return True
-            except (OverPress, Collision) as error:
-                self.found.warnings.append(str(error))
-            self._unless_met(partial(self._rise_to, start))
-        return False
-
-    def _rise_to(self, start: Floats) -> None:
-        """As high as where a sweep began, straight up."""
-        x, y, _ = self.guard.world_from_sensor[:3, 3]
-        self.guard.go_to(se3.pose(start[:3, :3], [x, y, start[2, 3]]))
-
-    def _look_again(self) -> Done:
-        """Come down again where something was touched, each time elsewhere and from another side."""
-        cells = np.concatenate([np.empty((0, 3)), *(points for points, _ in self.pad.felt)])
-        facing = np.concatenate([np.empty((0, 3)), *(normals for _, normals in self.pad.felt)])
-        tried = self._looked
-        self._looked += 1
-        point, normal = self.pad.here.point, self.pad.here.normal
-        if len(cells):
-            one = int(len(cells) * (tried * _GOLDEN % 1.0))
-            point, normal = cells[one], facing[one]
-        here = self.guard.world_from_sensor
-        level = se3.pose(self.pad.attitude(normal, here[:3, 0]), point)
-        turn = se3.turn_about(point, level[:3, tried % 2], 0.35 * (-1.0) ** (tried // 2))
-        retreat(self.guard, 15.0)
-        back = turn @ level @ se3.pose(translation=[0.0, 0.0, -15.0])
-        self.guard.go_to(back)
-        settling = SettleConfig(shifts=0) if tried % 3 else None  # what is narrow is not rolled off
-        if not self.pad.touch(turn @ level, 15.0, 25.0, settling):
-            self.guard.go_to(back)
-            return None, "looked for the object again in vain"
-        return self._study.face_here(), "came down where something was touched"

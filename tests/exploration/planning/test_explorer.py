@@ -145,11 +145,11 @@ def test_an_object_without_a_face_is_come_down_on_again_before_its_faces_are_exp
     explorer.found.hollow = True
 
     def look():
-        explorer._looked += 1
+        explorer._finding.looked += 1
         looks.append(len(explored))
         raise Collision("something is in the way")  # before any touch
 
-    explorer._look_again = look
+    explorer._finding.look_again = look
     explorer._any_form = lambda: iter(explored.append(1) or ())
     for _ in explorer.run():
         pass

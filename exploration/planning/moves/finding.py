@@ -1,0 +1,74 @@
+"""Finding an object of unknown place, and again where a touch named no face of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exploration.control.procedures.approach import ApproachConfig, retreat
+from exploration.control.procedures.settle import SettleConfig
+from exploration.devices.guard import Collision, OverPress
+from exploration.planning.known.told import Told
+from exploration.planning.touching.findings import Done, ExplorerConfig
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.search import sweeps
+from primitives import pose as se3
+from primitives.arrays import Floats
+
+_GOLDEN = 0.6180339887498949  # of what was touched, from one look to the next: spreads them evenly
+
+
+class Finding:
+    """The approaches of one exploration that look for its object in a (6,) box [mm]."""
+
+    def __init__(self, study: Study, box: Floats, config: ExplorerConfig, told: Told | None) -> None:
+        self.study, self.pad, self.guard = study, study.pad, study.pad.guard
+        self.box, self.config, self.told = box, config, told
+        self.looked = 0  # times that the object was looked for again
+
+    def find(self) -> bool:
+        """Sweep the workspace until something is met; false where nothing is."""
+        floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
+        box = np.array([*self.box[:2], floor, *self.box[3:]])
+        for start, end in sweeps(box, self.pad.size, self.config.feature):
+            if self.config.spent(self.guard.cost):
+                return False
+            try:
+                self.guard.go_to(start)
+                distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
+                settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
+                if settled or self.pad.touches():
+                    return True
+            except (OverPress, Collision) as error:
+                self.study.found.warnings.append(str(error))
+            self._rise_to(start)
+        return False
+
+    def look_again(self) -> Done:
+        """Come down again where something was touched, each time elsewhere and from another side."""
+        cells = np.concatenate([np.empty((0, 3)), *(points for points, _ in self.pad.felt)])
+        facing = np.concatenate([np.empty((0, 3)), *(normals for _, normals in self.pad.felt)])
+        tried = self.looked
+        self.looked += 1
+        point, normal = self.pad.here.point, self.pad.here.normal
+        if len(cells):
+            one = int(len(cells) * (tried * _GOLDEN % 1.0))
+            point, normal = cells[one], facing[one]
+        here = self.guard.world_from_sensor
+        level = se3.pose(self.pad.attitude(normal, here[:3, 0]), point)
+        turn = se3.turn_about(point, level[:3, tried % 2], 0.35 * (-1.0) ** (tried // 2))
+        retreat(self.guard, 15.0)
+        back = turn @ level @ se3.pose(translation=[0.0, 0.0, -15.0])
+        self.guard.go_to(back)
+        settling = SettleConfig(shifts=0) if tried % 3 else None  # what is narrow is not rolled off
+        if not self.pad.touch(turn @ level, 15.0, 25.0, settling):
+            self.guard.go_to(back)
+            return None, "looked for the object again in vain"
+        return self.study.face_here(), "came down where something was touched"
+
+    def _rise_to(self, start: Floats) -> None:
+        """As high as where a sweep began, straight up, or until the guard stops it."""
+        x, y, _ = self.guard.world_from_sensor[:3, 3]
+        try:
+            self.guard.go_to(se3.pose(start[:3, :3], [x, y, start[2, 3]]))
+        except (OverPress, Collision) as error:
+            self.study.found.warnings.append(str(error))
