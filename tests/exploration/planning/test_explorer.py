@@ -61,7 +61,7 @@ def test_time_on_the_stage_is_a_budget_too():
 def test_an_empty_workspace_is_said_so():
     explorer, _ = explorer_over(Cube((10.0, 10.0, 10.0)).at(900.0, 0.0, 0.0), seed=0)
     small = np.array([-30.0, -30.0, -10.0, 30.0, 30.0, 200.0])
-    explorer.box = small
+    explorer.box = explorer._finding.box = small
     assert list(explorer.run()) == []
     assert "nothing was found" in explorer.found.ended
 
