@@ -30,13 +30,11 @@ def coaxial(
         return
     points = mesh.vertices[corners_of(mesh, patch)]
     normals, middles = mesh.flats.normal[patch], mesh.flats.center[patch]
-    seen: list[tuple[Floats, Floats]] = []
-    for origin, along in axes:
-        aside = np.einsum("ij,ij->i", np.cross(middles - origin, along), normals)
-        away = np.linalg.norm(np.cross(middles - origin, along), axis=1)
-        if (np.abs(aside) > _ASIDE * away).any() or any(_same(origin, along, *other) for other in seen):
-            continue
-        seen.append((origin, along))
+    origins, directions = (np.array(rows) for rows in zip(*axes, strict=True))
+    round_ = np.cross(middles - origins[:, None], directions[:, None])  # (axes, facets, 3)
+    missed = np.abs((round_ * normals).sum(axis=2)) > _ASIDE * np.linalg.norm(round_, axis=2)
+    held = np.flatnonzero(~missed.any(axis=1))
+    for origin, along in (axes[k] for k in held[_distinct(origins[held], directions[held])]):
         h = (points - origin) @ along
         rho = np.linalg.norm(points - origin - np.outer(h, along), axis=1)
         for shape in (_straight(origin, along, h, rho), _round(origin, along, h, rho, _LOOSE * noise)):
@@ -86,7 +84,9 @@ def _is_ball(h: Floats, rho: Floats, loose: float) -> bool:
     return float(np.sqrt((off**2).mean())) < loose
 
 
-def _same(origin: Floats, along: Floats, other: Floats, direction: Floats) -> bool:
-    apart = origin - other
-    tilted = float(np.linalg.norm(np.cross(along, direction)))
-    return tilted < 1e-4 and float(np.linalg.norm(np.cross(apart, direction))) < 1e-3
+def _distinct(origins: Floats, directions: Floats) -> Ints:
+    """(k,) rows of the axes that are no earlier one again."""
+    tilted = np.linalg.norm(np.cross(directions[:, None], directions[None]), axis=2)
+    apart = np.linalg.norm(np.cross(origins[:, None] - origins[None], directions[None]), axis=2)
+    same = (tilted < 1e-4) & (apart < 1e-3)
+    return np.flatnonzero(~np.tril(same, -1).any(axis=1))
