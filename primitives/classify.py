@@ -30,7 +30,7 @@ class RankOptions:
     )
     largest_radius: float = 2000.0  # [mm] what is rounder than this is its simpler neighbor
     largest_torus: float = np.inf  # [extents of the contacts] likewise, of either radius of a torus
-    least_ring: float = 0.05  # [radii of the tube] a torus whose ring is smaller is a sphere
+    least_ring: float = 0.15  # [radii of the tube] a torus whose ring is smaller is a sphere
     least_turn: float = 0.0  # [rad] round the tube of a torus, over which its contacts must reach
     least_arc: float = 0.0  # [rad] round its axis, over which contacts must follow one another
     least_angle: float = 0.004  # [rad] a cone steeper than this is a cylinder
