@@ -110,7 +110,7 @@ class Explorer:
                 done, note = move()
             except (OverPress, Collision) as error:
                 self.found.warnings.append(str(error))
-                self._stopped += 1
+                self._stopped += self.told is None  # what is told stops moves, and says nothing of the object
                 done, note = None, f"backed off: {error}"
             if done is not None:
                 face, self._stopped = done, 0
