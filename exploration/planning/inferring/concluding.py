@@ -47,9 +47,8 @@ def conclude(
     found.graph = uprighted(drop_poor(flattened(found.graph)))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
-    found.openings = _holes(
-        found, found.rims, guessed, inside
-    )  # before walls: a round hole stops strokes, too
+    # Holes before walls: a round hole stops strokes, too.
+    found.openings = _holes(found, found.rims, guessed, inside)
     rims = [rim for rim, _ in unexplained(found)]
     for lot in inferred_walls(walls(), found.graph.faces, rims):
         if not gone_through(lot, inside):
@@ -97,7 +96,7 @@ def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> None:
 
 
 def _set(found: Findings, lot: Contacts, why: str) -> None:
-    """Add a plane of its own: contacts as unsure as these would be taken for any face that looks their way."""
+    """Add a plane of its own, which may be near another that looks its way and is none of it."""
     made, number = fit("plane", lot), 1 + max((face.id for face in found.graph.faces), default=-1)
     if isinstance(made, Fit):
         found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))

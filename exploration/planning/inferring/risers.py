@@ -32,13 +32,14 @@ class RiserConfig:
     least: int = 4  # touched places of a patch from which one goes out
     cluster: float = 8.0  # [mm] between neighboring places of one patch
     side: float = (
-        0.2  # of a patch's places, that lie beside the middle from which one goes out, on either hand
+        0.2  # of a patch's places, on either hand, that lie beside the middle from which one goes out
     )
     wrong: float = 0.2  # of places, that may lie on the wrong side of where a face begins
     past: float = 6.0  # [mm] behind where a face has begun, within which places say where
     gap: float = 30.0  # [mm] between the two, from which nothing is said of the wall
     behind: float = 2.0  # [mm] behind a rim, where the wall's face cannot be any more
     as_wide: float = 0.15  # of its size, that a round patch may be wider than long
+    row: float = 1.0  # [mm] that a patch is wide at most, of which all places are in a row
     corners: float = 0.88  # of its box, that a patch with corners covers; a round one covers pi / 4
     met: float = 2.0  # [mm] about the gap, within which what stopped a stroke was this wall
     normal_sigma: float = 0.05  # [rad]
@@ -167,9 +168,10 @@ def _ring(patch: Patch, walls: Sequence[_Wall], config: RiserConfig) -> Riser | 
     first, second = walls[0].way, walls[2].way
     width, length = walls[0].at + walls[1].at, walls[2].at + walls[3].at
     spread = patch.cells @ np.column_stack([first, second])
-    covered = ConvexHull(spread).volume / float(np.prod(np.ptp(spread, axis=0)))
-    alike = abs(width - length) < config.as_wide * max(width, length)
-    if not alike or covered > config.corners:
+    size = np.ptp(spread, axis=0)
+    if abs(width - length) > config.as_wide * max(width, length) or size.min() < config.row:
+        return None
+    if ConvexHull(spread).volume > config.corners * float(np.prod(size)):
         return None
     radius = 0.25 * (width + length)
     level = float((patch.cells @ patch.normal).mean())

@@ -1,8 +1,8 @@
 """Round holes whose two ends differ: counterbores, of which nothing is known but their rims.
 
 Two rims on opposite faces that share an axis are of one hole.  Where one is wider, the hole narrows somewhere
-between, most often at a flat ledge.  Where that lies nobody knows; half way is nearest to all that may be, and its
-deviation is that of any place between the two (our derivation).
+between, most often at a flat ledge.  Where that lies nobody knows; half way is nearest to all that may be (our
+derivation).  The sigma of its contacts does not say how far off that may be, the warning beside the model does.
 """
 
 from __future__ import annotations

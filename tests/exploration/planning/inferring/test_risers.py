@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.risers import risers
+from exploration.planning.inferring.risers import Patch, RiserConfig, _ring, _Wall, risers
 from exploration.planning.open.local_frontier import Known
 from primitives.evidence import Contacts
 from primitives.fit import fit
@@ -90,3 +90,10 @@ def test_where_the_floor_runs_out_to_the_side_there_is_no_wall(reach):
     for riser in found:
         assert np.abs(riser.contacts.normals[:, 0]).min() > 0.99
         assert abs(float(riser.contacts.points[0, 0]) - 1.0) < 1.5
+
+
+def test_a_row_of_places_with_walls_as_far_all_round_is_no_round_island():
+    cells = np.array([[x, 0.0, 0.0] for x in np.arange(-8.0, 9.0, 2.0)])
+    patch = Patch(flat(0, places(TOP, lambda x, y: x < 0.0), [0.0, 0.0, 1.0]), cells, np.eye(3)[2])
+    ways = (np.eye(3)[0], -np.eye(3)[0], np.eye(3)[1], -np.eye(3)[1])
+    assert _ring(patch, [_Wall(way, 9.0, 0.5, FLOOR) for way in ways], RiserConfig()) is None
