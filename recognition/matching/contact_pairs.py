@@ -7,6 +7,16 @@ import numpy as np
 from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
 
+PARALLEL = 0.35  # [rad] to their mean, within which all normals are those of one face
+
+
+def of_one_face(normals: Floats, felt: Bools) -> bool:
+    """Whether nothing but one flat face was felt, of (n, 3) normals where they were `felt`."""
+    if not felt.all():
+        return False
+    mean = normals.mean(axis=0)
+    return bool((normals @ mean > np.cos(PARALLEL) * np.linalg.norm(mean)).all())
+
 
 def spread(contacts: Contacts, count: int) -> Ints:
     """(m,) rows spread over all: each the farthest from those before, normals counted as distance."""

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
-from recognition.matching.contact_pairs import spread, telling_pairs
+from recognition.matching.contact_pairs import of_one_face, spread, telling_pairs
 from recognition.matching.search_kernels import distinct, searched, settled, weighed
 from recognition.matching.target import Target, field_error, gap
 
@@ -42,7 +42,6 @@ class SearchConfig:
     last_cap: float = 12.0  # the same of the last score
     apart: float = 0.25  # [rad] between poses that descend; and, times half the size, in mm
     differ: float = 0.06  # the same after the descent
-    parallel: float = 0.35  # [rad] to their mean, within which all normals are those of one face
     crowd: int = 3  # poses that are kept of each face that it may be
 
 
@@ -85,7 +84,7 @@ def begin(contacts: Contacts, config: SearchConfig, sigma: float, told: bool = T
     pairs = telling_pairs(points, normals, shown, many)
     normal_sigma = float(np.median(contacts.normal_sigma[felt])) if felt.any() else 0.1
     judged = np.ascontiguousarray(contacts.points[order]), whole[order], felt[order]
-    crowd = config.crowd if _of_one_face(normals, shown, config) else config.kept_blind
+    crowd = config.crowd if of_one_face(normals, shown) else config.kept_blind
     return Begun(*judged, (points, normals, shown), pairs, sigma, normal_sigma, len(contacts), told, crowd)
 
 
@@ -110,14 +109,6 @@ def search(begun: Begun, target: Target, config: SearchConfig) -> Found:
         poses = np.concatenate([poses, _all_round(begun, target, config, wide, slope)])
     costs = scored(begun, target, poses, config)
     return begun.distinct(poses, costs, kept, config.differ, target.size)
-
-
-def _of_one_face(normals: Floats, felt: Bools, config: SearchConfig) -> bool:
-    """Whether nothing but one flat face was felt."""
-    if not felt.all():
-        return False
-    mean = normals.mean(axis=0)
-    return bool((normals @ mean > np.cos(config.parallel) * np.linalg.norm(mean)).all())
 
 
 def _all_round(begun: Begun, target: Target, config: SearchConfig, wide: float, slope: float) -> Floats:

@@ -16,9 +16,8 @@ import numpy as np
 from scipy.special import logsumexp
 
 from models.library import Entry
-from models.symmetry import nearest_pose
 from primitives.arrays import Bools, Floats, frozen
-from primitives.pose import hat, inverse, pose, rotation_log
+from primitives.pose import inverse, pose
 from recognition.console.interrupts import checkpoint
 from recognition.matching.align import Aligned, refine
 from recognition.matching.belief import Hypothesis
@@ -36,13 +35,12 @@ from recognition.matching.likelihood import (
 )
 from recognition.matching.loose import LooseConfig, cross_points, sigma_points
 from recognition.matching.places import Places, places_of
+from recognition.matching.room import Lone, log_room
+from recognition.matching.span import but_for_turns, log_copies, same, spread_of
 from recognition.matching.target import Target, field_error, gap, target_of
 from recognition.matching.untouched import log_untouched
 
 _ROTATIONS = np.log(8 * np.pi**2)
-_FREE_TURN = 1.71  # [rad] sigma of a direction of turning that nothing bounds: its cube gives all of SO(3)
-_SPANNED = 9.0  # squared sigmas of a mode's covariance, within which a pose is of that mode
-_MERGED = 0.005, 0.01  # of the size, and [rad]: poses closer than that are one, however sharp they are
 _TRIED = LooseConfig(sigmas=(0.6, 1.2))  # poses that a loose mode stands for
 _EXACT = 0.005, 0.002  # [mm], [rad]: no contact is surer, for no mesh is
 _SWEPT = -4.6  # log likelihood of a sample of the object in space that was swept
@@ -99,19 +97,21 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
     total = there + log_known(on, strays, seen.shares, noise)
     unlike = there + log_unlike(on, off, seen.shares)
     modes: list[Mode] = []
+    middle = _in_the_middle(seen, scale, turn)
     for k in np.argsort(-total, kind="stable"):
         checkpoint()
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
         if float(np.linalg.norm(world[:3, :3] @ target.center + world[:3, 3] - prior.center)) > prior.radius:
             continue
         information = done.information[k] / max(scale**2, 1e-12)
-        covariance, log_volume = _spread_of(information, done.poses[k], seen.points, target)
+        covariance, log_volume = spread_of(information, done.poses[k], seen.points, target)
         if more is not None:
-            covariance, _ = _spread_of(information + more, done.poses[k], seen.points, target)
-        covariance = _but_for_turns(entry, covariance)
+            covariance, _ = spread_of(information + more, done.poses[k], seen.points, target)
+        covariance = but_for_turns(entry, covariance)
         if any(same(entry, m.hypothesis, world, target) for m in modes):
             continue
-        at = log_volume + _copies(entry) - np.log(prior.volume) - _ROTATIONS
+        log_volume += log_room(done.poses[k], covariance, middle, target)
+        at = log_volume + log_copies(entry, covariance, target) - np.log(prior.volume) - _ROTATIONS
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
         made, bound = _let_in(made, entry, target, evidence)
         other = log_astray(-bound / -_SWEPT, float(seen.shares.sum()), bound)
@@ -144,11 +144,11 @@ def _behind(entry: Entry, target: Target, poses: Floats, seen: Felt, scale: floa
     return np.asarray(distance < -(3.0 * scale * seen.sigma + field_error(target)))
 
 
-def _copies(entry: Entry) -> float:
-    """Logarithm of how many poses are one, but for turns about an axis, which the volume counts."""
-    if entry.symmetry.name == "D_inf":
-        return float(np.log(2.0))
-    return float(np.log(max(entry.symmetry.order, 1.0))) if np.isfinite(entry.symmetry.order) else 0.0
+def _in_the_middle(seen: Felt, scale: float, turn: float) -> Lone:
+    """The contact whose face tells how far a loose pose may go."""
+    row = int(np.argmin(np.linalg.norm(seen.points - np.median(seen.points, axis=0), axis=1)))
+    told = bool(seen.felt[row])
+    return Lone(seen.points[row], seen.normals[row], told, scale * seen.sigma[row], turn * seen.tau[row])
 
 
 def _scales(
@@ -163,51 +163,6 @@ def _scales(
                                    target.size, noise, not evidence.scale_known)  # fmt: skip
             best = max(best, (float(log_known(*both, seen.shares, noise).max()), float(s), float(t)))
     return best[1], best[2]
-
-
-def _spread_of(information: Floats, found: Floats, points: Floats, target: Target) -> tuple[Floats, float]:
-    """Covariance about the object's center, and the logarithm of the volume of pose space that it stands for."""
-    middle = found[:, :3] @ points.mean(axis=0) + found[:, 3]
-    shift = np.eye(6)
-    shift[:3, 3:] = hat(middle - target.center).T
-    about = shift.T @ information @ shift
-    bound = np.diag([(3.0 / target.size) ** 2] * 3 + [1 / _FREE_TURN**2] * 3)
-    values, axes = np.linalg.eigh(about + bound)
-    values = np.maximum(values, 1e-14 * values[-1])
-    log_volume = 3 * np.log(2 * np.pi) - 0.5 * np.log(values).sum()
-    return np.asarray((axes / values) @ axes.T), float(log_volume)
-
-
-def _but_for_turns(entry: Entry, covariance: Floats) -> Floats:
-    """Without the turns of a continuous symmetry, which are no other pose: given that there was none of these."""
-    group = entry.symmetry
-    if not group.continuous:
-        return covariance
-    axes = np.eye(3) if group.axis is None else group.axis[None]
-    rows = np.hstack([np.zeros((len(axes), 3)), axes])
-    across = covariance @ rows.T
-    return np.asarray(covariance - across @ np.linalg.solve(rows @ across, across.T))
-
-
-def same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
-    """Whether a pose is one that is there already, up to symmetry and to what the covariance spans."""
-    near = nearest_pose(entry.symmetry, world, h.pose)
-    turn = h.pose[:3, :3].T @ near[:3, :3]
-    shift = (near - h.pose)[:3, :3] @ target.center + (near - h.pose)[:3, 3]
-    least = np.array([_MERGED[0] * target.size] * 3 + [_MERGED[1]] * 3) ** 2
-    spans = h.covariance + np.diag(least) / _SPANNED
-    between = np.concatenate([h.pose[:3, :3].T @ shift, _axis(turn)])
-    return bool(between @ np.linalg.solve(spans, between) <= _SPANNED)
-
-
-def _axis(turn: Floats) -> Floats:
-    """(3,) rotation vector [rad]; `rotation_log` where it is near a half turn, which takes longer."""
-    cosine = 0.5 * float(turn[0, 0] + turn[1, 1] + turn[2, 2] - 1.0)
-    if cosine < -0.95:
-        return rotation_log(turn)
-    twice = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    angle = float(np.arccos(min(cosine, 1.0)))
-    return np.asarray(0.5 * twice / max(float(np.sinc(angle / np.pi)), 1e-9))
 
 
 def _let_in(made: Hypothesis, entry: Entry, target: Target, evidence: Evidence) -> tuple[Hypothesis, float]:

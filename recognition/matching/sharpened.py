@@ -29,7 +29,8 @@ from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
 from recognition.matching.imprints import ImprintConfig, foreseen, together
 from recognition.matching.likelihood import NoiseConfig
-from recognition.matching.modes import Felt, Mode, modes_at, same
+from recognition.matching.modes import Felt, Mode, modes_at
+from recognition.matching.span import same
 from recognition.matching.steps import turn
 from recognition.matching.target import target_of
 

@@ -17,7 +17,7 @@ from models.library import Entry
 from primitives.arrays import Floats, Ints
 from recognition.console.interrupts import checkpoint
 from recognition.matching.align import refine
-from recognition.matching.contact_pairs import spread
+from recognition.matching.contact_pairs import of_one_face, spread
 from recognition.matching.evidence import Evidence
 from recognition.matching.facets import facets_of
 from recognition.matching.hypotheses import Found
@@ -32,12 +32,14 @@ class SiftConfig:
 
     each: int = 12  # poses of an object that are looked at
     each_blind: int = 96  # the same where no normals were felt
+    each_flat: int = 24  # the same where nothing but one face was, which many faces of many objects fit
     contacts: int = 16  # that judge them
     rounds: int = 3
     behind: float = 14.0  # of log likelihood on the exact surface, by which a pose may be behind
     on_field: float = 12.0  # the same on the field, where the noise is not known; and, a contact,
     on_field_each: float = 1.0
     in_all: int = 40  # poses of all objects that stay, at most, however many contacts there are
+    in_all_flat: int = 400  # the same where nothing but one face was felt
     steps: int = 4000  # contacts times poses that stay, at most, while contacts are few
 
 
@@ -56,7 +58,8 @@ class Sieve:
     def through(self, found: Mapping[str, Found]) -> dict[str, Floats]:
         """(k, 3, 4) poses of each object that has any that may be the best of all, best first."""
         blind, n = self.seen.felt.sum() < 3, len(self.seen.points)
-        each = self.config.each_blind if blind else self.config.each
+        flat = of_one_face(self.seen.normals, self.seen.felt)
+        each = self.config.each_blind if blind else self.config.each_flat if flat else self.config.each
         exact = self.evidence.scale_known and not blind
         few = spread(self.evidence.contacts, self.config.contacts) if exact else np.arange(n)
         for name, f in found.items():
@@ -67,7 +70,8 @@ class Sieve:
         behind = self.config.behind * n / len(few)
         if not exact:
             behind = self.config.on_field + self.config.on_field_each * n
-        limit = max(self.config.in_all, self.config.steps // n, each)
+        in_all = self.config.in_all_flat if flat else self.config.in_all
+        limit = max(in_all, self.config.steps // n, each)
         return _best(self._poses, self._scores, behind, limit)
 
     def _look(self, name: str, poses: Floats, costs: Floats, few: Ints, exact: bool) -> None:
