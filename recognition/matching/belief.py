@@ -45,6 +45,8 @@ class Belief:
 
     hypotheses: tuple[Hypothesis, ...]
     probabilities: Mapping[str, float]
+    log_evidence: float = 0.0  # logarithm of how probable the contacts were, whatever was touched
+    inward: float = 0.0  # probability that the normals given point into the object, and were turned round
 
     @property
     def decision(self) -> str:

@@ -109,6 +109,16 @@ def log_astray(times: float, contacts: float, bound: float) -> float:
     return max(bound, float(gammaln(times + 1) + gammaln(contacts + 2) - gammaln(contacts + times + 2)))
 
 
+def log_scattered(points: Floats, felt: Bools, shares: Floats, volume: float) -> float:
+    """Logarithm of p(contacts) if they were scattered round a point of a `volume` [mm^3], width unknown."""
+    n = float(shares.sum())
+    square = float(shares @ ((points - shares @ points / n) ** 2).sum(axis=1))
+    widths = np.geomspace(5.0, 200.0, 8)
+    each = -0.5 * square / widths**2 - 1.5 * (n - 1) * np.log(2 * np.pi * widths**2) - 1.5 * np.log(n)
+    turned = np.log(4 * np.pi) * float(shares[felt].sum())
+    return float(logsumexp(each) - np.log(len(widths)) - np.log(volume) - turned)
+
+
 @cache
 def _anything() -> tuple[Floats, Floats]:
     """Gauss-Legendre nodes between 0 and 1, and the logarithms of their weights."""

@@ -26,8 +26,9 @@ from recognition.console.interrupts import checkpoint
 from recognition.matching.belief import UNKNOWN, Belief
 from recognition.matching.contact_pairs import spread
 from recognition.matching.evidence import Evidence, Prior
+from recognition.matching.facing import either, may_face_in, turned
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
-from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods
+from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods, log_scattered
 from recognition.matching.modes import Felt, Mode, modes_of, residual
 from recognition.matching.refining import Refining
 from recognition.matching.shortlist import shortlist
@@ -59,6 +60,7 @@ class MatchConfig:
     weighed: int = 1500  # contacts that weigh what was found; of more, every so many-th
     again: int = 16  # hypotheses that these weigh
     told: int = 64  # hypotheses in the belief
+    inward: float = 0.01  # how often the normals of contacts point into the object; 0 where they never do
 
 
 def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None = None, unknown: float = 0.1,
@@ -72,6 +74,16 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     if not 0.0 <= unknown < 1.0:
         raise PalpateError(f"the prior of an unknown object must be from 0 to 1, not {unknown}")
     whole = evidence.checked()
+    told = _matched(whole, library, prior, unknown, starts, config)
+    if not (config.inward and may_face_in(whole.contacts)):
+        return told
+    other = _matched(turned(whole), library, prior, unknown, starts, config)
+    return either(told, other, config.inward)
+
+
+def _matched(whole: Evidence, library: Mapping[str, Entry], prior: Prior | None, unknown: float,
+             starts: Iterable[tuple[str, Floats]], config: MatchConfig) -> Belief:  # fmt: skip
+    """The same, with the normals as they are given."""
     evidence = _of(whole, spread(whole.contacts, config.most))
     told_where, prior = prior, prior or Prior.around(evidence.contacts)
     known: dict[str, list[Floats]] = {}
@@ -133,7 +145,7 @@ def _weighed_again(belief: Belief, library: Mapping[str, Entry], whole: Evidence
         each = np.full(n, np.nan)
         each[rows] = h.log_likelihoods
         told.append(replace(h, log_likelihoods=frozen(each)))
-    return Belief(tuple(told), belief.probabilities)
+    return replace(belief, hypotheses=tuple(told))
 
 
 def _settled(belief: Belief, config: MatchConfig) -> bool:
@@ -188,7 +200,9 @@ def _weighed(modes: list[Mode], library: Mapping[str, Entry], evidence: Evidence
         log_names[name] = float(np.logaddexp(log_names[name], each + m.log_known))
     if unknown > 0:
         alike = np.log(unknown * _ALIKE / len(library))
-        scattered = np.log(unknown * (1.0 - _ALIKE)) + _scattered(evidence, prior)
+        points, felt = evidence.contacts.points, evidence.contacts.has_normal
+        anywhere = log_scattered(points, felt, evidence.shares, prior.volume)
+        scattered = np.log(unknown * (1.0 - _ALIKE)) + anywhere
         log_names[UNKNOWN] = float(logsumexp([*(alike + m.log_unknown for m in modes), scattered]))
     total = float(logsumexp(list(log_names.values())))
     if not np.isfinite(total):
@@ -203,7 +217,7 @@ def _weighed(modes: list[Mode], library: Mapping[str, Entry], evidence: Evidence
         )
         for m in told
     )
-    return Belief(hypotheses, {name: float(np.exp(x - total)) for name, x in log_names.items()})
+    return Belief(hypotheses, {name: float(np.exp(x - total)) for name, x in log_names.items()}, total)
 
 
 def _laid(begun: Begun, target: Target) -> Floats:
@@ -215,18 +229,6 @@ def _laid(begun: Begun, target: Target) -> Floats:
         turn = frame_along(n) @ (frame_along(n).T if frame is None else frame)
         poses.append(np.column_stack([turn, p - turn @ point]))
     return np.stack(poses)
-
-
-def _scattered(evidence: Evidence, prior: Prior) -> float:
-    """Logarithm of p(contacts) if they were scattered round a point of the prior, width unknown."""
-    points, shares = evidence.contacts.points, evidence.shares
-    n = float(shares.sum())
-    middle = shares @ points / n
-    square = float(shares @ ((points - middle) ** 2).sum(axis=1))
-    widths = np.geomspace(5.0, 200.0, 8)
-    each = -0.5 * square / widths**2 - 1.5 * (n - 1) * np.log(2 * np.pi * widths**2) - 1.5 * np.log(n)
-    return float(logsumexp(each) - np.log(len(widths)) - np.log(prior.volume)
-                 - np.log(4 * np.pi) * float(shares[evidence.contacts.has_normal].sum()))  # fmt: skip
 
 
 def _require_near(prior: Prior, evidence: Evidence, widest: float) -> None:

@@ -16,6 +16,7 @@ from recognition.matching.belief import UNKNOWN
 from recognition.matching.next_touch import Choice
 
 _LEAST = 1e-4  # a candidate less probable than this is not told, unless it is the best of its object
+_TOLD_INWARD = 0.05  # probability that normals point in, from which on it is told
 _CROWDED = 0.1  # of the length of the smallest object: contacts nearer together are hardly in mm,
 _MANY = 6  # where there are so many of them
 
@@ -110,9 +111,20 @@ def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
     if evidence.lacking:
         have = "1 contact has" if evidence.lacking == 1 else f"{evidence.lacking} contacts have"
         said.append(f"{have} no normal; with normals far fewer contacts are enough")
+    said += facing_of(belief)
     if belief.confidence < 0.95:
         said.append(f"not sure: {belief.decision} has {_percent(belief.confidence)}; {_advice(belief)}")
     return said
+
+
+def facing_of(belief: Belief) -> list[str]:
+    """A warning where normals were probably given that point into the object."""
+    if belief.inward < _TOLD_INWARD:
+        return []
+    return [
+        f"the normals of the contacts seem to point into the object ({_percent(belief.inward)}), and were turned "
+        "round; turn them in the file, for others rely on them too"
+    ]
 
 
 def other_unit(evidence: Evidence, library: Library, names: Iterable[str]) -> list[str]:

@@ -22,11 +22,12 @@ from recognition.config import ExploreOptions, parse_numbers
 from recognition.identifying.bounds import believed_ball
 from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.evidence import WIDE
+from recognition.matching.facing import turned
 from recognition.matching.hypotheses import SearchConfig
 from recognition.matching.match import MatchConfig
 from recognition.matching.next_touch import Choice, separating
 from recognition.matching.next_touch.sampled import sampled
-from recognition.recognizing.answer import modes, objects, other_unit, warnings_of, why
+from recognition.recognizing.answer import facing_of, modes, objects, other_unit, warnings_of, why
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
 from recognition.reconstructing.options import require_sigma
@@ -106,7 +107,12 @@ def locate(
         "history": [],
         "why": {"runner_up": entry.name if len(told) > 1 else None, "separating_contacts": []},
         "truth": truth_of(asked.source, belief, library),
-        "warnings": [*source.warnings, *noted, *other_unit(evidence, library, [entry.name])],
+        "warnings": [
+            *source.warnings,
+            *noted,
+            *facing_of(belief),
+            *other_unit(evidence, library, [entry.name]),
+        ],
     }
 
 
@@ -145,6 +151,7 @@ def _would_tell(belief: Belief, evidence: Evidence, library: Library, seed: int)
     likely = Library({name: _taken(library, name) for name in belief.probabilities if belief.best(name)})
     if not len(likely):
         return None
+    evidence = turned(evidence) if belief.inward > 0.5 else evidence
     pad = load_sensor(ExploreOptions("").sensors[0]).array.size
     around = believed_ball(evidence.contacts, len(evidence.contacts), belief, likely, pad)
     above = around.center + np.array([0.0, 0.0, around.radius])
