@@ -149,24 +149,38 @@ def frame_along(normal: ArrayLike, x_hint: ArrayLike | None = None) -> Floats:
 
 def quaternion_wxyz(rotation: Floats) -> Floats:
     """(..., 4) unit quaternions with w >= 0 of (..., 3, 3) rotations or (..., 4, 4) poses."""
-    r = rotation[..., :3, :3]
-    trace = np.trace(r, axis1=-2, axis2=-1)
-    candidates = np.stack([trace, r[..., 0, 0], r[..., 1, 1], r[..., 2, 2]], axis=-1)
-    best = np.argmax(candidates, axis=-1)
-    d = np.stack([r[..., 2, 1] - r[..., 1, 2], r[..., 0, 2] - r[..., 2, 0], r[..., 1, 0] - r[..., 0, 1]], -1)
-    s = r + np.swapaxes(r, -1, -2)
-    rows = np.stack(
-        [
-            np.concatenate([(1.0 + trace)[..., None], d], axis=-1),
-            np.stack([d[..., 0], 1 + 2 * r[..., 0, 0] - trace, s[..., 0, 1], s[..., 0, 2]], axis=-1),
-            np.stack([d[..., 1], s[..., 0, 1], 1 + 2 * r[..., 1, 1] - trace, s[..., 1, 2]], axis=-1),
-            np.stack([d[..., 2], s[..., 0, 2], s[..., 1, 2], 1 + 2 * r[..., 2, 2] - trace], axis=-1),
-        ],
-        axis=-2,
-    )
-    q = np.take_along_axis(rows, best[..., None, None], axis=-2)[..., 0, :]
-    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
-    out: Floats = np.where(q[..., :1] < 0, -q, q)
+    r = np.array(
+        rotation[..., :3, :3], dtype=float, order="C"
+    )  # one layout, for which the kernel is compiled
+    out: Floats = _quaternions(r.reshape(-1, 3, 3)).reshape(*r.shape[:-2], 4)
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _quaternions(rotations: Floats) -> Floats:
+    """(n, 4) of (n, 3, 3): 4 q_k q from whichever component q_k is largest (Shepperd 1978), normalized."""
+    out = np.empty((len(rotations), 4))
+    for n in range(len(rotations)):
+        r, q = rotations[n], out[n]
+        trace = r[0, 0] + r[1, 1] + r[2, 2]
+        k = -1
+        largest = trace
+        for i in range(3):
+            if r[i, i] > largest:
+                k, largest = i, r[i, i]
+        for i in range(3):
+            i1, i2 = (i + 1) % 3, (i + 2) % 3
+            q[1 + i] = r[i2, i1] - r[i1, i2] if k < 0 else r[k, i] + r[i, k]
+        if k < 0:
+            q[0] = 1.0 + trace
+        else:
+            k1, k2 = (k + 1) % 3, (k + 2) % 3
+            q[0], q[1 + k] = r[k2, k1] - r[k1, k2], 1.0 + 2.0 * r[k, k] - trace
+        length = np.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        if q[0] < 0.0:
+            length = -length
+        for i in range(4):
+            q[i] /= length
     return out
 
 
