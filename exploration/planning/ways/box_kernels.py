@@ -1,4 +1,8 @@
-"""Which poses of a set of boxes hold one of many points: asked for every step of every way that is looked at."""
+"""Which poses of a set of boxes hold one of many points: asked for every step of every way that is looked at.
+
+Along a way most points are never near: those outside the upright box about all that a box passes through are left
+out at once.
+"""
 
 import numba
 import numpy as np
@@ -13,23 +17,46 @@ def free_of(poses: Floats, points: Floats, places: Floats, low: Floats, high: Fl
     `places` (b, 4, 4) are where the boxes are in the moved frame, `low` and `high` (b, 3) their corners [mm].
     """
     out = np.ones(len(poses), dtype=np.bool_)
-    there = np.empty((4, 4))
-    for k in range(len(poses)):
-        for b in range(len(places)):
+    there = np.empty((len(poses), 3, 4))
+    for b in range(len(places)):
+        for k in range(len(poses)):
             for i in range(3):
                 for j in range(4):
-                    there[i, j] = poses[k, i, 3] if j == 3 else 0.0
+                    there[k, i, j] = poses[k, i, 3] if j == 3 else 0.0
                     for m in range(3):
-                        there[i, j] += poses[k, i, m] * places[b, m, j]
-            if _holds(there, points, low[b], high[b]):
+                        there[k, i, j] += poses[k, i, m] * places[b, m, j]
+        near = _passed(there, points, low[b], high[b])
+        for k in range(len(poses)):
+            if out[k] and _holds(there[k], near, low[b], high[b]):
                 out[k] = False
-                break
     return out
 
 
 @numba.njit(cache=True, error_model="numpy")
+def _passed(poses: Floats, points: Floats, low: Floats, high: Floats) -> Floats:
+    """Those of (n, 3) points that lie in the upright box about one box at all of (k, 3, 4) poses."""
+    first, last = np.full(3, np.inf), np.full(3, -np.inf)
+    for k in range(len(poses)):
+        for i in range(3):
+            middle, half = poses[k, i, 3], 0.0
+            for j in range(3):
+                middle += poses[k, i, j] * 0.5 * (low[j] + high[j])
+                half += abs(poses[k, i, j]) * 0.5 * (high[j] - low[j])
+            first[i], last[i] = min(first[i], middle - half), max(last[i], middle + half)
+    near, count = np.empty_like(points), 0
+    for n in range(len(points)):
+        inside = True
+        for i in range(3):
+            inside &= first[i] <= points[n, i] <= last[i]
+        if inside:
+            near[count] = points[n]
+            count += 1
+    return near[:count]
+
+
+@numba.njit(cache=True, error_model="numpy")
 def _holds(pose: Floats, points: Floats, low: Floats, high: Floats) -> bool:
-    """Whether one of (n, 3) points lies in one box at a (4, 4) pose."""
+    """Whether one of (n, 3) points lies in one box at a (3, 4) pose."""
     for n in range(len(points)):
         x, y, z = points[n, 0] - pose[0, 3], points[n, 1] - pose[1, 3], points[n, 2] - pose[2, 3]
         inside = True

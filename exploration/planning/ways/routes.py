@@ -126,15 +126,13 @@ def route(
     `ways` (n, 3) are directions that may lead out, beside those of the pad's own normals; at poses near to (4, 4)
     `barred` ones something unknown was in the way.
     """
-    legs = _Legs(tool, obstacles, config, np.array(barred).reshape(-1, 4, 4))
+    legs = _Legs(tool, start, goal, obstacles, config, np.array(barred).reshape(-1, 4, 4))
     tried = _shortest_first(start, goal, ways, config)
-    return next((poses for poses in tried if legs.free(start, poses)), None)
+    return next((legs.poses(stops) for stops in tried if legs.free(stops)), None)
 
 
-def _shortest_first(
-    start: Floats, goal: Floats, ways: Floats, config: RoutesConfig
-) -> Iterator[list[Floats]]:
-    """Ways up, across and down again; far up also round a corner.  All of them turn alike, on the way across."""
+def _shortest_first(start: Floats, goal: Floats, ways: Floats, config: RoutesConfig) -> Iterator[Floats]:
+    """(2, 3) or (3, 3) stops [mm] of ways up, across and down again; far up also round a corner."""
     back, front = -start[:3, 2], -goal[:3, 2]
     firsts, lasts, alike = np.array([back, *ways]), np.array([front, *ways]), np.array([back, front, *ways])
     i, j = np.nonzero(firsts @ lasts.T < _ALIKE)
@@ -148,40 +146,54 @@ def _shortest_first(
             corner = 0.5 * (away + near) + lift * (up + down)
             lots.append((away[apart], corner[apart], near[apart]))
     away, corner, near = (np.concatenate(places) for places in zip(*lots, strict=True))
-    stops = [start[:3, 3], away, corner, near, goal[:3, 3]]
-    length = sum(np.linalg.norm(b - a, axis=1) for a, b in itertools.pairwise(np.broadcast_arrays(*stops)))
+    ends = [start[:3, 3], away, corner, near, goal[:3, 3]]
+    length = sum(np.linalg.norm(b - a, axis=1) for a, b in itertools.pairwise(np.broadcast_arrays(*ends)))
+    stops, straight = np.stack([away, corner, near], axis=1), (corner == near).all(axis=1)
     for n in np.argsort(length, kind="stable"):
-        first, *others = away[n], corner[n], near[n]
-        turned = others if (corner[n] != near[n]).any() else others[1:]
-        yield [se3.pose(start[:3, :3], first), *(se3.pose(goal[:3, :3], at) for at in turned), goal]
+        yield stops[n, ::2] if straight[n] else stops[n]
 
 
 class _Legs:
-    """The legs of one search; many ways share their first and their last."""
+    """The legs of one search, of which many ways share their first and their last.
 
-    def __init__(self, tool: Tool, obstacles: Floats, config: RoutesConfig, barred: Floats) -> None:
+    All of them turn from the attitude of the start to that of the goal on the way from the first stop to the next.
+    """
+
+    def __init__(
+        self, tool: Tool, start: Floats, goal: Floats, obstacles: Floats, config: RoutesConfig, barred: Floats
+    ) -> None:
         self._tool, self._obstacles, self._config, self._barred = tool, obstacles, config, barred
+        self._start, self._goal = start, goal
         self._turn = min(config.turn, config.swing / float(np.linalg.norm(tool.corners, axis=1).max()))
-        self._known: dict[tuple[bytes, bytes, bool, bool], bool] = {}
+        self._known: dict[tuple[int, bytes], bool] = {}
 
-    def free(self, start: Floats, poses: list[Floats]) -> bool:
-        """Whether nothing is in the way from pose to pose."""
-        ends = [start, *poses]
-        last = len(poses) - 1
-        order = sorted(range(len(poses)), key=lambda number: number not in (0, last))
-        return all(self._leg(ends[k], ends[k + 1], k == 0, k == last) for k in order)
+    def free(self, stops: Floats) -> bool:
+        """Whether nothing is in the way over (k, 3) stops to the goal; what most ways share is asked first."""
+        return all(self._leg(stops, leg) for leg in (0, -1, *range(1, len(stops))))
 
-    def _leg(self, a: Floats, b: Floats, first: bool, last: bool) -> bool:
-        key = (a.tobytes(), b.tobytes(), first, last)
+    def poses(self, stops: Floats) -> list[Floats]:
+        """(4, 4) poses at (k, 3) stops, and the goal."""
+        turned = [se3.pose(self._goal[:3, :3], at) for at in stops[1:]]
+        return [se3.pose(self._start[:3, :3], stops[0]), *turned, self._goal]
+
+    def _leg(self, stops: Floats, leg: int) -> bool:
+        """Whether the leg to a stop is free; -1 is the one to the goal."""
+        ends = stops[leg:] if leg == -1 else stops[max(leg - 1, 0) : leg + 1]
+        key = leg, ends.tobytes()
         if key not in self._known:
-            between = on_the_way(a, b, self._tool.mount, self._config.step, self._turn)
-            front = 0.0 if first or last else self._config.margin
-            margin = 0.3 if first else self._config.margin
-            between = between[2:] if first else between  # the pad leaves what it lies beside
-            self._known[key] = not self._is_barred(a, between) and bool(
-                self._tool.clear(between, self._obstacles, margin, front).all()
-            )
+            poses = [self._start, *self.poses(stops)]
+            a, b = poses[-2:] if leg == -1 else poses[leg : leg + 2]
+            self._known[key] = self._is_free(a, b, leg)
         return self._known[key]
+
+    def _is_free(self, a: Floats, b: Floats, leg: int) -> bool:
+        between = on_the_way(a, b, self._tool.mount, self._config.step, self._turn)
+        between = between[2:] if leg == 0 else between  # the pad leaves what it lies beside
+        front = self._config.margin if leg > 0 else 0.0
+        margin = self._config.margin if leg != 0 else 0.3
+        return not self._is_barred(a, between) and bool(
+            self._tool.clear(between, self._obstacles, margin, front).all()
+        )
 
     def _is_barred(self, start: Floats, poses: Floats) -> bool:
         """Whether a (k, 4, 4) leg comes near to a barred pose; one that starts near to it must lead off."""
