@@ -111,7 +111,8 @@ class AnyForm:
         graph, felt, free = self.found.graph, self.reach.felt, self.pad.free.points
         known = (id(graph), len(felt.points), len(free))
         if self._last is None or self._last[0] != known:
-            self._last = known, graph, LocalFrontier(graph.faces, felt, free, self.config.feature)
+            last = self._last[-1] if self._last else None
+            self._last = known, graph, LocalFrontier(graph.faces, felt, free, self.config.feature, last=last)
         return self._last[-1]
 
     def _next(self, face: int | None) -> Callable[[], Done] | None:

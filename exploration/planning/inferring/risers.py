@@ -17,7 +17,7 @@ from scipy.spatial import ConvexHull
 
 from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.known.surface_map import clusters
-from exploration.planning.open.local_frontier import Known
+from exploration.planning.open.known_face import KnownFace
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 
@@ -54,7 +54,7 @@ class Riser(NamedTuple):
 
 
 def risers(
-    known: Sequence[Known], stops: Sequence[Stop] = (), config: RiserConfig = RiserConfig()
+    known: Sequence[KnownFace], stops: Sequence[Stop] = (), config: RiserConfig = RiserConfig()
 ) -> list[Riser]:
     """Contacts of each wall that is missing, as if felt at a quarter and three quarters of its height."""
     ways = _ways(known)
@@ -90,7 +90,7 @@ def risers(
 class Patch:
     """Touched places of a face that hang together."""
 
-    own: Known
+    own: KnownFace
     cells: Floats  # (n, 3)
     normal: Floats  # (3,) outward
 
@@ -142,8 +142,8 @@ class _Wall:
 def _wall(
     patch: Patch,
     way: Floats,
-    others: Sequence[tuple[Known, float]],
-    known: Sequence[Known],
+    others: Sequence[tuple[KnownFace, float]],
+    known: Sequence[KnownFace],
     stops: Sequence[Stop],
     config: RiserConfig,
 ) -> _Wall | None:
@@ -186,7 +186,7 @@ def _ring(patch: Patch, walls: Sequence[_Wall], config: RiserConfig) -> Riser | 
     )
 
 
-def _where(patch: Patch, way: Floats, other: Known, up: bool, config: RiserConfig) -> tuple[float, float]:
+def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserConfig) -> tuple[float, float]:
     """[mm] along `way` where one goes up or down, and how wide the gap is that may hold the rim.
 
     The place that leaves fewest touched and empty places on the wrong side; infinite where the other face never
@@ -216,7 +216,7 @@ def _where(patch: Patch, way: Floats, other: Known, up: bool, config: RiserConfi
 
 
 def _stands(
-    known: Sequence[Known], patch: Patch, way: Floats, at: float, step: float, config: RiserConfig
+    known: Sequence[KnownFace], patch: Patch, way: Floats, at: float, step: float, config: RiserConfig
 ) -> bool:
     """Whether a known face is crossed on the way, half way up or down: into it going up, out of it going down."""
     start = patch.middle + 0.5 * step * patch.normal - float(patch.middle @ way) * way
@@ -231,7 +231,7 @@ def _stands(
     return False
 
 
-def _ways(known: Sequence[Known]) -> Floats:
+def _ways(known: Sequence[KnownFace]) -> Floats:
     """(n, 3) directions of the object's flat faces and axes, those of most contacts first."""
     out: list[Floats] = []
     for own in sorted(known, key=lambda k: -len(k.face.contacts)):

@@ -19,6 +19,7 @@ from exploration.planning.known.surface_map import SurfaceMap, clusters
 from exploration.planning.open.dents import dented
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.gaps import gaps
+from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.mouths import Mouth, mouths
 from exploration.planning.open.rim_sightings import by_heading, rim_sighting
 from exploration.planning.open.round_rims import RoundRim
@@ -27,49 +28,16 @@ from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 
-_AROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-
 
 @dataclass(frozen=True)
 class LocalFrontierConfig:
     """Distances on a face."""
 
-    beside: float = 2.2  # [mm] a place this near a free one is past the rim
-    depth: tuple[float, float] = (
-        -1.5,
-        -0.12,
-    )  # [mm] of a free place from the surface, to say it is not there
-    rim: float = 3.4  # [mm] from a free place, within which a touched one lies at a rim
     explained: float = 2.5  # [mm] from a rim, within which a face that explains it passes
     felt: float = 16.0  # [mm] from a rim, within which that face was touched
     least_rim: int = 4  # touched cells of one
     known: float = 0.5  # share of a round gap's rim that a face must explain
     cluster: float = 6.0  # [mm] between neighbors of one rim
-
-
-@dataclass(frozen=True)
-class Known:
-    """A face as it was felt, place by place."""
-
-    face: Face
-    fit: Fit
-    side: float  # of the shape's normals, outward
-    cells: Floats  # (n, 3) touched places on it
-    free: Floats  # (n, 3) free places that say where it is not
-
-    @cached_property
-    def near(self) -> KDTree:
-        """Of its cells."""
-        return KDTree(self.cells)
-
-    @cached_property
-    def near_free(self) -> KDTree:
-        """Of its free places."""
-        return KDTree(self.free)
-
-    def touched(self, at: Floats, within: float) -> Bools:
-        """(n,) whether it was touched nearer than `within` [mm] to (n, 3) places."""
-        return np.asarray(self.near.query(at, distance_upper_bound=within)[0] < within)
 
 
 class LocalFrontier:
@@ -82,16 +50,15 @@ class LocalFrontier:
         free: Floats,
         feature: float,
         config: LocalFrontierConfig | None = None,
+        last: LocalFrontier | None = None,
     ) -> None:
         self.config, self.reach = config or LocalFrontierConfig(), min(max(feature / 2.0, 3.0), 8.0)
-        self.felt, self.free = felt, free
-        self.known: list[Known] = []
-        for face in faces:
-            if isinstance(face.fit, Fit):
-                side = 1.0 if face.fit.convex else -1.0
-                on = felt.on(face.fit.shape, side)
-                cells, away = felt.points[on], self._free_of(face.fit, side)
-                self.known.append(Known(face, face.fit, side, cells, away))
+        before = {} if last is None else {own.face.id: own for own in last.known}
+        self.known = [
+            KnownFace.of(face, face.fit, felt, free, self.reach, before.get(face.id))
+            for face in faces
+            if isinstance(face.fit, Fit)
+        ]
 
     @cached_property
     def open(self) -> Predicted:
@@ -100,9 +67,8 @@ class LocalFrontier:
         for own in self.known:
             if not len(own.cells):
                 continue
-            at, came = self._further(own)
-            keep = ~self._past_rim(own, at, came) & ~self._behind_wall(own, at, came)
-            at = _thinned(at[keep], 0.7 * self.reach)
+            at, came = own.further
+            at = _thinned(at[~self._behind_wall(own, at, came)], 0.7 * self.reach)
             points.append(at)
             normals.append(own.side * own.fit.shape.normals(at))
             ids.append(np.full(len(at), own.face.id))
@@ -113,7 +79,7 @@ class LocalFrontier:
         """Rims that no known face explains, each as an edge seen from its face; the longest first."""
         found: list[tuple[int, Sighting, int]] = []
         for own in self.known:
-            at, out = self._rim(own)
+            at, out = own.rim
             left = ~self._explained(own, at, out)
             at, out = at[left], out[left]
             for members in clusters(at, self.config.cluster):
@@ -131,7 +97,7 @@ class LocalFrontier:
         found: list[Mouth] = []
         for own in self.known:
             if own.fit.kind == "plane":
-                at, out = self._rim(own)
+                at, out = own.rim
                 left = ~self._explained(own, at, out)
                 normal = own.side * own.fit.shape.direction
                 found += mouths(own.cells, at[left], out[left], normal)
@@ -165,7 +131,7 @@ class LocalFrontier:
         """
         return [self._without_bridges(own) for own in self.known]
 
-    def _without_bridges(self, own: Known) -> Face:
+    def _without_bridges(self, own: KnownFace) -> Face:
         free, points = own.free, own.face.contacts.points
         if own.fit.kind != "plane" or not len(free) or not len(own.cells):
             return own.face
@@ -177,27 +143,7 @@ class LocalFrontier:
         fit = replace(own.fit, inliers=frozen(own.fit.inliers[kept], bool))
         return replace(own.face, fit=fit, contacts=own.face.contacts.select(kept))
 
-    def _further(self, own: Known) -> tuple[Floats, Floats]:
-        """(m, 3) places a little further than touched ones, not touched themselves; and where they came from."""
-        normals = own.fit.shape.normals(own.cells)
-        u = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
-        u /= np.linalg.norm(u, axis=1, keepdims=True)
-        v = np.cross(normals, u)
-        steps = [self.reach * (np.cos(a) * u + np.sin(a) * v) for a in _AROUND]
-        at = own.fit.shape.project(np.concatenate([own.cells + step for step in steps]))
-        came = np.tile(own.cells, (len(steps), 1))
-        fresh = ~own.touched(at, 0.75 * self.reach)
-        return at[fresh], came[fresh]
-
-    def _past_rim(self, own: Known, at: Floats, came: Floats) -> Bools:
-        out, beside = np.zeros(len(at), dtype=bool), self.config.beside
-        if len(own.free) and len(at):
-            for share in (0.6, 0.8, 1.0):
-                between = came + share * (at - came)
-                out |= own.near_free.query(between, distance_upper_bound=beside)[0] < beside
-        return out
-
-    def _behind_wall(self, own: Known, at: Floats, came: Floats) -> Bools:
+    def _behind_wall(self, own: KnownFace, at: Floats, came: Floats) -> Bools:
         """Whether another touched face stands between, or the place is inside its material."""
         out = np.zeros(len(at), dtype=bool)
         for other in self.known:
@@ -209,28 +155,7 @@ class LocalFrontier:
             out[rows] = other.touched(at[rows], self.config.felt)
         return out
 
-    def _free_of(self, fit: Fit, side: float) -> Floats:
-        """(n, 3) free places that say where a face is not."""
-        low, high = self.config.depth
-        above = side * fit.shape.signed_distance(self.free)
-        return self.free[(above > low) & (above < high)]
-
-    def _rim(self, own: Known) -> tuple[Floats, Floats]:
-        """(n, 3) touched cells beside free ones, and the ways out of the face there."""
-        free = own.free
-        if not len(free) or not len(own.cells):
-            return np.empty((0, 3)), np.empty((0, 3))
-        distance, found = own.near_free.query(own.cells, distance_upper_bound=self.config.rim)
-        beside = np.asarray(distance < self.config.rim)
-        at = own.cells[beside]
-        out = free[np.asarray(found)[beside]] - at
-        normals = own.fit.shape.normals(at)
-        out = out - (out * normals).sum(axis=1, keepdims=True) * normals
-        length = np.linalg.norm(out, axis=1)
-        far = length > 0.2
-        return at[far], out[far] / length[far, None]
-
-    def _explained(self, own: Known, at: Floats, out: Floats) -> Bools:
+    def _explained(self, own: KnownFace, at: Floats, out: Floats) -> Bools:
         told = np.zeros(len(at), dtype=bool)
         for other in self.known:
             if other is own or not len(other.cells) or not len(at):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exploration.planning.inferring.risers import Patch, RiserConfig, _ring, _Wall, risers
-from exploration.planning.open.local_frontier import Known
+from exploration.planning.open.known_face import KnownFace
 from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face
@@ -20,7 +20,7 @@ def flat(number, points, normal, free=()):
     )
     found = fit("plane", contacts)
     side = 1.0 if found.convex else -1.0
-    return Known(Face(number, found, contacts), found, side, points, np.array(free).reshape(-1, 3))
+    return KnownFace(Face(number, found, contacts), found, side, points, np.array(free).reshape(-1, 3))
 
 
 def places(height, inside, step=2.0, reach=40.0):
