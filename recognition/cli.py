@@ -8,6 +8,7 @@ stderr.
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from typing import NoReturn
@@ -63,8 +64,14 @@ app.add_typer(library.app, name="library")
 app.add_typer(hardware.app, name="hardware")
 
 
+# Objects more than before, from which cycles are looked for: imports make half a million, none of them garbage,
+# and the arrays of a run go when they are used last.
+_GARBAGE = 50_000
+
+
 def main() -> None:
     """Run the command line: whatever happens is one line on stderr and an exit code, and never a traceback."""
+    gc.set_threshold(_GARBAGE)
     interrupts.heed()
     if sys.stdout is None:
         _end("standard output is closed; send it to a file or to /dev/null")
