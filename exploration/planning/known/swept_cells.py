@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exploration.planning.known.swept_kernel import sweep
+from exploration.planning.known.swept_kernel import holds, sweep
 from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import inverse
 
@@ -53,9 +53,7 @@ class SweptCells:
 
     def holds_box(self, pose: Floats, low: Floats, high: Floats) -> bool:
         """Whether every cell in a box at a (4, 4) pose was swept, as far as the workspace reaches."""
-        rows, at = self._under(pose, low, high)
-        rows = rows[((at > low) & (at < high)).all(axis=1)]
-        return bool(self._swept[tuple(rows.T)].all())
+        return bool(holds(self._swept, self._low, self.cell, pose, low, high))
 
     def between(self, low: Floats, high: Floats) -> Floats:
         """(n, 3) middles [mm] of the cells between two (3,) corners that were swept."""
@@ -68,16 +66,12 @@ class SweptCells:
         done = self._swept[tuple(rows.T)] | self._aside[tuple(rows.T)]
         return np.asarray(self._low + self.cell * rows[~done])
 
-    def _under(self, pose: Floats, low: Floats, high: Floats) -> tuple[Ints, Floats]:
-        """(n, 3) the cells about a box at a (4, 4) pose, and (n, 3) where their middles are in the box's frame."""
+    def _filled(self, pose: Floats, low: Floats, high: Floats) -> Ints:
+        """(n, 3) the cells whose middles are surely in the box at a (4, 4) pose."""
         middle, half = pose[:3, :3] @ (0.5 * (low + high)), np.abs(pose[:3, :3]) @ (0.5 * (high - low))
         ends = pose[:3, 3] + middle + np.outer([-1.0, 1.0], half)
         rows = self._lattice(*self._rows(ends))
-        return rows, (self._low + self.cell * rows - pose[:3, 3]) @ pose[:3, :3]
-
-    def _filled(self, pose: Floats, low: Floats, high: Floats) -> Ints:
-        """(n, 3) the cells whose middles are surely in the box at a (4, 4) pose."""
-        rows, at = self._under(pose, low, high)
+        at = (self._low + self.cell * rows - pose[:3, 3]) @ pose[:3, :3]
         return np.asarray(rows[((at > low + _INNER) & (at < high - _OUTER)).all(axis=1)])
 
     def _lattice(self, first: Ints, last: Ints) -> Ints:

@@ -1,4 +1,4 @@
-"""The cells that a box passes through: asked at every tick of every motion."""
+"""The cells that a box passes through, asked at every tick of every motion; and whether all of them are known."""
 
 import numba
 import numpy as np
@@ -30,6 +30,20 @@ def sweep(
     if not moved:
         return
     last[:] = pose
+    _visit(swept, origin, cell, pose, low, high, True)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def holds(swept: Bools, origin: Floats, cell: float, pose: Floats, low: Floats, high: Floats) -> bool:
+    """Whether `swept` is set wherever a cell's middle lies between two (3,) corners [mm] of a (4, 4) pose."""
+    return bool(_visit(swept, origin, cell, pose, low, high, False))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _visit(
+    swept: Bools, origin: Floats, cell: float, pose: Floats, low: Floats, high: Floats, mark: bool
+) -> bool:
+    """Mark the cells whose middles lie in a box, or else tell whether all of them are marked."""
     first, end, at = np.empty(3, np.int64), np.empty(3, np.int64), np.empty(3)
     for i in range(3):
         middle, half = pose[i, 3], 0.0
@@ -48,5 +62,8 @@ def sweep(
                 for j in range(3):
                     along = at[0] * pose[0, j] + at[1] * pose[1, j] + at[2] * pose[2, j]
                     inside &= low[j] < along < high[j]
-                if inside:
+                if inside and mark:
                     swept[a, b, c] = True
+                elif inside and not swept[a, b, c]:
+                    return False
+    return True
