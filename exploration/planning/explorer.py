@@ -62,6 +62,7 @@ class Explorer:
         self.found = Findings()
         self.pad = Pad(guard, box, announce, told=told, tools=tools)
         self._felt = SurfaceMap()
+        self._frontier: LocalFrontier | None = None
         self._stopped = 0  # moves that something unknown stopped, since the last that came to a face
         self._hidden = 0  # predicted places that what was told hides
         self._tried = Attempts(config.tries)
@@ -124,7 +125,8 @@ class Explorer:
             return True
         self._felt.take(self.pad.felt)
         faces, free = self.found.graph.faces, self.pad.free.points
-        return LocalFrontier(faces, self._felt, free, self.config.feature).dented()
+        self._frontier = LocalFrontier(faces, self._felt, free, self.config.feature, last=self._frontier)
+        return self._frontier.dented()
 
     def _any_form(self) -> Iterator[str]:
         """Face by face, with one array after the other: each goes for what those before it found no room for."""

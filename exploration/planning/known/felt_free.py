@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
+from exploration.planning.known.places import Places
 from primitives.arrays import Bools, Floats
 from primitives.half_spaces import HalfSpaces
 
@@ -31,25 +32,20 @@ class FeltFree:
 
     def __init__(self, config: FeltFreeConfig | None = None) -> None:
         self.config = config or FeltFreeConfig()
-        self._cells: dict[tuple[int, int, int], Floats] = {}
-        self._points = np.empty((0, 3))
+        self._places = Places()
 
     def add(self, points: Floats) -> None:
         """Remember (n, 3) free places [mm]."""
-        keys = np.round(points / self.config.cell).astype(int)
-        for key, point in zip(map(tuple, keys.tolist()), points, strict=True):
-            self._cells.setdefault(key, point)
+        self._places.add(np.round(points / self.config.cell).astype(int), points)
 
     @property
     def points(self) -> Floats:
         """(n, 3) all of them [mm]."""
-        if len(self._points) < len(self._cells):
-            self._points = np.array(list(self._cells.values())).reshape(-1, 3)
-        return self._points
+        return self._places.rows
 
     def contradictions(self, body: HalfSpaces) -> Floats:
         """(n, 3) free places inside a predicted body."""
-        if not self._cells:
+        if not len(self._places):
             return np.empty((0, 3))
         places = self.points
         inside: Floats = places[body.signed_distance(places) < -self.config.inside]

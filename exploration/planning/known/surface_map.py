@@ -14,19 +14,19 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+from exploration.planning.known.places import Places
 from primitives.arrays import Bools, Floats
 from primitives.shapes import Shape
 
 CELL = 2.0  # [mm] touched places nearer than this, that face alike, are one
+_NEAR, _ALIKE = 0.8, 0.9  # [mm] from a surface, and cosine of the ways that both face, of a place on it
 
 
 class SurfaceMap:
     """Grows with every stroke."""
 
     def __init__(self) -> None:
-        self._cells: dict[tuple[int, ...], Floats] = {}
-        self._rows: Floats | None = None
-        self._tree: KDTree | None = None
+        self._places = Places(6)
         self._taken = 0
 
     def add(self, points: Floats, facing: Floats) -> None:
@@ -34,10 +34,7 @@ class SurfaceMap:
         if not len(points):
             return
         keys = np.concatenate([np.round(points / CELL), np.round(2.0 * facing)], axis=1).astype(int)
-        rows = np.concatenate([points, facing], axis=1)
-        for key, row in zip(map(tuple, keys.tolist()), rows, strict=True):
-            self._cells.setdefault(key, row)
-        self._rows = self._tree = None
+        self._places.add(keys, np.concatenate([points, facing], axis=1))
 
     def take(self, lots: Sequence[tuple[Floats, Floats]]) -> None:
         """Remember those of a growing row of lots, each as `add` has them, that were not taken before."""
@@ -48,25 +45,23 @@ class SurfaceMap:
     @property
     def points(self) -> Floats:
         """(n, 3) [mm]."""
-        return self._table[:, :3]
+        return self._places.rows[:, :3]
 
     @property
     def facing(self) -> Floats:
         """(n, 3) outward normals, roughly."""
-        return self._table[:, 3:]
+        return self._places.rows[:, 3:]
 
-    @property
-    def _table(self) -> Floats:
-        if self._rows is None:
-            self._rows = np.array(list(self._cells.values())).reshape(-1, 6)
-        return self._rows
+    def on(self, shape: Shape, side: float, since: int = 0) -> Bools:
+        """(n,) which places, from the one of number `since` on, lie on a surface.
 
-    def on(self, shape: Shape, side: float, near: float = 0.8, facing: float = 0.9) -> Bools:
-        """(n,) which cells lie on a surface whose outward normal is `side` times its own."""
-        if not len(self.points):
+        Its outward normal is `side` times its own.
+        """
+        points, facing = self.points[since:], self.facing[since:]
+        if not len(points):
             return np.zeros(0, dtype=bool)
-        away = np.abs(shape.signed_distance(self.points)) < near
-        alike = side * (shape.normals(self.points) * self.facing).sum(axis=1) > facing
+        away = np.abs(shape.signed_distance(points)) < _NEAR
+        alike = side * (shape.normals(points) * facing).sum(axis=1) > _ALIKE
         return np.asarray(away & alike)
 
 

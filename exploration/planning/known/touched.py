@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
+from exploration.planning.known.places import Places
 from exploration.planning.ways.transit import Support
 from primitives.arrays import Bools, Floats
 
@@ -15,22 +16,20 @@ class Touched:
     """Grows with every stroke."""
 
     def __init__(self) -> None:
-        self._cells: dict[tuple[int, int, int], Floats] = {}
+        self._places = Places()
         self._tree: KDTree | None = None
         self.supports: list[Support] = []
 
     def add(self, cells: Floats, support: Support) -> None:
         """Remember (n, 3) touched points and the plane that the pad lay against."""
-        keys = np.round(cells / _CELL).astype(int)
-        for key, cell in zip(map(tuple, keys.tolist()), cells, strict=True):
-            self._cells.setdefault(key, cell)
+        self._places.add(np.round(cells / _CELL).astype(int), cells)
         self._tree = None
         self.supports.append(support)
 
     def covers(self, points: Floats, within: float) -> Bools:
         """(n,) whether something was touched `within` mm of each of (n, 3) points."""
-        if not self._cells or not len(points):
+        if not len(self._places) or not len(points):
             return np.zeros(len(points), dtype=bool)
         if self._tree is None:
-            self._tree = KDTree(np.array(list(self._cells.values())))
+            self._tree = KDTree(self._places.rows)
         return np.asarray(self._tree.query(points, distance_upper_bound=within)[0] <= within)

@@ -66,10 +66,11 @@ class Entering:
         its rims are all that leads to its walls.
         """
         self.reach.lids = lids([mouth for mouth in across if not self._through.count(mouth.center)])
+        turns = _once(alongs)
         wide, known = 2.0 * float(self.study.pad.tool.high[:2].min()), self._on_faces()
         untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, known)]
         for ways in gathered(untold):
-            rooms = ((mouth, self._room(mouth, alongs)) for mouth in ways[:: max(1, len(ways) // _WAYS)])
+            rooms = ((mouth, self._room(mouth, turns)) for mouth in ways[:: max(1, len(ways) // _WAYS)])
             if way := next(((mouth, room) for mouth, room in rooms if room), None):
                 yield way[0].center, partial(self._sound, *way)
 
@@ -77,7 +78,7 @@ class Entering:
         """(4, 4) poses just inside a mouth, at which nothing known is in the way: an island may be."""
         turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
         poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
-        return [pose for pose in poses if self.reach.clear(pose)]
+        return self.reach.with_room(poses)
 
     def _untold(self, mouth: Mouth, known: Bools) -> bool:
         """Whether neither a sounding nor a floor tells what is behind a mouth; `known` cells lie on a face."""
@@ -171,6 +172,19 @@ class Entering:
         self.study.note_wall(stroke)
         self._went(mouth, pad.guard.world_from_sensor if stroke.met is None else stroke.met)
         return stroke.ended in ("wall", "length", "concavity")
+
+
+def _once(alongs: Callable[[Floats], list[Floats]]) -> Callable[[Floats], list[Floats]]:
+    """The same directions, asked for once on each normal: many ways lead across one mouth."""
+    known: dict[bytes, list[Floats]] = {}
+
+    def answer(normal: Floats) -> list[Floats]:
+        key = normal.tobytes()
+        if key not in known:
+            known[key] = alongs(normal)
+        return known[key]
+
+    return answer
 
 
 def _farthest(places: Floats, normal: Floats, way: Floats, most: float) -> float:

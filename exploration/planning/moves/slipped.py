@@ -35,7 +35,7 @@ class Slipped:
         left = [(at, way) for at, way in self.study.pad.slipped if not self._known(at)]
         for at, way in sorted(left, key=lambda place: float(np.linalg.norm(place[0] - here))):
             poses = [se3.pose(se3.frame_along(way, along), at - _BACK * way) for along in alongs(-way)]
-            if room := [pose for pose in poses if self.reach.clear(pose)]:
+            if room := self.reach.with_room(poses):
                 return partial(self._touch, at, room)
         return None
 

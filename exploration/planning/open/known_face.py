@@ -6,13 +6,14 @@ is not looked for again.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from exploration.planning.known.surface_map import SurfaceMap
+from exploration.planning.open.dents import dented
 from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -47,27 +48,22 @@ class KnownFace:
     config: KnownFaceConfig = KnownFaceConfig()
 
     @staticmethod
-    def of(
-        face: Face, fit: Fit, felt: SurfaceMap, free: Floats, reach: float, before: KnownFace | None = None
-    ) -> KnownFace:
-        """A face among all that was felt; `before` itself, where that has not changed."""
-        side = 1.0 if fit.convex else -1.0
-        above = side * fit.shape.signed_distance(free)
-        low, high = KnownFaceConfig().depth
-        own = KnownFace(
-            face,
-            fit,
-            side,
-            felt.points[felt.on(fit.shape, side)],
-            free[(above > low) & (above < high)],
-            reach,
-        )
-        return own if before is None or not own.is_as(before) else before
+    def of(face: Face, fit: Fit, felt: SurfaceMap, free: Floats, reach: float) -> KnownFace:
+        """A face among all that was felt, and (n, 3) places that were found free."""
+        side, none = (1.0 if fit.convex else -1.0), np.empty((0, 3))
+        return KnownFace(face, fit, side, none, none, reach).grown(felt, free)
 
-    def is_as(self, other: KnownFace) -> bool:
-        """Whether nothing is different."""
-        alike = self.face is other.face and self.reach == other.reach
-        return alike and np.array_equal(self.cells, other.cells) and np.array_equal(self.free, other.free)
+    def grown(self, felt: SurfaceMap, free: Floats, since: tuple[int, int] = (0, 0)) -> KnownFace:
+        """With what was felt and found free `since` so many places were known; itself, if that is nothing."""
+        cells = felt.points[since[0] :][felt.on(self.fit.shape, self.side, since[0])]
+        above = self.side * self.fit.shape.signed_distance(free[since[1] :])
+        low, high = self.config.depth
+        away = free[since[1] :][(above > low) & (above < high)]
+        if not len(cells) and not len(away):
+            return self
+        return replace(
+            self, cells=np.concatenate([self.cells, cells]), free=np.concatenate([self.free, away])
+        )
 
     @cached_property
     def near(self) -> KDTree:
@@ -82,6 +78,11 @@ class KnownFace:
     def touched(self, at: Floats, within: float) -> Bools:
         """(n,) whether it was touched nearer than `within` [mm] to (n, 3) places."""
         return np.asarray(self.near.query(at, distance_upper_bound=within)[0] < within)
+
+    @cached_property
+    def dented(self) -> bool:
+        """Whether it is flat, and not there among places where it is: no convex object has such a face."""
+        return self.fit.kind == "plane" and dented(self.cells, self.free, self.fit.shape.direction)
 
     @cached_property
     def further(self) -> tuple[Floats, Floats]:

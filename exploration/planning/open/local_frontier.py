@@ -16,7 +16,6 @@ from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
 from exploration.planning.known.surface_map import SurfaceMap, clusters
-from exploration.planning.open.dents import dented
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.gaps import gaps
 from exploration.planning.open.known_face import KnownFace
@@ -41,7 +40,10 @@ class LocalFrontierConfig:
 
 
 class LocalFrontier:
-    """The open things of one moment; each is found once."""
+    """The open things of one moment; each is found once.
+
+    What was felt and found free only grows: of a face that the `last` one knew, only what is new is looked at.
+    """
 
     def __init__(
         self,
@@ -53,12 +55,16 @@ class LocalFrontier:
         last: LocalFrontier | None = None,
     ) -> None:
         self.config, self.reach = config or LocalFrontierConfig(), min(max(feature / 2.0, 3.0), 8.0)
-        before = {} if last is None else {own.face.id: own for own in last.known}
-        self.known = [
-            KnownFace.of(face, face.fit, felt, free, self.reach, before.get(face.id))
+        old = {} if last is None else {id(own.face): own for own in last.known}
+        seen = (0, 0) if last is None else last.extent
+        self.known: list[KnownFace] = [
+            old[id(face)].grown(felt, free, seen)
+            if id(face) in old
+            else KnownFace.of(face, face.fit, felt, free, self.reach)
             for face in faces
             if isinstance(face.fit, Fit)
         ]
+        self.extent: tuple[int, int] = (len(felt.points), len(free))  # of what was known
 
     @cached_property
     def open(self) -> Predicted:
@@ -119,10 +125,7 @@ class LocalFrontier:
 
     def dented(self) -> bool:
         """Whether a flat face is not there among places where it is: no convex object has such."""
-        return any(
-            own.fit.kind == "plane" and dented(own.cells, own.free, own.fit.shape.direction)
-            for own in self.known
-        )
+        return any(own.dented for own in self.known)
 
     def placed(self) -> list[Face]:
         """The faces, flat ones without contacts where the face is not there.

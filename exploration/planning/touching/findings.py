@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import dist
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -91,7 +92,8 @@ class Attempts:
 
     def count(self, place: Floats, within: float | None = None) -> int:
         """How often a move has gone for this place."""
-        return int(self.counts(place[None], within)[0])
+        within = self._within if within is None else within
+        return sum(dist(place, tried) <= within for tried in self._places)
 
     def given_up(self, place: Floats) -> bool:
         """Whether it was tried often enough."""

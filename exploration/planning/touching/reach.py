@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,7 +62,12 @@ class Reach:
 
     def clear(self, pose: Floats) -> bool:
         """Whether nothing touched is in the way of the pad and its housing at a (4, 4) pose."""
-        return bool(self.pad.tool.clear(pose[None], self._obstacles(), self.config.room, -1.0)[0])
+        return bool(self.with_room([pose]))
+
+    def with_room(self, poses: Sequence[Floats]) -> list[Floats]:
+        """Those of (4, 4) poses at which it is clear."""
+        clear = self.pad.tool.clear(np.array(poses), self._obstacles(), self.config.room, -1.0)
+        return [pose for pose, free in zip(poses, clear, strict=True) if free]
 
     def touch(self, target: Floats, give: bool = False, settling: SettleConfig | None = None) -> bool:
         """Go round what is known to before a (4, 4) target, and touch it; may it `give`, from farther off."""
