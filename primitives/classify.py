@@ -3,6 +3,8 @@
 Each kind scores  chi2 / s + dof ln(residuals) - 2 ln(prior)  (Schwarz's criterion with the noise known), and its
 probability is exp(-score / 2), normalized.  s = 1 where the sensor's sigmas hold; where even the best shape leaves
 more than they allow, s is its chi2 per degree of freedom, so that unmodeled error does not buy parameters.
+Contacts of one touch share errors: what a cone explains better than a cylinder is divided by their design effect
+(`shared_error`), so that how the pad lay at a rounded rim does not pass for a radius that grows.
 A sphere of huge radius, or a cone of tiny angle, lowers chi2 by about one a parameter and pays more for it.
 """
 
@@ -17,6 +19,7 @@ from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.fit import Fit, FitOptions, NoFit, fit
 from primitives.shapes import KINDS, Cone, Cylinder, Sphere, Torus
+from primitives.shared_error import design_effect
 
 _STEP = 0.35  # [rad] round a ring, over which one contact follows another
 
@@ -59,6 +62,8 @@ def rank(
     good = [found for found in fits if isinstance(found, Fit)]
     if not good:
         return ()
+    if _cylinder_in_disguise(good, contacts, options):
+        good = [found for found in good if found.kind != "cone"]
     excess = min(found.chi2 / max(found.dof, 1) for found in good) if options.unmodeled else 1.0
     scores = np.array([score(found, options, max(1.0, excess)) for found in good])
     weights = np.exp(-0.5 * (scores - scores.min()))
@@ -75,6 +80,16 @@ def score(found: Fit, options: RankOptions, excess: float = 1.0) -> float:
     if isinstance(found.shape, Cone) and found.shape.semi_angle > options.blunt:
         prior *= options.blunt_share
     return float(found.chi2 / excess + price - 2.0 * np.log(prior))
+
+
+def _cylinder_in_disguise(good: Sequence[Fit], contacts: Contacts, options: RankOptions) -> bool:
+    """Whether a cone explains no more than a cylinder and errors that contacts share."""
+    found = {one.kind: one for one in good}
+    if not {"cone", "cylinder"} <= set(found):
+        return False
+    cone, cylinder = (score(found[kind], options) for kind in ("cone", "cylinder"))
+    gain = found["cylinder"].chi2 - found["cone"].chi2
+    return cone + gain * (1.0 - 1.0 / design_effect(contacts)) > cylinder
 
 
 def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> bool:

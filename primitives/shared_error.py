@@ -23,8 +23,19 @@ from primitives.evidence import Contacts
 from primitives.fit import Fit
 from primitives.residuals import Problem, linearize
 
+SHARE = 0.5  # of each contact's variance, that is its touch's
 
-def with_shared_error(fit: Fit, contacts: Contacts, share: float = 0.5) -> Fit:
+
+def design_effect(contacts: Contacts, share: float = SHARE) -> float:
+    """How many contacts count as one that shares no error: 1 + share (m - 1), m in a touch (Kish 1965).
+
+    m is what a contact finds in its own touch in the mean, so that a few long strokes count as what they are.
+    """
+    _, counts = np.unique(contacts.touch, return_counts=True)
+    return 1.0 + share * (float((counts**2).sum()) / max(len(contacts), 1) - 1.0)
+
+
+def with_shared_error(fit: Fit, contacts: Contacts, share: float = SHARE) -> Fit:
     """The fit with the covariance that holds when a `share` of each contact's variance is its touch's."""
     problem = Problem.of(contacts)
     _, jacobian = linearize(fit.shape, problem, 1.0 if fit.convex else -1.0)

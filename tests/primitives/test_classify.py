@@ -83,3 +83,21 @@ def test_a_ball_that_is_hardly_wider_one_way_is_no_ring():
     contacts = Contacts.of(at, ring.normals(at), 0.002, 0.01)
     assert rank(contacts, options=RankOptions(least_ring=0.0))[0].fit.kind == "torus"
     assert rank(contacts)[0].fit.kind == "sphere"
+
+
+def test_a_rounded_rim_that_every_touch_met_elsewhere_is_rarely_a_cone():
+    """Flat above, a fillet of 2.5 mm below: how far round a touch came passes for a radius that grows."""
+    rng, named = np.random.default_rng(3), []
+    for _ in range(20):
+        parts = []
+        for number in range(7):
+            middle, along = rng.uniform(-1.5, 2.5), rng.uniform(-50, 50)
+            y = along + rng.uniform(-30, 30, 20)
+            down = middle + rng.uniform(-1, 1, 20) + rng.uniform(-0.02, 0.02) * (y - along)
+            down = np.clip(down, -2.5, 3.5)
+            turn = np.clip(down, 0.0, None) / 2.5
+            at = [2.5 * np.cos(turn), y, -np.minimum(down, 0.0) - 2.5 * np.sin(turn)]
+            normals = np.column_stack([np.cos(turn), 0.0 * y, -np.sin(turn)])
+            parts.append(Contacts.of(np.column_stack(at), normals, 0.06, 0.1, touch=number))
+        named.append(rank(Contacts.concatenate(parts))[0].fit.kind)
+    assert named.count("cone") <= 5

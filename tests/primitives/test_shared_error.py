@@ -4,7 +4,7 @@ import numpy as np
 
 from primitives.evidence import Contacts
 from primitives.fit import fit
-from primitives.shared_error import with_shared_error
+from primitives.shared_error import design_effect, with_shared_error
 
 SIGMA = 0.02  # [mm]
 
@@ -56,3 +56,15 @@ def test_scatter_beyond_the_stated_sigmas_makes_a_fit_less_certain():
     ratio = np.diag(with_shared_error(found, contacts).covariance) / np.diag(found.covariance)
     assert np.allclose(ratio, found.chi2 / found.dof)
     assert 6.0 < ratio[0] < 13.0
+
+
+def test_contacts_count_for_as_many_as_the_scatter_of_their_mean_says():
+    rng = np.random.default_rng(4)
+    touch = np.repeat([0, 1, 2, 3], [2, 5, 10, 30])
+    contacts = Contacts.of(np.zeros((len(touch), 3)), sigma=SIGMA, touch=touch)
+    errors = np.sqrt(0.5) * (
+        rng.standard_normal((4000, 4))[:, touch] + rng.standard_normal((4000, len(touch)))
+    )
+    found = float(np.var(errors.mean(axis=1)) * len(touch))
+    assert 0.9 < design_effect(contacts) / found < 1.1
+    assert design_effect(Contacts.of(np.zeros((9, 3)), touch=np.arange(9))) == 1.0
