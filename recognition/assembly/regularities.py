@@ -24,7 +24,8 @@ from scipy.special import chdtri
 from primitives.arrays import Floats, frozen
 from primitives.fit import Fit
 from primitives.pose import frame_along
-from primitives.shapes import Plane, Shape, Sphere
+from primitives.residuals import advance, chart
+from primitives.shapes import Cone, Plane, Shape, Sphere
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Regularized:
     """Shapes adjusted jointly; the fits keep the values as measured."""
 
     shapes: tuple[Shape, ...]
-    covariance: Floats  # (d, d) of the stacked steps of the fits' own `retract`
+    covariance: Floats  # (d, d) of the stacked steps of the fits' own `retract`, to first order
     slices: tuple[slice, ...]  # of each shape in the stacked step
     relations: tuple[Relation, ...]
     step: Floats  # (d,) by which the fits were adjusted
@@ -68,7 +69,7 @@ Constraint = Callable[[Shape, Shape], Floats]
 
 def regularize(fits: Sequence[Fit], options: RegularityOptions | None = None) -> Regularized:
     """Accept what the covariances allow, likeliest first, and adjust all shapes to it."""
-    state = _State([f.shape for f in fits], [f.covariance for f in fits], options or RegularityOptions())
+    state = _State(fits, options or RegularityOptions())
     for stage in (_coincident, _parallel, _perpendicular, _coaxial):
         for kind, a, b, constraint in _by_cost(state, stage(state)):
             state.consider(kind, a, b, constraint)
@@ -84,12 +85,12 @@ Proposal = tuple[str, int, int, Constraint]
 class _State:
     """The stacked step, its covariance given what is accepted, and the accepted constraints."""
 
-    def __init__(self, base: list[Shape], covariances: list[Floats], options: RegularityOptions) -> None:
-        self.base, self.options = base, options
-        ends = np.cumsum([0, *(s.dof for s in base)])
+    def __init__(self, fits: Sequence[Fit], options: RegularityOptions) -> None:
+        self.stepped, self.options = [_stepper(fit) for fit in fits], options
+        ends = np.cumsum([0, *(f.shape.dof for f in fits)])
         self.slices = tuple(slice(int(i), int(j)) for i, j in pairwise(ends))
-        floors = [_floor(s, options.floor) for s in base]
-        blocks = [c + np.diag(f**2) for c, f in zip(covariances, floors, strict=True)]
+        floors = [_floor(f.shape, options.floor) for f in fits]
+        blocks = [f.covariance + np.diag(s**2) for f, s in zip(fits, floors, strict=True)]
         self.prior: Floats = np.asarray(block_diag(*blocks)) if blocks else np.empty((0, 0))
         self.posterior = self.prior
         self.x = np.zeros(int(ends[-1]))
@@ -97,11 +98,11 @@ class _State:
         self.relations: list[Relation] = []
 
     def shapes(self) -> list[Shape]:
-        return [s.retract(self.x[part]) for s, part in zip(self.base, self.slices, strict=True)]
+        return [after(self.x[part]) for after, part in zip(self.stepped, self.slices, strict=True)]
 
     def value_and_slope(self, a: int, b: int, constraint: Constraint) -> tuple[Floats, Floats]:
         """The values h and their (k, d) derivative by central differences."""
-        shapes = {i: self.base[i].retract(self.x[self.slices[i]]) for i in (a, b)}
+        shapes = {i: self.stepped[i](self.x[self.slices[i]]) for i in (a, b)}
         value = constraint(shapes[a], shapes[b])
         slope = np.zeros((len(value), len(self.x)))
         for i in (a, b):
@@ -109,7 +110,7 @@ class _State:
             for j in range(len(part)):
                 nudge = np.zeros(len(part))
                 nudge[j] = 1e-6
-                plus, minus = (self.base[i].retract(part + s * nudge) for s in (1, -1))
+                plus, minus = (self.stepped[i](part + s * nudge) for s in (1, -1))
                 high = constraint(plus, shapes[b]) if i == a else constraint(shapes[a], plus)
                 low = constraint(minus, shapes[b]) if i == a else constraint(shapes[a], minus)
                 slope[:, self.slices[i].start + j] = (high - low) / 2e-6
@@ -146,6 +147,31 @@ class _State:
             self.posterior = self.prior - gain @ slope @ self.prior
             if done:
                 break
+
+
+def _stepper(fit: Fit) -> Callable[[Floats], Shape]:
+    """What a step in `retract`'s coordinates makes of a fit.
+
+    A cone that is nearly a cylinder has its apex far from its contacts, and a step of apex, axis and angle that is
+    right to first order would carry the surface off them: it is made about the height where the radius is best
+    known, where r = h tan(angle) varies least, h = tan cov(z, angle) / (sec^2 var(angle)).
+    """
+    shape = fit.shape
+    variance = float(fit.covariance[-1, -1])
+    if not isinstance(shape, Cone) or variance <= 0.0:
+        return shape.retract
+    tangent = np.tan(shape.semi_angle)
+    height = tangent * float(fit.covariance[2, -1]) / ((1.0 + tangent**2) * variance)
+    if height <= 0.0:
+        return shape.retract
+    known = shape.apex + height * shape.axis
+    into_chart = np.linalg.inv(chart(shape, known))
+
+    def after(step: Floats) -> Shape:
+        moved = advance(shape, known, into_chart @ step)
+        return shape.retract(step) if moved is None else moved
+
+    return after
 
 
 def _pseudo_inverse(matrix: Floats) -> Floats:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from primitives.evidence import Contacts
+from primitives.fit import fit
 from primitives.pose import pose, random_rotation, rotation_exp
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere
 from recognition.assembly.regularities import RegularityOptions, regularize
@@ -136,3 +138,18 @@ def test_exact_shapes_are_left_as_they_are():
 
 def test_nothing_to_regularize_is_no_error():
     assert regularize([]).shapes == ()
+
+
+def test_a_nearly_cylindrical_cone_stays_on_its_contacts():
+    rng, rod = np.random.default_rng(5), Cylinder([0, 0, 0.0], [0, 0, 1.0], 40.0)
+    around, height = rng.uniform(-1.2, 1.2, 40), rng.uniform(-3.0, 3.0, 40)
+    at = rod.project(np.column_stack([40 * np.cos(around), 40 * np.sin(around), height]))
+    points = at + 0.05 * rng.standard_normal((40, 1)) * rod.normals(at)
+    found = fit("cone", Contacts.of(points, rod.normals(at), 0.05, 0.05))
+    assert found
+    assert np.linalg.norm(found.shape.apex) > 500.0
+    floor = given(Plane([0, 0, -3.0], [0.0, 0.0, -1.0]), tilt=1e-5, offset=1e-3)
+    adjusted = regularize([found, floor])
+    assert counts(adjusted) == {"parallel": 1}
+    away = adjusted.shapes[0].signed_distance(points)
+    assert np.sqrt(np.mean(away**2)) < 2 * found.rms
