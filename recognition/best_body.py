@@ -123,7 +123,8 @@ def _closed(felt: tuple[FeltFace, ...], box: Floats, free: Floats | None, most: 
     contacts = Contacts.concatenate([face.contacts for face in felt])
     past, short = reach_past(assembly, contacts), fall_short(assembly, contacts)
     if past > most or short > _SHORT:
-        fitted = ((fit("plane", lot), lot) for lot in cut_off(felt))
+        corners = None if isinstance(assembly, NotClosed) else assembly.solid.vertices
+        fitted = ((fit("plane", lot), lot) for lot in cut_off(felt, corners))
         ends = tuple(FeltFace(found, lot) for found, lot in fitted if isinstance(found, Fit))
         whole = _assembled((*felt, *ends), box, free) if ends else assembly
         if reach_past(whole, contacts) < past or (

@@ -2,7 +2,8 @@
 
 Three directions across each other, those of flat faces and of the most contacts first, then those along which the
 contacts spread (our derivation).  Where no contact as far out as they reach looks along one of them, a plane there
-ends the body.  Nobody felt that plane, and more of the object may be behind it.
+ends the body; or where one does, but the surface that it is on does not end what was assembled.  Nobody felt that
+plane, and more of the object may be behind it.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ class CutOffConfig:
     upright: float = 0.1  # most cosine between two directions of the faces
     looks: float = 0.95  # least cosine of the way that a contact looks which closes a direction
     off: float = 1.0  # [mm] of such a contact from the last one
+    past: float = 15.0  # [mm] past the last contact, that a body runs on
     last: float = 3.0  # [mm] from the last contact, of those that tell where on the plane the body is
     behind: float = 0.7  # [mm] behind their own faces, where there is material
     beside: float = 0.3  # [mm] round each of these places on the plane, so that they tell how it lies
@@ -49,8 +51,13 @@ class FittedFace(Protocol):
         ...
 
 
-def cut_off(faces: Sequence[FittedFace], config: CutOffConfig = CutOffConfig()) -> list[Contacts]:
-    """Contacts of each plane that ends the body where no face does; nobody felt them."""
+def cut_off(
+    faces: Sequence[FittedFace], corners: Floats | None = None, config: CutOffConfig = CutOffConfig()
+) -> list[Contacts]:
+    """Contacts of each plane that ends the body where no face does; nobody felt them.
+
+    (n, 3) `corners` [mm] are of the body that the faces bound as they are, where they bound one.
+    """
     felt = Contacts.concatenate([face.contacts for face in faces])
     felt = felt.select(felt.has_normal)
     if not len(felt):
@@ -63,9 +70,9 @@ def cut_off(faces: Sequence[FittedFace], config: CutOffConfig = CutOffConfig()) 
         for way in (axis, -axis):
             end = float((felt.points @ way).max())
             near = felt.points @ way > end - config.off
-            if (felt.normals[near] @ way > config.looks).any() or any(
-                _ends(f, way, end, config) for f in faces
-            ):
+            looked = (felt.normals[near] @ way > config.looks).any()
+            runs_on = corners is not None and float((corners @ way).max()) > end + config.past
+            if not runs_on and (looked or any(_ends(f, way, end, config) for f in faces)):
                 continue
             last = inside[felt.points @ way > end - config.last]
             on = last + np.outer(end - last @ way, way)
