@@ -6,7 +6,7 @@ far from the object's end.  The pad goes out, round all that is known, and comes
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,6 +21,7 @@ from exploration.planning.ways.round_ball import Ball, way_round
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.fit import Fit
+from primitives.patch_graph import Face
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Looking:
             return None
         felt, pad = self.reach.felt, self.study.pad
         half = pad.tool.high[:2]
-        view = best_view(felt.points, felt.facing, pad.swept, half, self._axes())
+        view = best_view(felt.points, felt.facing, pad.swept, half, own_axes(self.study.found.graph.faces))
         return None if view is None else partial(self._look, view)
 
     def _look(self, view: View) -> Done:
@@ -91,11 +92,15 @@ class Looking:
                 return False
         return True
 
-    def _axes(self) -> Floats:
-        """(3, 3) the object's own directions, in columns: of its largest flat face, and of others across it."""
-        faces = sorted(self.study.found.graph.faces, key=lambda face: -len(face.contacts))
-        fits = [face.fit for face in faces if isinstance(face.fit, Fit)]
-        ways = [fit.shape.direction for fit in fits if fit.kind == "plane"]
-        first = ways[0] if ways else np.array([0.0, 0.0, 1.0])
-        across = next((way for way in ways if abs(float(way @ first)) < 0.2), None)
-        return se3.frame_along(first, across)
+
+def own_axes(faces: Sequence[Face]) -> Floats:
+    """(3, 3) an object's own directions, in columns: of its largest flat face, and of others across it.
+
+    Where none is flat, the axis of a round one is such a direction, too.
+    """
+    largest = sorted(faces, key=lambda face: -len(face.contacts))
+    fits = [face.fit for face in largest if isinstance(face.fit, Fit) and face.fit.shape.tilts]
+    ways = [fit.shape.direction for fit in sorted(fits, key=lambda fit: fit.kind != "plane")]
+    first = ways[0] if ways else np.array([0.0, 0.0, 1.0])
+    across = next((way for way in ways if abs(float(way @ first)) < 0.2), None)
+    return se3.frame_along(first, across)
