@@ -27,8 +27,7 @@ def exchanged(
     for _ in range(_ROUNDS):
         if state.wrong <= options.leaf:
             break
-        tried = _others(state, vocabulary, solid, weight, options)
-        better = min(tried, key=lambda after: after.cost, default=state)
+        better = _bettered(state, vocabulary, solid, weight, options)
         if better.cost >= state.cost - 1e-9:
             break
         state = pruned(better, vocabulary, solid, weight, options)
@@ -49,16 +48,29 @@ def _boxed(
     return state
 
 
-def _others(
+def _bettered(
     state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
-) -> Iterator[State]:
+) -> State:
+    """The cheapest list that another end of one primitive leads to, with one more or without.
+
+    One more costs a leaf and mends at most what is missing: where that is not enough, none is looked for.
+    """
+    best, gaps = state, []
     for place, step in enumerate(state.steps):
         for candidate in _other_ends(step.candidate, vocabulary):
             steps = (*state.steps[:place], Step(step.operation, candidate), *state.steps[place + 1 :])
             other = replayed(steps, vocabulary, solid, weight, options)
-            yield other
+            best = min(best, other, key=lambda after: after.cost)
             if other.wrong > options.leaf:
-                yield from _filled(other, place, vocabulary, solid, weight, options)
+                mended = float(weight[solid & ~other.held].sum())
+                gaps.append((other.cost + options.leaf - mended, place, other))
+    for least, place, other in sorted(gaps, key=lambda gap: gap[0]):
+        if least >= best.cost - 1e-9:
+            break
+        best = min(
+            (best, *_filled(other, place, vocabulary, solid, weight, options)), key=lambda after: after.cost
+        )
+    return best
 
 
 def _filled(

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
 
-from primitives.arrays import Bools, Floats, Ints
+from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import frame_along
 from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
 
 _PARALLEL = 1e-3  # [rad] within which directions are one
+_KEPT = 1024  # candidates whose cells are remembered: a list is replayed with one of them changed
 _ACROSS = 0.01  # [rad] from upright on a round surface's axis, within which a plane ends it
 Slab = tuple[int | None, int | None]  # the planes below and above, None where it is open
 
@@ -54,12 +56,16 @@ class Vocabulary:
         self.shapes, self.outside = shapes, outside
         self.directions = _directions(shapes, outside)
         self.frames = list(_frames(self.directions))
+        self._held = lru_cache(maxsize=_KEPT)(self._held_by)
         self._round = list(self._round_candidates())
         masks = [self.mask(candidate) for candidate in self._round]
         self._masks = np.array(masks, dtype=float).reshape(len(masks), len(outside))
 
     def mask(self, candidate: Candidate) -> Bools:
         """(c,) the cells that a candidate holds."""
+        return self._held(candidate)
+
+    def _held_by(self, candidate: Candidate) -> Bools:
         inside = np.ones(len(self.outside), dtype=bool)
         if candidate.body is not None:
             inside &= ~self.outside[:, candidate.body]
@@ -75,7 +81,7 @@ class Vocabulary:
             for end, above in zip(candidate.slabs[0], (True, False), strict=True):
                 if end is not None:
                     inside &= self._above(end, candidate.body) == above
-        return inside
+        return frozen(inside, bool)
 
     def across(self, body: int) -> tuple[int, ...]:
         """The planes across a round surface's axis, by rising height along it."""
@@ -144,31 +150,34 @@ class Vocabulary:
         axes = self.frames[number]
         counts = [1 if k is None else len(self.directions[k].planes) + 1 for k in axes]
         bins = [0 if k is None else self.directions[k].bin for k in axes]
-        table = np.zeros(counts)
-        np.add.at(table, tuple(np.broadcast_to(b, len(worth)) for b in bins), worth)
+        table = np.bincount(
+            np.ravel_multi_index(np.broadcast_arrays(np.zeros(len(worth), dtype=int), *bins)[1:], counts),
+            worth,
+            int(np.prod(counts)),
+        ).reshape(counts)
         padded = np.pad(table, ((1, 0),) * 3).cumsum(0).cumsum(1).cumsum(2)
         ends = [np.array(list(combinations(range(n + 1), 2))) for n in counts]
         x, y, z = (e.T for e in ends)
-        total = np.zeros([len(e) for e in ends])
-        for sx, ix in ((1, x[1]), (-1, x[0])):
-            for sy, iy in ((1, y[1]), (-1, y[0])):
-                for sz, iz in ((1, z[1]), (-1, z[0])):
-                    total += sx * sy * sz * padded[np.ix_(ix, iy, iz)]
-        flat = total.ravel()
+        total = padded[x[1]] - padded[x[0]]
+        total = total[:, y[1]] - total[:, y[0]]
+        total = total[:, :, z[1]] - total[:, :, z[0]]
+        flat = np.round(total.ravel(), 6)
+        least = np.partition(flat, -most)[-most] if len(flat) > most else -np.inf
+        order = np.flatnonzero(flat >= least)
         # an end that is open says less than one at a plane, so of equal boxes the more open stands
+        spans = np.unravel_index(order, total.shape)
         openness = sum(
-            np.reshape((e[:, 0] == 0) * 1.0 + (e[:, 1] == n), [-1 if j == k else 1 for j in range(3)])
-            for k, (e, n) in enumerate(zip(ends, counts, strict=True))
+            (e[i, 0] == 0) * 1.0 + (e[i, 1] == n) for e, i, n in zip(ends, spans, counts, strict=True)
         )
-        order = np.lexsort((-np.broadcast_to(openness, total.shape).ravel(), -np.round(flat, 6)))[:most]
+        order = order[np.lexsort((-openness, -flat[order]))[:most]]
         out = []
         for position in order:
-            spans = [e[i] for e, i in zip(ends, np.unravel_index(position, total.shape), strict=True)]
+            box = [e[i] for e, i in zip(ends, np.unravel_index(position, total.shape), strict=True)]
             slabs = tuple(
                 (None, None) if k is None else self._slab(self.directions[k], span)
-                for k, span in zip(axes, spans, strict=True)
+                for k, span in zip(axes, box, strict=True)
             )
-            out.append((float(flat[position]), Candidate("cube", frame=number, slabs=slabs)))
+            out.append((float(total.flat[position]), Candidate("cube", frame=number, slabs=slabs)))
         return out
 
     @staticmethod
