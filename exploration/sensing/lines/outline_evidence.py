@@ -19,6 +19,7 @@ So are the tip of a corner and a ridge or dome as sharp; balls are weighed at an
 
 from math import atan2, cos, exp, hypot, inf, log, pi, sin
 
+import numba
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
@@ -130,18 +131,48 @@ def _kind(fit: RegionFit) -> str:
 
 def _volume(fit: RegionFit, size: float) -> float:
     """Log of the density of the outline's unknowns before touch, times the volume that the frame leaves them."""
-    n = len(fit.region.sides)
-    p = fit.parameters
-    density = _LEVEL - n * log(pi * size)
-    wide = np.zeros(len(p))
+    return float(_volume_of(fit.parameters, fit.covariance, len(fit.region.sides), size, DECADES, _LEVEL))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _volume_of(p: Floats, covariance: Floats, lines: int, size: float, decades: float, level: float) -> float:
+    """Log density + (log det C - log det(1 + W^1/2 C W^1/2) + m log 2 pi) / 2, W the precision before touch."""
+    m = len(p)
+    density = level - lines * log(pi * size)
+    wide = np.zeros(m)
     wide[0] = 12.0 / 2.0**2
-    wide[3 : 3 + 2 * n : 2], wide[4 : 4 + 2 * n : 2] = 12.0 / pi**2, 12.0 / size**2
-    for at in range(3 + 2 * n, len(p), 3):
-        x, y, radius = p[at : at + 3].tolist()
-        density -= log(2.0 * pi * max(hypot(x, y), size) * size * DECADES * radius)
-        wide[at : at + 2], wide[at + 2] = 12.0 / size**2, 12.0 / (DECADES * radius) ** 2
-    apart = np.stack([fit.covariance, np.eye(len(p)) + wide[:, None] * fit.covariance])
-    signs, logs = np.linalg.slogdet(apart)  # of C, and of C (P + P0)
-    if not signs[0] > 0.0:
+    for at in range(3, 3 + 2 * lines, 2):
+        wide[at], wide[at + 1] = 12.0 / pi**2, 12.0 / size**2
+    for at in range(3 + 2 * lines, m, 3):
+        x, y, radius = p[at], p[at + 1], p[at + 2]
+        density -= log(2.0 * pi * max(hypot(x, y), size) * size * decades * radius)
+        wide[at], wide[at + 1], wide[at + 2] = 12.0 / size**2, 12.0 / size**2, 12.0 / (decades * radius) ** 2
+    within = np.eye(m)
+    for a in range(m):
+        for b in range(m):
+            within[a, b] += np.sqrt(wide[a] * wide[b]) * covariance[a, b]
+    after, shared = _log_det(covariance), _log_det(within)
+    if after == -inf:
         return -inf
-    return density + 0.5 * float(logs[0] - logs[1]) + 0.5 * len(p) * log(2.0 * pi)
+    return float(density + 0.5 * (after - shared) + 0.5 * m * log(2.0 * pi))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _log_det(matrix: Floats) -> float:
+    """Of a positive definite matrix, by Cholesky; -inf of any other."""
+    m = len(matrix)
+    lower = np.zeros((m, m))
+    total = 0.0
+    for i in range(m):
+        for j in range(i + 1):
+            rest = matrix[i, j]
+            for k in range(j):
+                rest -= lower[i, k] * lower[j, k]
+            if i > j:
+                lower[i, j] = rest / lower[j, j]
+            elif rest > 0.0:
+                lower[i, i] = np.sqrt(rest)
+                total += log(rest)
+            else:
+                return -inf
+    return total

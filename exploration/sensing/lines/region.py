@@ -7,6 +7,7 @@ A union or intersection of half-planes A, B, C is a sum over their subsets: A an
 from dataclasses import dataclass
 from functools import cached_property
 
+import numba
 import numpy as np
 
 from primitives.arrays import Bools, Floats, frozen
@@ -34,19 +35,30 @@ class Region:
 
     def holds(self, points: Floats, parameters: Floats) -> Bools:
         """(n,) whether the face is there, at (n, 2) points."""
-        n = len(self.sides)
-        inside = np.empty((n, len(points)), dtype=bool)
-        for i, side in enumerate(self.sides):
-            angle, offset = parameters[3 + 2 * i : 5 + 2 * i]
-            inside[i] = side * (points @ (-np.sin(angle), np.cos(angle)) - offset) > 0.0
-        cover = np.zeros(len(points))
-        for u, term in enumerate(self.terms):
-            if term:
-                cover += term * np.all(inside[[i for i in range(n) if u >> i & 1]], axis=0)
-        for k, sign in enumerate(self.signs):
-            x, y, radius = parameters[3 + 2 * n + 3 * k : 6 + 2 * n + 3 * k]
-            cover += sign * (np.hypot(points[:, 0] - x, points[:, 1] - y) < radius)
-        return cover > 0.5
+        out: Bools = _held(points, parameters, *self.arrays)
+        return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _held(points: Floats, p: Floats, sides: Floats, terms: Floats, signs: Floats) -> Bools:
+    n = len(sides)
+    inside, out = np.zeros(len(points), np.int64), np.empty(len(points), np.bool_)
+    for i in range(n):
+        cosine, sine, offset = np.cos(p[3 + 2 * i]), np.sin(p[3 + 2 * i]), p[4 + 2 * i]
+        for k in range(len(points)):
+            if sides[i] * (points[k, 1] * cosine - points[k, 0] * sine - offset) > 0.0:
+                inside[k] |= 1 << i
+    for k in range(len(points)):
+        cover = 0.0
+        for u in range(len(terms)):
+            if u & inside[k] == u:
+                cover += terms[u]
+        for j in range(len(signs)):
+            at = 3 + 2 * n + 3 * j
+            if np.hypot(points[k, 0] - p[at], points[k, 1] - p[at + 1]) < p[at + 2]:
+                cover += signs[j]
+        out[k] = cover > 0.5
+    return out
 
 
 def _terms(**subsets: float) -> Terms:

@@ -2,6 +2,9 @@ import numpy as np
 import pytest
 
 from exploration.sensing.lines.outline import UNMISTAKABLE, find_outline
+from exploration.sensing.lines.outline_evidence import log_weight
+from exploration.sensing.lines.region import ONE, Region
+from exploration.sensing.lines.region_fit import RegionFit
 
 
 def wall(frames, width):
@@ -32,3 +35,23 @@ def test_a_cylinder_has_two_lines_only_where_it_is_narrower_than_the_pad(frames,
     found = counts(frames, frames.cylinder(radius, 0.7))[0]
     assert found.count(lines) >= (11 if lines else 12)
     assert sum(counts(frames, frames.cylinder(radius, 0.7), UNMISTAKABLE)[0]) == 0
+
+
+def fitted(covariance):
+    """A line and a circle with (8, 8) covariance."""
+    region = Region((1.0,), ONE[0], (-1.0,))
+    parameters = np.array([0.5, 0.0, 0.0, 0.3, 2.0, 1.0, -1.0, 4.0])
+    return RegionFit(region, parameters, covariance, 100.0, 150, True, 3.0)
+
+
+def test_what_a_frame_leaves_open_is_counted_as_a_volume():
+    rng, size = np.random.default_rng(6), 30.0
+    root = 0.02 * rng.standard_normal((8, 8))
+    tight = 1e-4 * np.eye(8) + root @ root.T
+    tighter = log_weight(fitted(tight / 4.0), size) - log_weight(fitted(tight), size)
+    assert tighter == pytest.approx(-8.0 * np.log(2.0), abs=0.05)  # each unknown half as wide
+    wide = np.diag([1e8, 1e-2, 1e-2, *([1e8] * 5)])  # the fit itself expects something of the slopes
+    twice = np.diag([2e8, 1e-2, 1e-2, *([2e8] * 5)])
+    open_ = log_weight(fitted(wide), size)
+    assert log_weight(fitted(twice), size) == pytest.approx(open_, abs=1e-2)  # no more than before touch
+    assert log_weight(fitted(-tight), size) == -np.inf
