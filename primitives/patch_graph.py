@@ -7,6 +7,7 @@ of two that merge the lower id stays.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 
 import numpy as np
 from scipy.special import chdtri
@@ -56,6 +57,9 @@ class PatchGraph:
     faces: tuple[Face, ...] = ()
     edges: tuple[Edge, ...] = ()
     options: MergeOptions = field(default_factory=MergeOptions)
+    apart: tuple[tuple[Face, Face], ...] = field(
+        default=(), repr=False, compare=False
+    )  # which are known to be two
 
     def face(self, face_id: int) -> Face:
         """The face of an id."""
@@ -109,21 +113,29 @@ class PatchGraph:
         An edge whose two faces turn out to be one was none, and goes.
         """
         graph, gone = self, dict[int, int]()
-        while pair := graph._joinable():
+        while True:
+            graph, pair = graph._joinable()
+            if pair is None:
+                return graph, gone
             kept, lost = pair
             gone = {old: kept.id if new == lost else new for old, new in gone.items()} | {lost: kept.id}
             faces = tuple(kept if face.id == kept.id else face for face in graph.faces if face.id != lost)
             edges = tuple(_renamed(edge, lost, kept.id) for edge in graph.edges)
             graph = replace(graph, faces=faces, edges=tuple(e for e in edges if e.faces[0] != e.faces[1]))
-        return graph, gone
 
-    def _joinable(self) -> tuple[Face, int] | None:
-        for i, first in enumerate(self.faces):
-            for second in self.faces[i + 1 :]:
-                if join(first, second, self.options):
-                    contacts = Contacts.concatenate([first.contacts, second.contacts])
-                    return ranked_face(first.id, contacts, self.options), second.id
-        return None
+    def _joinable(self) -> tuple[PatchGraph, tuple[Face, int] | None]:
+        """The first two faces that are one, as one, and the second's id; the graph knows which are two.
+
+        Of two faces that have not changed since they were found to be two, that is not asked again.
+        """
+        known, apart = {(id(a), id(b)) for a, b in self.apart}, list[tuple[Face, Face]]()
+        for first, second in combinations(self.faces, 2):
+            if (id(first), id(second)) not in known and join(first, second, self.options):
+                contacts = Contacts.concatenate([first.contacts, second.contacts])
+                one = ranked_face(first.id, contacts, self.options)
+                return replace(self, apart=(*self.apart, *apart)), (one, second.id)
+            apart.append((first, second))
+        return replace(self, apart=tuple(apart)), None
 
     def _with_face(self, face: Face) -> PatchGraph:
         return replace(self, faces=tuple(face if f.id == face.id else f for f in self.faces))

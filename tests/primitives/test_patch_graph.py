@@ -3,7 +3,7 @@ import pytest
 
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace
-from primitives.patch_graph import Face, PatchGraph, ranked_face
+from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
 from primitives.shapes import Cylinder, Plane
 
 
@@ -53,6 +53,22 @@ def test_parallel_planes_a_millimeter_apart_stay_apart():
             stroke_on(Plane([0, 0, height], [0, 0, 1]), rng, [height * 20, 0, height])
         )
     assert len(graph.faces) == 2
+
+
+def test_two_faces_are_asked_once_whether_they_are_one(monkeypatch):
+    rng, asked = np.random.default_rng(4), []
+    faces = tuple(ranked_face(i, stroke_on(CUBE[i], rng, CUBE[i].origin), MergeOptions()) for i in range(4))
+
+    def join(first, second, options):
+        asked.append((first.id, second.id))
+
+    monkeypatch.setattr("primitives.patch_graph.join", join)
+    graph, _ = PatchGraph(faces).merge_faces()
+    assert len(asked) == 6
+    graph, _ = graph.merge_faces()
+    assert len(asked) == 6
+    graph.add_contacts(stroke_on(CUBE[1], rng, CUBE[1].origin), 1).merge_faces()
+    assert sorted(asked[6:]) == [(0, 1), (1, 2), (1, 3)]
 
 
 def test_faces_that_turn_out_to_be_one_merge_with_their_edges():
