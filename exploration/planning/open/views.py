@@ -16,8 +16,9 @@ import numpy as np
 from scipy.spatial import ConvexHull, KDTree
 
 from exploration.planning.known.swept_cells import SweptCells
+from exploration.planning.open.view_kernel import looked_into
 from primitives import pose as se3
-from primitives.arrays import Floats, Ints
+from primitives.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -63,35 +64,25 @@ def best_view(
     _, first = np.unique(alike, axis=0, return_index=True)
     felt, facing = felt[first], facing[first]
     unseen = _unseen(felt, seen, config)
-    best: tuple[float, View] | None = None
+    best, view = 1.0, None
     for way in _ways(axes) if len(unseen) else ():
         turn = se3.frame_along(way, axes[:, int(np.argmin(np.abs(way @ axes)))])
         straight = float(np.abs(way @ axes).max()) > 0.99
         over = 4.0 * half[0] * half[1] / seen.cell**3  # cells a millimeter of depth
         places, behind, shown = unseen @ turn, felt @ turn, facing @ -way > config.facing
-        unfelt, middle = int(shown.sum()) < config.few, float(behind[:, 2].mean())
         low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
-        lines = [np.arange(a, b + config.step, config.step) for a, b in zip(low, high, strict=True)]
-        for x in lines[0]:
-            strip, stops = _within(places, 0, x, half[0]), _within(behind, 0, x, half[0])
-            for y in lines[1]:
-                met = stops[_within(behind[stops], 1, y, half[1])]
-                stop = behind[met, 2].min(initial=np.inf)
-                rows = strip[_within(places[strip], 1, y, half[1])]
-                rows = rows[places[rows, 2] < stop]
-                end = met[behind[met, 2] < stop + config.first]
-                new = len(end) > 0 and not shown[end].any()
-                deep = config.end if new else config.side if unfelt else config.deep
-                least = over * (deep if straight else config.deep)
-                worth = float(len(rows)) * (1.0 if straight else config.slanting) / least
-                if worth > max(1.0, best[0] if best is not None else 0.0):
-                    best = worth, View(se3.pose(turn, turn @ np.array([x, y, middle])), unseen[rows])
-    return None if best is None else best[1]
-
-
-def _within(points: Floats, axis: int, at: float, half: float) -> Ints:
-    """(k,) which of (n, 3) points lie less than `half` from a line along one axis."""
-    return np.flatnonzero(np.abs(points[:, axis] - at) < half)
+        x, y = (np.arange(a, b + config.step, config.step) for a, b in zip(low, high, strict=True))
+        count, stop, new = looked_into(places, behind, shown, x, y, half, config.first)
+        deep = np.where(new, config.end, config.side if int(shown.sum()) < config.few else config.deep)
+        least = over * (deep if straight else config.deep)
+        worth = count * (1.0 if straight else config.slanting) / least
+        if worth.max() > best:
+            i, j = np.unravel_index(int(np.argmax(worth)), worth.shape)
+            best = float(worth[i, j])
+            middle = turn @ np.array([x[i], y[j], float(behind[:, 2].mean())])
+            met = (np.abs(places[:, :2] - [x[i], y[j]]) < half).all(axis=1) & (places[:, 2] < stop[i, j])
+            view = View(se3.pose(turn, middle), unseen[met])
+    return view
 
 
 def _unseen(felt: Floats, seen: SweptCells, config: ViewsConfig) -> Floats:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import dist
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -92,8 +91,11 @@ class Attempts:
 
     def count(self, place: Floats, within: float | None = None) -> int:
         """How often a move has gone for this place."""
+        if not self._places:
+            return 0
         within = self._within if within is None else within
-        return sum(dist(place, tried) <= within for tried in self._places)
+        away = np.concatenate(self._places).reshape(-1, 3) - place
+        return int(np.count_nonzero((away * away).sum(axis=1) <= within * within))
 
     def given_up(self, place: Floats) -> bool:
         """Whether it was tried often enough."""
