@@ -1,5 +1,6 @@
 """What ends a stroke ahead of the pad: an edge, a rise, the end of the stage's reach."""
 
+import numba
 import numpy as np
 
 from exploration.devices.guard import Guard, Observation
@@ -22,10 +23,23 @@ def edge_near(lines: tuple[Line, ...], heading: Floats, image: TactileImage, sha
 
 def rises(image: TactileImage, heading: Floats, depth: float) -> bool:
     """Whether the surface stands `depth` [mm] up into the pad's front half, as at the foot of a wall."""
-    ahead = image.array.x[None, :] * heading[0] + image.array.y[:, None] * heading[1] > 0.0
-    live = np.where(np.isfinite(image.sigma) & ahead, image.depth, 0.0)
-    mean = 0.25 * (live[1:, 1:] + live[:-1, 1:] + live[1:, :-1] + live[:-1, :-1])
-    return bool(mean.max(initial=0.0) > depth)
+    array = image.array
+    return bool(_highest(image.depth, image.sigma, array.x, array.y, heading[0], heading[1]) > depth)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _highest(depth: Floats, sigma: Floats, x: Floats, y: Floats, along_x: float, along_y: float) -> float:
+    """[mm] greatest mean of 2 x 2 taxels, of those that are dead or behind the pad's middle as zero."""
+    live = np.zeros(depth.shape)
+    for i in range(len(y)):
+        for j in range(len(x)):
+            if sigma[i, j] < np.inf and x[j] * along_x + y[i] * along_y > 0.0:
+                live[i, j] = depth[i, j]
+    most = 0.0
+    for i in range(len(y) - 1):
+        for j in range(len(x) - 1):
+            most = max(most, 0.25 * (live[i + 1, j + 1] + live[i, j + 1] + live[i + 1, j] + live[i, j]))
+    return most
 
 
 def leaves(guard: Guard, seen: Observation, heading: Floats, speed: float, room: float) -> bool:

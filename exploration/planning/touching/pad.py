@@ -74,7 +74,7 @@ class Pad:
         self.slipped: list[
             tuple[Floats, Floats]
         ] = []  # (3,) places met and not lain on, and (3,) the ways there
-        self._watched: Floats | None = None  # (3,) where the skin was last looked at for free space
+        self._watched: Floats | None = None  # (4, 4) where the skin was last looked at for free space
         self.most: int | None = None  # touches that are allowed
         self._tools = tuple(tools) or tuple(Tool.of_size(sensor.array.size) for sensor in guard.sensors)
         guard.learners = (*guard.learners, self._watch)
@@ -242,12 +242,12 @@ class Pad:
     def _watch(self, seen: Observation) -> None:
         """Note where the array is, and what the skin leaves free, every few mm of whatever it does in contact."""
         self.swept.pass_through(seen.world_from_sensor, self.tool.low, self.tool.high)
-        at = seen.world_from_sensor[:3, 3]
-        if self._watched is not None and float(np.linalg.norm(at - self._watched)) < self.config.watch:
+        here = seen.world_from_sensor
+        if self._watched is not None and se3.apart(here, self._watched) < self.config.watch:
             return
         felt = feel(seen.image) if touched(seen.image) else None
         if felt:
-            self._watched = at
+            self._watched = here
             self.free.add(free_cells(seen, felt))
 
     def _outside(self) -> list[Support]:

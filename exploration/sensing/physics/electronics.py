@@ -50,26 +50,22 @@ def read_out(
 ) -> tuple[Floats, Memory]:
     """(rows, columns) counts of one frame, `dt` [s] after the frame before."""
     e = spec.electronics
-    zero = drift(memory.drift, e.drift * e.plateau * sqrt(dt), rng)
-    counts, play = _counted(
+    step = e.drift * e.plateau * sqrt(dt)
+    counts, play, zero = _counted(
         pressure,
         (unit.gain, unit.dead),
         spec.counts_per_pressure,
-        memory.play,
+        (memory.play, memory.drift),
         spec.elastomer.hysteresis * e.plateau,
-        zero,
+        rng.standard_normal(pressure.shape) if step else _SILENT,
+        step,
         rng.standard_normal(pressure.shape) if e.noise else _SILENT,
         e.noise * e.plateau,
         e.offset,
         e.full_scale,
     )
-    counts.flags.writeable = play.flags.writeable = False
+    counts.flags.writeable = play.flags.writeable = zero.flags.writeable = False
     return counts, Memory(play, zero)
-
-
-def drift(zero: Floats, step: float, rng: np.random.Generator) -> Floats:
-    """A random walk of each taxel's zero."""
-    return zero if step == 0.0 else frozen(zero + step * rng.standard_normal(zero.shape))
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -90,25 +86,29 @@ def _counted(
     pressure: Floats,
     unit: tuple[Floats, Bools],
     per_pressure: float,
-    play: Floats,
+    memory: tuple[Floats, Floats],
     half_width: float,
-    zero: Floats,
+    walk: Floats,
+    step: float,
     white: Floats,
     sigma: float,
     offset: float,
     full_scale: float,
-) -> tuple[Floats, Floats]:
-    """Counts, and the state of the hysteresis after them."""
+) -> tuple[Floats, Floats, Floats]:
+    """Counts, and the states of hysteresis and drift, a random walk of each taxel's zero, after them."""
     gain, dead = unit
-    counts, after = np.empty(pressure.shape), play.copy()
+    play, zero = memory
+    counts, after, drift = np.empty(pressure.shape), play.copy(), zero.copy()
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
             signal = pressure[i, j] * (gain[i, j] * per_pressure)
             if half_width > 0.0:
                 signal = hysteresis(signal, play[i, j], half_width)
                 after[i, j] = signal
-            signal += zero[i, j]
+            if len(walk):
+                drift[i, j] += step * walk[i, j]
+            signal += drift[i, j]
             if sigma > 0.0:
                 signal += sigma * white[i, j]
             counts[i, j] = converted(offset + (0.0 if dead[i, j] else signal), full_scale)
-    return counts, after
+    return counts, after, drift

@@ -9,7 +9,6 @@ from exploration.sensing.physics.electronics import (
     Memory,
     converted,
     draw_unit,
-    drift,
     hysteresis,
     read_out,
 )
@@ -88,10 +87,14 @@ def test_hysteresis_lags_on_the_way_down_as_much_as_on_the_way_up():
 
 
 def test_drift_grows_with_the_root_of_time():
-    rng, zero = np.random.default_rng(0), np.zeros((40, 40))
-    for _ in range(100):
-        zero = drift(zero, 0.5, rng)
-    assert zero.std() == pytest.approx(0.5 * 10, rel=0.05)
+    spec, rng = with_electronics(drift=0.01), np.random.default_rng(0)
+    unit, memory = draw_unit(spec, rng), Memory.fresh(spec)
+    spread = []
+    for _ in range(400):
+        _, memory = read_out(np.zeros(spec.array.shape), spec, unit, memory, 0.25, rng)
+        spread.append(float(memory.drift.std()))
+    assert spread[99] == pytest.approx(0.01 * spec.electronics.plateau * 5.0, rel=0.2)
+    assert spread[399] == pytest.approx(2.0 * spread[99], rel=0.3)
 
 
 def test_absent_stages_draw_nothing():
