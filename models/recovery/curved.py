@@ -23,6 +23,7 @@ from models.recovery.curved_options import CurvedOptions
 from models.recovery.fits import cut_reach, depth, evidence, fit_facets, refit_facets
 from models.recovery.grow import Mesh, Reach, grow
 from models.recovery.patches import patch_round, patches
+from models.recovery.turned import axis_of
 from primitives.arrays import Bools, Floats, Ints
 from primitives.fit import NoFit
 from primitives.shapes import Shape
@@ -73,18 +74,21 @@ def in_neighborhood(
     """Regions from seeds in one neighborhood, larger facets first; marks what they take as no longer free.
 
     Facets whose corners a cut may have moved come after others, and those it may have left beside a region last.
-    What was `found` before has axes about which there may be more.
+    What was `found` before has axes about which there may be more, and so may the whole neighborhood.
     """
     tried, covered = np.zeros((2, len(free)), dtype=bool)
     ordered = hood[np.lexsort((-mesh.flats.area[hood], _near_rim(mesh, hood)[hood]))].tolist()
     patience = options.failures + min(len(hood) // 100, options.patient)
     left = float(patience)
+    turned = axis_of(mesh, hood)
     for seed, late in ((seed, late) for late in (False, True) for seed in ordered):
         if not free[seed] or tried[seed] or covered[seed] != late:
             continue
         if late:
             left = min(left, options.failures_late)
-        region = _from_seed(mesh, seed, hood, free, noise, slack, options, found)
+        axes = [(r.shape.anchor, r.shape.direction) for r in found if r.shape.kind != "sphere"]
+        axes += [] if turned is None else [turned]
+        region = _from_seed(mesh, seed, hood, free, noise, slack, options, axes)
         if region is not None:
             free[region.facets] = False
             reach = cut_reach(mesh, region.shape, region.facets, region.reach, noise)
@@ -129,14 +133,14 @@ def _from_seed(
     noise: float,
     slack: float,
     options: CurvedOptions,
-    found: Sequence[Region],
+    axes: Sequence[tuple[Floats, Floats]],
 ) -> Region | None:
     around = float(mesh.flats.area[hood[free[hood]]].sum())
-    for patch, turn, sag in patches(mesh, seed, free, options):
+    for patch, turn, sag in patches(mesh, seed, free, noise, options):
         if len(patch) < 3:
             return None
         allowed, best = noise + slack * sag / 3, None
-        for region in _candidates(mesh, patch, turn, free, allowed, found, options):
+        for region in _candidates(mesh, patch, turn, free, allowed, axes, options):
             area = float(mesh.flats.area[region.facets].sum())
             if best is None or best[0] < options.simpler * area:
                 best = area, region
@@ -153,16 +157,13 @@ def _candidates(
     turn: float,
     free: Bools,
     noise: float,
-    found: Sequence[Region],
+    axes: Sequence[tuple[Floats, Floats]],
     options: CurvedOptions,
 ) -> Iterator[Region]:
-    """What a patch grows to: as cones and tori about the axes of what was found, then as any kind that fits it.
+    """What a patch grows to: as cones and tori about axes that are known, then as any kind that fits it.
 
     A free fit of a cone to what a cylinder holds creeps towards that cylinder, and is left out.
     """
-    axes = [
-        (region.shape.anchor, region.shape.direction) for region in found if region.shape.kind != "sphere"
-    ]
     straight = False
     for shape, convex in coaxial(mesh, patch, axes, noise):
         if shape.kind in options.fewest and (

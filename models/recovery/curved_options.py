@@ -17,6 +17,8 @@ class CurvedOptions:
     alike: float = 6.0  # the greatest ratio of areas between neighbors of one patch
     smoothly: float = 20.0  # and between neighbors that may be of one face
     patches: tuple[int, ...] = (12, 5)  # facets of a patch, the larger tried first
+    span: float = 0.3  # [rad] that a patch bends from its seed, of fewer facets a larger one is tried before,
+    largest: int = 400  # of so many facets at most
     along: int = 6  # facets of a patch along the longest rims, tried last
     fewest: dict[str, int] = field(
         default_factory=lambda: {"cylinder": 3, "cone": 3, "sphere": 4, "torus": 6}

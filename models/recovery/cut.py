@@ -61,10 +61,14 @@ def _only(mesh: Mesh, hood: Ints, noise: float, options: CurvedOptions) -> list[
 
     Of many facets the whole is fitted first: what is too noisy for a patch may yet be plain.
     """
-    whole = replace(options, together=1)
+    one = replace(options, together=1)
     if len(hood) > _MANY:
-        whole = replace(whole, patches=(len(hood), *options.patches), slack=2 * options.slack)
-    found = _round(mesh, hood, noise, whole, tuple(options.fewest))
+        one = replace(one, slack=2 * options.slack)
+        whole = replace(one, patches=(len(hood),), failures=1, patient=0)
+        found = _round(mesh, hood, noise, whole, tuple(options.fewest))
+        if _explained(mesh, hood, found, options):
+            return found
+    found = _round(mesh, hood, noise, one, tuple(options.fewest))
     return found if _explained(mesh, hood, found, options) else []
 
 

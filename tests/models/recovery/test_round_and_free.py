@@ -47,3 +47,18 @@ def test_a_smooth_body_of_no_exact_shape_is_one_freeform_face() -> None:
     swell = 30 * (1 + 0.15 * np.sin(3 * x + 1) * np.cos(2 * y) + 0.1 * np.sin(5 * z))
     faces = boundary(bare(ball.vertices * swell[:, None], ball.faces)).faces
     assert [face.kind for face in faces] == ["freeform"]
+
+
+@pytest.mark.parametrize("rings", [16, 96])
+def test_a_ring_is_a_torus_however_fine_its_facets_are(rings: int) -> None:
+    ring = trimesh.creation.torus(30.0, 8.0, major_sections=3 * rings, minor_sections=rings)
+    faces = boundary(bare(ring.vertices, ring.faces)).faces
+    assert [face.kind for face in faces] == ["torus"]
+    assert faces[0].shape.sizes == pytest.approx((30.0, 8.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("finer", [3, 5])
+def test_a_ball_is_a_sphere_however_fine_its_facets_are(finer: int) -> None:
+    ball = trimesh.creation.icosphere(finer, 30.0)
+    faces = boundary(bare(ball.vertices, ball.faces)).faces
+    assert [face.kind for face in faces] == ["sphere"]
