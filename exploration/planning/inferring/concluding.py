@@ -24,9 +24,9 @@ from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.study import Wall
-from primitives.arrays import Floats
-from primitives.evidence import Contacts
-from primitives.fit import Fit, fit
+from primitives.arrays import Floats, frozen
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import Fit, NoFit, fit
 from primitives.patch_graph import Face
 
 _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped"
@@ -37,6 +37,8 @@ _BY_STEP = "a wall between a floor and the face above it is inferred from where 
 _BY_LEDGE = "a round hole is wider at one end; its ledge is taken for half way down"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
+_ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
+_OFF = 3.0  # sigmas of theirs, that they lie off it at most
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 
 
@@ -87,12 +89,43 @@ def _holes(
 
 
 def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> None:
-    """Add a face that is known to be of one `kind`: a short one fits others as well."""
-    found.graph, own = found.graph.add_stroke(lot)
-    made = fit(kind, lot)
-    if len(found.graph.face(own).contacts) == len(lot) and isinstance(made, Fit):
-        _replace(found, lambda face: replace(face, fit=made, ranked=()) if face.id == own else face)
+    """Add a face that is known to be of one `kind`, or join it to the one that it turns out to be."""
+    home = _home(found.graph.faces, lot, kind)
+    made = fit(kind, lot) if home is None else _widened(home, lot)
+    if home is not None and isinstance(made, Fit):
+        both = Contacts.concatenate([home.contacts, lot])
+        _replace(found, lambda face: Face(face.id, made, both) if face is home else face)
+    elif home is None and isinstance(made, Fit):
+        number = 1 + max((face.id for face in found.graph.faces), default=-1)
+        found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
     found.warnings.append(why)
+
+
+def _home(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
+    """The face that inferred contacts lie on and face like: one that was felt, or inferred as of the same kind."""
+    best: tuple[float, Face] | None = None
+    for face in faces:
+        if not isinstance(face.fit, Fit) or not (face.fit.kind == kind or _felt(face)):
+            continue
+        side = 1.0 if face.fit.convex else -1.0
+        facing = side * (face.fit.shape.normals(lot.points) * lot.normals).sum(axis=1)
+        off = np.abs(face.fit.shape.signed_distance(lot.points)) / lot.sigma
+        if float(facing.min()) > _ALIKE and float(off.max()) < min(_OFF, np.inf if best is None else best[0]):
+            best = float(off.max()), face
+    return None if best is None else best[1]
+
+
+def _widened(home: Face, lot: Contacts) -> Fit | NoFit:
+    """The fit of a face with inferred contacts: what was felt says where it is, and they only how far it goes."""
+    if not isinstance(home.fit, Fit):
+        return home.fit
+    if not _felt(home):
+        return fit(home.fit.kind, Contacts.concatenate([home.contacts, lot]))
+    return replace(home.fit, inliers=frozen(np.append(home.fit.inliers, np.zeros(len(lot))), bool))
+
+
+def _felt(face: Face) -> bool:
+    return bool((face.contacts.touch != NOT_FELT).any())
 
 
 def _set(found: Findings, lot: Contacts, why: str) -> None:
