@@ -15,6 +15,7 @@ from exploration.planning.faces.consistency import drop_poor, flattened
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.risers import risers
+from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.inferring.uprighted import uprighted
@@ -28,6 +29,7 @@ from primitives.arrays import Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, NoFit, fit
 from primitives.patch_graph import Face
+from primitives.shapes import Plane
 
 _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped"
 _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two others"
@@ -35,6 +37,7 @@ _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, 
 _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
 _BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
 _BY_LEDGE = "a round hole is wider at one end; its ledge is taken for half way down"
+_BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the faces at its ends are not"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
@@ -66,6 +69,8 @@ def conclude(
         _add(found, lot, _BY_RIM)
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
     found.openings = _holes(found, [*found.openings, *guessed], [], inside)
+    for slot in slots(frontier().known):
+        _add_slot(found, slot)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
         _add(found, riser.contacts, _BY_STEP, riser.kind)
     found.warnings.extend(rim.told() for rim in found.openings)
@@ -88,8 +93,17 @@ def _holes(
     return [rim for rim in left if id(rim) not in led]
 
 
-def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> None:
-    """Add a face that is known to be of one `kind`, or join it to the one that it turns out to be."""
+def _add_slot(found: Findings, slot: Slot) -> None:
+    """Its sides first: where a rim has told where one of them is, its ends are as wide as that leaves."""
+    _replace(found, slot.off)
+    walls = [_add(found, lot, _BY_GAPS) for lot in slot.sides()]
+    planes = [wall.shape for wall in walls if wall is not None and isinstance(wall.shape, Plane)]
+    for lot in slot.between(planes).ends() if len(planes) == 2 else ():
+        _add(found, lot, _BY_GAPS, "cylinder")
+
+
+def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> Fit | None:
+    """Add a face that is known to be of one `kind`, or join it to the one that it turns out to be; its fit."""
     home = _home(found.graph.faces, lot, kind)
     made = fit(kind, lot) if home is None else _widened(home, lot)
     if home is not None and isinstance(made, Fit):
@@ -99,6 +113,7 @@ def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> None:
         number = 1 + max((face.id for face in found.graph.faces), default=-1)
         found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
     found.warnings.append(why)
+    return made if isinstance(made, Fit) else None
 
 
 def _home(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
