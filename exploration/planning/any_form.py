@@ -21,6 +21,7 @@ from exploration.devices.guard import Collision, OverPress
 from exploration.planning.inferring.concluding import conclude
 from exploration.planning.moves.entering import Entering
 from exploration.planning.moves.looking import Looking
+from exploration.planning.moves.nameless import Nameless
 from exploration.planning.moves.open_surface import OpenSurface
 from exploration.planning.moves.rim_walls import RimWalls
 from exploration.planning.moves.round_holes import RoundHoles
@@ -73,7 +74,7 @@ class AnyForm:
         self._entering = Entering(study, self.reach) if later else None
         self._slipped = Slipped(study, self.reach) if later else None
         self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
-        self._overhung = Overhung()
+        self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
         self._vain = 0
         self._looking = Looking(study, self.reach)
         self._last: tuple[tuple[int, ...], PatchGraph, LocalFrontier] | None = None
@@ -143,6 +144,8 @@ class AnyForm:
         if not todo and len(left.points):
             nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
             return lambda: self._open.come_down(left, nearest)
+        if not todo and (move := self._nameless.next()) is not None:
+            return move
         if not todo and not self._entering:
             openings = frontier.openings
             round_ = [opening for opening in openings if not self._refuted(opening)]
