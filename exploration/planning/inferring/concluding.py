@@ -42,6 +42,7 @@ _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
 _OFF = 3.0  # sigmas of theirs, that they lie off it at most
+_RIM = 1.5  # [mm] from the face that a rim is of
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 
 
@@ -51,6 +52,10 @@ def conclude(
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
     found.graph = uprighted(drop_poor(flattened(found.graph)))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
+    found.rims = [rim for rim in found.rims if _is_on(rim.face, rim.center, rim.axis, found.graph.faces)]
+    found.wall_rims = [
+        (rim, own) for rim, own in found.wall_rims if _is_on(own, rim.point, rim.normal, found.graph.faces)
+    ]
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
     # Holes before walls: a round hole stops strokes, too.
     found.openings = _holes(found, found.rims, guessed, inside)
@@ -158,6 +163,17 @@ def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
 def unexplained(found: Findings) -> list[SeenRim]:
     """The rims that were looked at and that no face is known behind."""
     return [rim for rim in found.wall_rims if not _explained(rim, found.graph.faces)]
+
+
+def _is_on(own: int, at: Floats, normal: Floats, faces: Sequence[Face]) -> bool:
+    """Whether the face that a rim was seen from is still one at a (3,) place, and did not turn out round."""
+    for face in faces:
+        if isinstance(face.fit, Fit) and (face.id == own or face.fit.kind == "plane"):
+            side, shape = (1.0 if face.fit.convex else -1.0), face.fit.shape
+            near = abs(float(shape.signed_distance(at[None])[0])) < _RIM
+            if near and side * float(shape.normals(at[None])[0] @ normal) > _ALIKE:
+                return True
+    return False
 
 
 def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:

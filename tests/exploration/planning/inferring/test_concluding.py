@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from exploration.control.sighting import Sighting
-from exploration.planning.inferring.concluding import conclude, unexplained
+from exploration.planning.inferring.concluding import _add, conclude, unexplained
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
-from primitives.evidence import Contacts
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
-from primitives.shapes import Cone
+from primitives.shapes import Cone, Torus
 
 Z = np.eye(3)[2]
 
@@ -85,3 +85,36 @@ def test_a_round_hole_between_two_rims_is_known_before_it_is_asked_what_stopped_
     frontier = SimpleNamespace(openings=[], known=[], placed=list)
     conclude(found, lambda: known.append({f.fit.kind for f in found.graph.faces}) or [], lambda: frontier)
     assert "cylinder" in known[0]
+
+
+def ring_with_rims():
+    """A ring whose crests passed for flat faces, and the rims that these seemed to have round its middle."""
+    ring, rng = Torus(np.zeros(3), Z, 22.0, 6.0), np.random.default_rng(3)
+    points = ring.project(rng.uniform(-28.0, 28.0, (90, 3)))
+    found = Findings()
+    contacts = Contacts.of(points, ring.normals(points), 0.02, 0.02, touch=np.arange(90))
+    found.graph, own = found.graph.add_stroke(contacts)
+    assert found.graph.face(own).fit.kind == "torus"
+    found.rims = [RoundRim(s * 6.0 * Z, s * Z, 19.6, 0.05, 50 + s, True) for s in (1, -1)]
+    found.wall_rims = [(Sighting(np.array([20.0, 0.0, 5.9]), np.eye(3)[1], -np.eye(3)[0], Z, 0.05, 8.0), 51)]
+    return found
+
+
+def test_rims_of_faces_that_turned_out_to_be_a_ring_make_no_hole_and_no_wall():
+    found, frontier = ring_with_rims(), SimpleNamespace(openings=[], known=[], placed=list)
+    conclude(found, list, lambda: frontier)
+    assert [face.fit.kind for face in found.graph.faces] == ["torus"]
+
+
+def test_an_inferred_wall_joins_what_faces_as_it_does_and_moves_nothing_that_was_felt():
+    at = np.array([[0.0, y, z] for y in (-9.0, 0.0, 9.0) for z in (1.0, 5.0, 9.0)])
+    aside, way = np.array([1.0, 0.0, 0.0]), np.tile([1.0, 0.0, 0.0], (9, 1))
+    found = Findings()
+    found.graph, own = found.graph.add_stroke(Contacts.of(at, way, 0.02, 0.02, touch=np.arange(9)))
+    felt = found.graph.face(own).fit
+    _add(found, Contacts.of(at + 0.9 * aside, way, 0.5, 0.05, touch=NOT_FELT), "of the same wall")
+    assert len(found.graph.faces) == 1
+    assert found.graph.faces[0].fit.shape is felt.shape
+    assert len(found.graph.faces[0].fit.inliers) == len(found.graph.faces[0].contacts) == 18
+    _add(found, Contacts.of(at - 1.2 * aside, -way, 0.5, 0.05, touch=NOT_FELT), "of the next, back to back")
+    assert len(found.graph.faces) == 2
