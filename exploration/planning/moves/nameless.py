@@ -1,7 +1,8 @@
 """Surface that was met and belongs to no face yet, followed from touch to touch until it tells what it is.
 
 A ring, a narrow ledge or a freeform area may be touched many times before its contacts make a face, and until then
-no face predicts where it goes on.  Beside a contact, along its own tangents, is where it most likely does.
+no face predicts where it goes on.  Beside a contact, along its own tangents, is where it most likely does; what is
+narrow goes on the way that it was felt, and has sides.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -36,9 +38,21 @@ class NamelessConfig:
     alike: float = 0.8  # least cosine between the two
     unsure: float = 0.2  # [rad] of a contact's normal, from which nothing is followed along it
     under: float = 1.0  # [mm] under the place, that nothing may have gone through
+    deep: float = 4.0  # [mm] under a contact of what is narrow, where it is come at from its sides
     back: float = 2.0  # [mm] before the place, that the array may need to come on at
     vain: int = 6  # touches on end that met nothing, from which no more are made
     most: int = 40  # touches of one array
+
+
+class _Goals(NamedTuple):
+    points: Floats  # (n, 3) [mm]
+    normals: Floats  # (n, 3) outward there, as far as one can guess
+    ways: Floats  # (n, 3) for the pad's x axis
+    rank: Floats  # (n,) along what is narrow, as it was felt; from its sides; anywhere beside
+
+    @staticmethod
+    def none() -> _Goals:
+        return _Goals(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
 
 
 class Nameless:
@@ -54,35 +68,38 @@ class Nameless:
         """A touch where a nameless contact's surface may go on, the nearest that has room; None where none is."""
         if self._left <= 0 or self._vain >= self.config.vain:
             return None
-        goals, normals, ways, along_it = self._goals()
+        goals = self._goals()
         here = self.study.pad.guard.world_from_sensor[:3, 3]
-        for k in np.lexsort((np.linalg.norm(goals - here, axis=1), ~along_it)):
+        for k in np.lexsort((np.linalg.norm(goals.points - here, axis=1), goals.rank)):
+            at, normal, way = goals.points[k], goals.normals[k], goals.ways[k]
             poses = [
-                se3.pose(se3.frame_along(-normals[k], along), goals[k] + self.config.back * normals[k])
-                for along in (ways[k], np.cross(normals[k], ways[k]))
+                se3.pose(se3.frame_along(-normal, along), at + self.config.back * normal)
+                for along in (way, np.cross(normal, way))
             ]
             if room := self.reach.with_room(poses):
-                return partial(self._touch, goals[k], room)
+                return partial(self._touch, at, room)
         return None
 
-    def _goals(self) -> tuple[Floats, Floats, Floats, Bools]:
-        """(n, 3) places beside nameless contacts, the (n, 3) normals there, the (n, 3) ways to them, and which
-        of these go on as the contacts about them do: what is narrow was felt along itself.
-        """
+    def _goals(self) -> _Goals:
+        """Places beside nameless contacts, those first to which the contacts about them lead."""
         loose = self._nameless()
         cells = np.round(loose.points / self.config.cell).astype(int).reshape(-1, 3)
         _, first = np.unique(cells, axis=0, return_index=True)
-        points, normals = loose.points[first], loose.normals[first]
-        frames = np.array([se3.frame_along(normal) for normal in normals]).reshape(-1, 3, 3)
-        turns = np.arange(8) * (np.pi / 4.0)
-        ways = np.swapaxes(frames[:, :, :2] @ np.stack([np.cos(turns), np.sin(turns)]), 1, 2)
-        longest = np.array([self._longest(loose.points, point) for point in points]).reshape(-1, 1, 3)
-        along_it = (np.abs((ways * longest).sum(axis=2)) > self.config.along).ravel()
-        ways, normals = ways.reshape(-1, 3), np.repeat(normals, len(turns), axis=0)
-        goals = np.repeat(points, len(turns), axis=0) + self._aside * ways
-        keep = ~self._known(goals, normals) & (self._tried.counts(goals) == 0)
-        keep &= ~self.study.pad.swept.holds(goals - self.config.under * normals)
-        return goals[keep], normals[keep], ways[keep], along_it[keep]
+        found = [_Goals.none()]
+        for point, normal in zip(loose.points[first], loose.normals[first], strict=True):
+            longest = self._longest(loose.points, point)
+            turns = np.arange(8) * (np.pi / 4.0)
+            ways = np.column_stack([np.cos(turns), np.sin(turns)]) @ se3.frame_along(normal)[:, :2].T
+            rank = np.where(np.abs(ways @ longest) > self.config.along, 0, 2)
+            found.append(_Goals(point + self._aside * ways, np.tile(normal, (8, 1)), ways, rank))
+            if longest.any():
+                sides = np.cross(normal, longest) * np.array([[1.0], [-1.0]])
+                under = np.tile(point - self.config.deep * normal, (2, 1))
+                found.append(_Goals(under, sides, np.tile(longest, (2, 1)), np.ones(2)))
+        goals = _Goals(*(np.concatenate(column) for column in zip(*found, strict=True)))
+        keep = ~self._known(goals.points, goals.normals) & (self._tried.counts(goals.points) == 0)
+        keep &= ~self.study.pad.swept.holds(goals.points - self.config.under * goals.normals)
+        return _Goals(*(column[keep] for column in goals))
 
     def _nameless(self) -> Contacts:
         """The contacts that no face explains; one that lies nearly on a face and faces as it does is of it."""
