@@ -21,6 +21,8 @@ from scipy.ndimage import gaussian_filter
 from exploration.control.edge_refined import Frames, moved_outward, nodes_along
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.stage_trail import StageTrail
+from exploration.planning.known.swept_cells import SweptCells
+from exploration.planning.open.views import best_view
 from exploration.planning.ways.routes import Tool
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
@@ -97,8 +99,17 @@ def the_rest(folder: Path) -> None:
     match_once()
     KinematicChain.gantry().reach(np.eye(4), np.ones(6))
     StageTrail(0.0, np.eye(4)).at(np.zeros(1), np.eye(4))
-    Tool.of_size((8.0, 8.0)).clear(np.eye(4)[None], np.zeros((1, 3)), 0.0, 0.0)
+    look_once()
     bent_edge_once()
+
+
+def look_once() -> None:
+    """Round what is no block: ways past felt places, through swept cells, and in from afar."""
+    tool, poles = Tool.of_size((8.0, 8.0)), np.concatenate([np.eye(3), -np.eye(3)])
+    swept = SweptCells(np.repeat([-30.0, 30.0], 3))
+    tool.clear(np.eye(4)[None], np.zeros((1, 3)), 0.0, 0.0)
+    swept.holds_box(np.eye(4), tool.low, tool.high)
+    best_view(10.0 * poles, poles, swept, tool.high[:2], np.eye(3))
 
 
 def bent_edge_once() -> None:
