@@ -13,22 +13,28 @@ from dataclasses import replace
 import numpy as np
 
 from primitives.arrays import frozen
-from primitives.evidence import Contacts
 from recognition.matching.belief import Belief
 from recognition.matching.evidence import Evidence
 
 _SIGMAS = 3.0  # below zero, that noise does not explain
+_SLIGHT = (
+    0.02  # of the contacts' distances from their middle, that is as good as zero where noise is not known
+)
 
 
-def may_face_in(contacts: Contacts) -> bool:
+def may_face_in(evidence: Evidence) -> bool:
     """Whether the sum of (p - c) . n, with c the middle of the contacts, is below zero."""
+    contacts = evidence.contacts
     felt = contacts.has_normal
     if not felt.any():
         return False
     arms, normals = contacts.points[felt] - contacts.points[felt].mean(axis=0), contacts.normals[felt]
-    turned = (np.linalg.norm(arms, axis=1) * contacts.normal_sigma[felt]) ** 2
-    noise = float(np.sqrt((contacts.sigma[felt] ** 2 + turned).sum()))
-    return bool((arms * normals).sum() < -_SIGMAS * noise)
+    away = np.linalg.norm(arms, axis=1)
+    noise = _SLIGHT * float(away.sum())
+    if evidence.scale_known:
+        turned_by = away * contacts.normal_sigma[felt]
+        noise = _SIGMAS * float(np.sqrt((contacts.sigma[felt] ** 2 + turned_by**2).sum()))
+    return bool((arms * normals).sum() < -noise)
 
 
 def turned(evidence: Evidence) -> Evidence:

@@ -75,7 +75,7 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
         raise PalpateError(f"the prior of an unknown object must be from 0 to 1, not {unknown}")
     whole = evidence.checked()
     told = _matched(whole, library, prior, unknown, starts, config)
-    if not (config.inward and may_face_in(whole.contacts)):
+    if not (config.inward and may_face_in(whole)):
         return told
     other = _matched(turned(whole), library, prior, unknown, starts, config)
     return either(told, other, config.inward)

@@ -1,5 +1,7 @@
 """Normals that point into the object are noticed, matched turned round, and told; those of a hollow are not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -40,6 +42,15 @@ def test_normals_that_point_in_are_turned_round_and_told(library: Library) -> No
     assert "point into the object" in warnings_of(belief, evidence)[0]
 
 
+def test_they_are_noticed_where_nobody_told_the_noise_too(library: Library) -> None:
+    rng = np.random.default_rng(3)
+    contacts = _felt(library, rng.integers(len(library["bracket"].samples), size=16), rng, -1.0)
+    coarse = replace(contacts, sigma=np.full(16, 8.0))
+    belief = match(Evidence(coarse, scale_known=False, normal_scale_known=False), library)
+    assert belief.inward > 0.99
+    assert belief.hypotheses[0].residual < 2.0 * SIGMA
+
+
 def test_normals_that_point_out_are_taken_as_they_are(library: Library) -> None:
     rng = np.random.default_rng(1)
     rows = rng.integers(len(library["bracket"].samples), size=16)
@@ -55,7 +66,7 @@ def test_a_cup_felt_from_within_stays_a_cup() -> None:
     samples = known["cup"].samples
     within = np.flatnonzero((samples.points * samples.normals).sum(axis=1) < -1.0)[:24]
     contacts = Contacts.of(samples.points[within], samples.normals[within], SIGMA, TURN)
-    assert may_face_in(contacts)
+    assert may_face_in(Evidence(contacts))
     belief = match(Evidence(contacts), known)
     assert belief.decision == "cup"
     assert belief.inward < 0.05
@@ -67,7 +78,7 @@ def test_one_face_says_nothing_of_which_way_normals_point() -> None:
     normals = [0.0, 0.0, 1.0] + TURN * rng.standard_normal((2400, 3)) * [1.0, 1.0, 0.0]
     rows = zip(points.reshape(200, 12, 3), normals.reshape(200, 12, 3), strict=True)
     tables = [Contacts.of(p, n, SIGMA, TURN) for p, n in rows]
-    assert sum(may_face_in(t) for t in tables) <= 2
+    assert sum(may_face_in(Evidence(t)) for t in tables) <= 2
 
 
 def test_beliefs_of_both_ways_are_weighed_by_how_probable_the_contacts_are() -> None:
