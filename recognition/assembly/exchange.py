@@ -18,6 +18,7 @@ from recognition.assembly.search import SearchOptions, State, Step, pruned, repl
 from recognition.assembly.vocabulary import Candidate, Slab, Vocabulary
 
 _ROUNDS = 8  # exchanges at most
+_GAPS = 240  # that one more primitive is looked for to fill, in each
 
 
 def exchanged(
@@ -53,7 +54,8 @@ def _bettered(
 ) -> State:
     """The cheapest list that another end of one primitive leads to, with one more or without.
 
-    One more costs a leaf and mends at most what is missing: where that is not enough, none is looked for.
+    One more costs a leaf and mends at most what is missing: where that is not enough none is looked for, nor where
+    more gaps than can be gone through promise more.
     """
     best, gaps = state, []
     for place, step in enumerate(state.steps):
@@ -64,7 +66,7 @@ def _bettered(
             if other.wrong > options.leaf:
                 mended = float(weight[solid & ~other.held].sum())
                 gaps.append((other.cost + options.leaf - mended, place, other))
-    for least, place, other in sorted(gaps, key=lambda gap: gap[0]):
+    for least, place, other in sorted(gaps, key=lambda gap: gap[0])[:_GAPS]:
         if least >= best.cost - 1e-9:
             break
         best = min(
