@@ -22,6 +22,7 @@ _SHARE = 0.1  # of a face's own contacts, that as many against it outweigh
 _MOST = 3  # contradicting contacts that are put down to noise
 _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on their edge
 _POOR = 0.05  # [mm] rms, from which so few contacts as below are of no one face
+_AGREE = 0.8  # share of a sound face's contacts that lie on it
 _HOPELESS = 0.15  # [mm] rms, from which so few contacts lead nowhere while exploration goes on
 _FEW = 30  # contacts, below which a face may be a poor reading of a larger one
 _SAME = 0.1  # [mm] from a larger face, within which more contacts than those are no face beside it
@@ -117,11 +118,13 @@ def _broad(face: Face) -> bool:
 def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
     """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner.
 
-    They scatter by more than `most` [mm] rms.
+    They scatter by more than `most` [mm] rms.  A sound face may have strays, but most of its contacts lie on it.
     """
     for face in graph.faces:
         if isinstance(face.fit, Fit) and len(face.contacts) < _FEW and face.fit.rms > most:
-            graph = _without(graph, face.id)
+            off = np.abs(face.fit.shape.signed_distance(face.contacts.points))
+            if len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most:
+                graph = _without(graph, face.id)
     return graph
 
 

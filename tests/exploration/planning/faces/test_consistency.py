@@ -1,0 +1,32 @@
+"""Which faces stay."""
+
+import numpy as np
+import pytest
+
+from exploration.planning.faces.consistency import drop_poor
+from primitives.evidence import Contacts
+from primitives.fit import fit
+from primitives.patch_graph import Face, PatchGraph
+
+
+def flat(off):
+    """A flat face of contacts that lie as far off it as is said [mm]."""
+    rng = np.random.default_rng(0)
+    points = np.column_stack([rng.uniform(-30, 30, (len(off), 2)), off])
+    contacts = Contacts.of(points, np.tile([0.0, 0.0, 1.0], (len(off), 1)), 0.05, 0.02)
+    return PatchGraph((Face(0, fit("plane", contacts), contacts),), ())
+
+
+@pytest.mark.parametrize(
+    ("off", "stays"),
+    [
+        (np.r_[np.tile([0.01, -0.01], 12), 0.3, 0.25], True),  # a narrow ring, two contacts at its rim
+        (np.tile([0.1, -0.1], 13), False),  # a pad across an inside corner
+        (np.r_[0.01, -0.01, 0.0, 0.0, 0.01, 0.4], False),  # too few to tell strays from the face
+        (np.tile([0.1, -0.1], 20), True),  # many say what they say
+    ],
+)
+def test_few_scattered_contacts_are_no_face_and_a_few_strays_do_not_undo_one(off, stays):
+    graph = flat(off)
+    assert graph.faces[0].fit.rms > 0.05
+    assert bool(drop_poor(graph).faces) == stays
