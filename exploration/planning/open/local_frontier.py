@@ -36,6 +36,7 @@ class LocalFrontierConfig:
     felt: float = 16.0  # [mm] from a rim, within which that face was touched
     least_rim: int = 4  # touched cells of one
     known: float = 0.5  # share of a round gap's rim that a face must explain
+    boss: tuple[float, float] = (1.0, 8.0)  # [mm] above a face, where something stands in a gap of it
     cluster: float = 6.0  # [mm] between neighbors of one rim
 
 
@@ -111,7 +112,7 @@ class LocalFrontier:
 
     @cached_property
     def openings(self) -> list[RoundRim]:
-        """Round gaps in flat faces, behind whose rim no face is known."""
+        """Round gaps in flat faces, behind whose rim no face is known, and from which nothing stands up."""
         found: list[RoundRim] = []
         for own in self.known:
             if own.fit.kind != "plane":
@@ -119,9 +120,17 @@ class LocalFrontier:
             axis = own.side * own.fit.shape.direction
             for rim in gaps(own.cells, own.free, axis, own.face.id):
                 at, ways = rim.places()
-                if self._explained(own, at, -ways).mean() < self.config.known:
+                if self._explained(own, at, -ways).mean() < self.config.known and not self._filled(rim):
                     found.append(rim)
         return found
+
+    def _filled(self, rim: RoundRim) -> bool:
+        """Whether a boss stands in a round gap: the face is not there, and no more is a hole."""
+        low, high = self.config.boss
+        away = np.concatenate([own.cells for own in self.known]) - rim.center
+        up = away @ rim.axis
+        aside = np.linalg.norm(away - up[:, None] * rim.axis, axis=1)
+        return int(((up > low) & (up < high) & (aside < rim.radius)).sum()) >= self.config.least_rim
 
     def dented(self) -> bool:
         """Whether a flat face is not there among places where it is: no convex object has such."""

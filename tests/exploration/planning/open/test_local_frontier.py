@@ -97,6 +97,17 @@ def test_the_rim_of_a_hole_is_a_circle_of_its_radius():
     assert np.linalg.norm(rim.center - [3.0, -2.0, 0.0]) < 1.0
 
 
+def test_where_a_boss_stands_in_a_gap_there_is_no_hole():
+    turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    ring = np.column_stack([np.cos(turn), np.sin(turn)])
+    points = np.concatenate([np.column_stack([r * ring, np.zeros(40)]) for r in (11.0, 13.0, 15.0, 17.0)])
+    free = np.concatenate([np.column_stack([r * ring, np.full(40, -0.6)]) for r in (4.0, 6.0, 8.0)])
+    top = np.column_stack([6.0 * ring, np.full(40, 5.0)])
+    plate, lots = plane_face(0, points, UP), [(points, UP), (top, UP)]
+    assert LocalFrontier([plate], mapped(lots[0]), free, 10.0).openings
+    assert not LocalFrontier([plate, plane_face(1, top, UP)], mapped(*lots), free, 10.0).openings
+
+
 def test_the_outline_of_a_disc_is_no_opening():
     flat = grid((-30.0, 30.0), (-30.0, 30.0), 1.0)
     away = np.linalg.norm(flat, axis=1)
