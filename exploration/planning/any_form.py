@@ -35,6 +35,7 @@ from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
 from primitives import pose as se3
 from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT
 from primitives.fit import Fit, NoFit
 from primitives.patch_graph import Face, PatchGraph
 
@@ -122,7 +123,7 @@ class AnyForm:
         walls = self._open_walls()
         self.found.open = len(opened.points) + len(rims) + len(walls)
         here = self.pad.guard.world_from_sensor[:3, 3]
-        left = opened.none() if self._entering else self._open.left(opened)
+        left = self._open.left(opened.on(self._own_faces()) if self._entering else opened)
         on_face = left.face == face
         if face is not None and on_face.any() and self._lies():
             near = left.points[on_face]
@@ -152,6 +153,15 @@ class AnyForm:
             straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in round_)]
             return self._looking.next() or self._holes.next(openings) or self._rim_walls.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None
+
+    def _own_faces(self) -> list[int]:
+        """Those that the array in use felt, and no other: the floors of what it alone has room in."""
+        own = self.pad.guard.active
+        felt = (
+            (face.id, face.contacts.select(face.contacts.touch != NOT_FELT))
+            for face in self.found.graph.faces
+        )
+        return [number for number, contacts in felt if len(contacts) and (contacts.sensor == own).all()]
 
     def _refuted(self, opening: RoundRim) -> bool:
         """Whether a look has found no round rim there."""

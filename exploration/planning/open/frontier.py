@@ -48,9 +48,10 @@ class Predicted:
     normals: Floats  # (n, 3) outward
     face: Ints  # (n,) face ids
 
-    def none(self) -> Predicted:
-        """None of them."""
-        return Predicted(self.points[:0], self.normals[:0], self.face[:0])
+    def on(self, faces: Sequence[int]) -> Predicted:
+        """Those of some faces."""
+        keep = np.isin(self.face, faces)
+        return Predicted(self.points[keep], self.normals[keep], self.face[keep])
 
 
 @dataclass(frozen=True)
