@@ -33,6 +33,7 @@ from recognition.assembly.separators import separators, stops
 from recognition.assembly.vocabulary import Vocabulary, frame_of
 
 _ROOM = 0.15  # of the contacts' extent, by which the sampled room reaches past them
+_FARTHER = 0.2  # of the contacts' extent, at an open end
 _VOTE = 6.0  # [nats] of a contact on the wrong side
 _ENDS = 20.0  # [nats] left wrong or contradicted, from which stops are tried
 _SPACE = 10.0  # [nats] per contact, of the whole volume wrongly filled
@@ -65,7 +66,12 @@ def concave_pieces(
         return found
     vocabulary, state = found.vocabulary, found.state
     corners = np.array(np.meshgrid(*np.stack([low, high]).T)).reshape(3, -1).T
-    made = [_piece(step, vocabulary, corners, room) for step in state.steps]
+    # What takes away reaches farther where it is open than what it is taken from: else a film is left there.
+    farther = corners + _FARTHER * (corners - corners.mean(axis=0))
+    made = [
+        _piece(step, vocabulary, corners if step.operation == "add" else farther, room)
+        for step in state.steps
+    ]
     return tuple(replace(piece, ends=_felt(piece.ends, measured)) for piece in made)
 
 

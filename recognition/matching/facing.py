@@ -17,9 +17,7 @@ from recognition.matching.belief import Belief
 from recognition.matching.evidence import Evidence
 
 _SIGMAS = 3.0  # below zero, that noise does not explain
-_SLIGHT = (
-    0.02  # of the contacts' distances from their middle, that is as good as zero where noise is not known
-)
+_SLIGHT = 0.02  # of the contacts' distances from their middle, as good as zero where noise is not known
 
 
 def may_face_in(evidence: Evidence) -> bool:
