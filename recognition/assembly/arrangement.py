@@ -42,6 +42,7 @@ class Arrangement:
     pairs: Ints  # (f, 2) the cells inside and outside of a facet's surface
     area: Floats  # (f,) [mm^2] of the facet
     touched: Floats  # (m,) contacts that lie on each surface
+    inferred: Bools  # (m,) whether nobody felt a surface
 
     def __len__(self) -> int:
         return len(self.outside)
@@ -54,6 +55,7 @@ def arrange(
     free: Floats,
     room: Floats,
     options: ArrangementOptions | None = None,
+    inferred: Bools | None = None,
 ) -> Arrangement:
     """Of contacts at (n, 3) points with outward (n, 3) normals, and (k, 3) places known to be free.
 
@@ -100,6 +102,7 @@ def arrange(
         frozen(np.stack([keys // count, keys % count], axis=1), np.int64),
         frozen(np.bincount(which, minlength=len(keys)) * volume / slab),
         frozen((np.abs(_distances(shapes, points)) < options.on * aside).sum(axis=0).astype(float)),
+        frozen(np.zeros(len(shapes)) if inferred is None else inferred, bool),
     )
 
 

@@ -184,7 +184,11 @@ def _from_cells(
     free: Floats | None,
 ) -> Assembly | NotClosed:
     """Any body: the list of primitives that the cells between the surfaces ask for."""
-    found = concave_pieces([regularized.shapes[i] for i in distinct], touched, free)
+    nobody = [
+        all((faces[i].contacts.touch == NOT_FELT).all() for i, s in enumerate(speaker) if s == own)
+        for own in distinct
+    ]
+    found = concave_pieces([regularized.shapes[i] for i in distinct], touched, free, nobody)
     if isinstance(found, NotClosed):
         return found
     named = tuple(_renumbered(p, distinct) for p in found)

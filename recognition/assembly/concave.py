@@ -42,9 +42,12 @@ Touched = Sequence[tuple[Floats, Floats]]  # per surface (n, 3) points and (n, 3
 
 
 def concave_pieces(
-    shapes: Sequence[Shape], touched: Touched, free: Floats | None = None
+    shapes: Sequence[Shape],
+    touched: Touched,
+    free: Floats | None = None,
+    inferred: Sequence[bool] | None = None,
 ) -> tuple[Piece, ...] | NotClosed:
-    """The list whose solid the contacts bound; `touched[i]` are those of surface i."""
+    """The list whose solid the contacts bound; `touched[i]` are those of surface i, which may be `inferred`."""
     points = np.concatenate([p for p, _ in touched])
     normals = np.concatenate([n for _, n in touched])
     if not len(points):
@@ -53,13 +56,14 @@ def concave_pieces(
     room = np.stack([low, high]) + np.outer([-1, 1], [_ROOM * float(np.linalg.norm(high - low))] * 3)
     nowhere = np.empty((0, 3)) if free is None else free
     measured, whole = len(shapes), [*shapes, *separators(shapes)]
-    found = _listed(whole, points, normals, nowhere, room)
+    told = [False] * measured if inferred is None else list(inferred)
+    found = _listed(whole, points, normals, nowhere, room, told)
     if (
         not isinstance(found, NotClosed)
         and found.state.wrong + found.against > _ENDS
         and (more := stops(whole))
     ):
-        again = _listed([*whole, *more], points, normals, nowhere, room)
+        again = _listed([*whole, *more], points, normals, nowhere, room, told)
         if not isinstance(again, NotClosed) and again.cost < found.cost:
             found = again
     if isinstance(found, NotClosed):
@@ -87,10 +91,17 @@ class _Listed:
 
 
 def _listed(
-    shapes: Sequence[Shape], points: Floats, normals: Floats, free: Floats, room: Floats
+    shapes: Sequence[Shape],
+    points: Floats,
+    normals: Floats,
+    free: Floats,
+    room: Floats,
+    inferred: Sequence[bool],
 ) -> _Listed | NotClosed:
-    """The shortest list that the cells between the surfaces ask for."""
-    found = arrange(shapes, points, normals, free, room)
+    """The shortest list that the cells between the surfaces ask for, of which the first may be `inferred`."""
+    nobody = np.zeros(len(shapes), dtype=bool)
+    nobody[: len(inferred)] = inferred
+    found = arrange(shapes, points, normals, free, room, inferred=nobody)
     solid = solid_cells(found)
     if not solid.any():
         return NotClosed("the contacts' normals leave no cell solid")

@@ -64,12 +64,14 @@ def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bool
 def _densities(found: Arrangement, supported: Bools, mean: float, sparse: float) -> Floats:
     """(f,) contacts to be expected per area of a facet: the mean of all, but where its own surface has far fewer.
 
+    Of a surface that is inferred all area counts: nobody was there, and no more are to be expected anywhere.
     What a surface has is shrunk to the mean by one contact, and `sparse` times that is expected, for none has the
     same everywhere; one that nobody felt counts as the mean.
     """
     inner, outer = found.outside[found.pairs[:, 0]], found.outside[found.pairs[:, 1]]
     surface = (inner != outer).argmax(axis=1)
-    area = np.bincount(surface, np.where(supported, found.area, 0.0), minlength=found.outside.shape[1])
+    counts = supported | found.inferred[surface]
+    area = np.bincount(surface, np.where(counts, found.area, 0.0), minlength=found.outside.shape[1])
     own = (found.touched + 1.0) / (area + 1.0 / max(mean, 1e-9))
     own = np.where(found.touched > 0, np.minimum(sparse * own, mean), mean)
     return np.asarray(own[surface])

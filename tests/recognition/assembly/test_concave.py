@@ -1,6 +1,6 @@
 """From fitted faces to a short list of primitives where the body is not convex."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from primitives.shapes import Cylinder, Plane, Torus
 from recognition.assembly import assemble
 from recognition.assembly.arrangement import Arrangement
 from recognition.assembly.exchange import exchanged
-from recognition.assembly.labels import solid_cells
+from recognition.assembly.labels import _densities, solid_cells
 from recognition.assembly.search import SearchOptions, State, Step, mended, shortest
 from recognition.assembly.separators import separators, stops
 from recognition.assembly.vocabulary import Candidate, Vocabulary
@@ -164,7 +164,20 @@ def parted(solid, swept, share):
         pairs=np.array([[1, 0], [1, 2]]),
         area=np.array([500.0, 500.0]),
         touched=np.array([20.0, 20.0]),
+        inferred=np.zeros(2, dtype=bool),
     )
+
+
+def test_no_more_contacts_are_missed_on_a_wall_that_is_inferred():
+    """Of which 100 mm^2 lie between cells that contacts tell of, and 860 do not."""
+    whole = parted(40.0, 0.0, 0.0)
+    wall = replace(whole, area=np.array([100.0, 860.0]), pairs=np.array([[1, 0], [1, 0]]))
+    beside, mean = np.array([True, False]), 0.15
+    felt = _densities(wall, beside, mean, 1.5)
+    nobody = _densities(replace(wall, inferred=np.array([True, False])), beside, mean, 1.5)
+    assert felt.tolist() == pytest.approx([mean, mean])
+    assert nobody.max() < 0.25 * mean
+    assert nobody.min() > 1.0 * 20.0 / 960.0
 
 
 def test_a_cell_that_a_missing_surface_parts_is_what_its_greater_part_is():
