@@ -3,8 +3,8 @@
 Each kind scores  chi2 / s + dof ln(residuals) - 2 ln(prior)  (Schwarz's criterion with the noise known), and its
 probability is exp(-score / 2), normalized.  s = 1 where the sensor's sigmas hold; where even the best shape leaves
 more than they allow, s is its chi2 per degree of freedom, so that unmodeled error does not buy parameters.
-Contacts of one touch share errors: what a cone explains better than a cylinder is divided by their design effect
-(`shared_error`), so that how the pad lay at a rounded rim does not pass for a radius that grows.
+Contacts of one touch share errors: what a slim cone explains better than a cylinder is divided by their design
+effect (`shared_error`), so that how the pad lay at a rounded rim does not pass for a radius that grows.
 A sphere of huge radius, or a cone of tiny angle, lowers chi2 by about one a parameter and pays more for it.
 """
 
@@ -37,6 +37,7 @@ class RankOptions:
     least_turn: float = 0.0  # [rad] round the tube of a torus, over which its contacts must reach
     least_arc: float = 0.0  # [rad] round its axis, over which contacts must follow one another
     least_angle: float = 0.004  # [rad] a cone steeper than this is a cylinder
+    slim: float = 0.1  # [rad] semi-angle up to which errors that contacts share may make a cone of a cylinder
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
     unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
@@ -86,6 +87,8 @@ def _cylinder_in_disguise(good: Sequence[Fit], contacts: Contacts, options: Rank
     """Whether a cone explains no more than a cylinder and errors that contacts share."""
     found = {one.kind: one for one in good}
     if not {"cone", "cylinder"} <= set(found):
+        return False
+    if isinstance(shape := found["cone"].shape, Cone) and shape.semi_angle > options.slim:
         return False
     cone, cylinder = (score(found[kind], options) for kind in ("cone", "cylinder"))
     gain = found["cylinder"].chi2 - found["cone"].chi2
