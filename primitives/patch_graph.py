@@ -40,6 +40,13 @@ class Face:
     contacts: Contacts
     ranked: tuple[RankedFit, ...] = ()
 
+    def only(self, kept: Bools) -> Face:
+        """The face with those of its contacts alone, its fit as it was; itself where that is all or none."""
+        if kept.all() or not kept.any() or not isinstance(self.fit, Fit):
+            return self
+        fit = replace(self.fit, inliers=frozen(self.fit.inliers[kept], bool))
+        return replace(self, fit=fit, contacts=self.contacts.select(kept))
+
 
 @dataclass(frozen=True)
 class Edge:

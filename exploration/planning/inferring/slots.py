@@ -17,7 +17,7 @@ from scipy.spatial import KDTree
 
 from exploration.planning.known.surface_map import clusters
 from exploration.planning.open.known_face import KnownFace
-from primitives.arrays import Bools, Floats, frozen
+from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -109,11 +109,7 @@ class Slot:
         """A face without its contacts in a mouth, where a pad lay over it and none has a place of its own."""
         if not isinstance(face.fit, Fit) or face.fit.kind != "plane":
             return face
-        kept = ~self.holds(face.contacts.points, config)
-        if kept.all() or not kept.any():
-            return face
-        fit = replace(face.fit, inliers=frozen(face.fit.inliers[kept], bool))
-        return replace(face, fit=fit, contacts=face.contacts.select(kept))
+        return face.only(~self.holds(face.contacts.points, config))
 
     def holds(self, points: Floats, config: SlotConfig) -> Bools:
         """(n,) whether (n, 3) points are in it or in one of its mouths."""

@@ -23,7 +23,7 @@ from exploration.planning.touching.study import Study
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.round_hole import RoundHole, fit_round_hole
 from primitives import pose as se3
-from primitives.arrays import Bools, Floats, frozen
+from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -143,11 +143,7 @@ class Hole:
         """
         if not isinstance(face.fit, Fit) or face.fit.kind != "plane":
             return face
-        kept = ~self.holds(face.contacts.points)
-        if kept.all() or not kept.any():
-            return face
-        fit = replace(face.fit, inliers=frozen(face.fit.inliers[kept], bool))
-        return replace(face, fit=fit, contacts=face.contacts.select(kept))
+        return face.only(~self.holds(face.contacts.points))
 
 
 def holes_of(

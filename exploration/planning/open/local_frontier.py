@@ -8,7 +8,7 @@ open.  A rim is explained where another face passes by that looks to its free si
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -22,7 +22,7 @@ from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.mouths import Mouth, mouths
 from exploration.planning.open.rim_sightings import by_heading, rim_sighting
 from exploration.planning.open.round_rims import RoundRim
-from primitives.arrays import Bools, Floats, frozen
+from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -150,10 +150,7 @@ class LocalFrontier:
         away = own.fit.shape.project(free)
         kept = np.asarray(own.near.query(points)[0] < KDTree(away).query(points)[0])
         kept |= own.face.contacts.touch == NOT_FELT
-        if kept.all() or not kept.any():
-            return own.face
-        fit = replace(own.fit, inliers=frozen(own.fit.inliers[kept], bool))
-        return replace(own.face, fit=fit, contacts=own.face.contacts.select(kept))
+        return own.face.only(kept)
 
     def _behind_wall(self, own: KnownFace, at: Floats, came: Floats) -> Bools:
         """Whether another touched face stands between, or the place is inside its material."""
