@@ -17,7 +17,8 @@ from scipy.spatial.transform import Rotation
 
 from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
-from recognition.matching.contact_pairs import of_one_face, spread, telling_pairs
+from recognition.matching.contact_pairs import MANY, of_one_face, spread, telling_pairs
+from recognition.matching.flats import Flat, laid_on
 from recognition.matching.search_kernels import distinct, searched, settled, weighed
 from recognition.matching.target import Target, field_error, gap
 
@@ -65,6 +66,7 @@ class Begun(NamedTuple):
     whole: int  # how many contacts there are
     told: bool  # whether sigma is theirs, or has to be estimated
     crowd: int  # poses that are kept of those that turn the first normal the same way
+    flat: bool  # whether nothing but one flat face was felt, and often enough to say so
 
     def distinct(self, poses: Floats, costs: Floats, most: int, differ: float, size: float) -> Found:
         """The best poses, each only once; `differ` [rad], and times half the size [mm], apart."""
@@ -84,12 +86,14 @@ def begin(contacts: Contacts, config: SearchConfig, sigma: float, told: bool = T
     pairs = telling_pairs(points, normals, shown, many)
     normal_sigma = float(np.median(contacts.normal_sigma[felt])) if felt.any() else 0.1
     judged = np.ascontiguousarray(contacts.points[order]), whole[order], felt[order]
-    crowd = config.crowd if of_one_face(normals, shown) else config.kept_blind
-    return Begun(*judged, (points, normals, shown), pairs, sigma, normal_sigma, len(contacts), told, crowd)
+    alike = of_one_face(normals, shown)
+    crowd, flat = config.crowd if alike else config.kept_blind, alike and len(contacts) >= MANY
+    few = points, normals, shown
+    return Begun(*judged, few, pairs, sigma, normal_sigma, len(contacts), told, crowd, flat)
 
 
-def search(begun: Begun, target: Target, config: SearchConfig) -> Found:
-    """Poses of one object."""
+def search(begun: Begun, target: Target, config: SearchConfig, flats: tuple[Flat, ...] = ()) -> Found:
+    """Poses of one object; `flats` are its flat faces, where nothing but one such face was felt."""
     near = gap(target)
     reach = 3.0 * begun.sigma + 0.8 * near
     wide = float(np.hypot(0.7 * near, begun.sigma))
@@ -102,6 +106,8 @@ def search(begun: Begun, target: Target, config: SearchConfig) -> Found:
         target.bin, target.coarse, target.origin, target.spacing, target.unit, reach, slope, wide, config.cap,
         kept, config.turns, config.most, config.apart, radius, near, begun.crowd,
     )  # fmt: skip
+    if flats:
+        poses = np.concatenate([poses, laid_on(begun.points, begun.normals, flats)])
     if not len(poses) and kept == config.kept:
         return Found(poses, np.empty(0))
     settled(poses, *begun.few, wide, slope, config.cap, config.rounds, field)

@@ -27,6 +27,7 @@ from recognition.matching.belief import UNKNOWN, Belief
 from recognition.matching.contact_pairs import spread
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facing import either, may_face_in, turned
+from recognition.matching.flats import flats_of
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
 from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods, log_scattered
 from recognition.matching.modes import Felt, Mode, modes_of, residual
@@ -174,7 +175,7 @@ def _fits(belief: Belief, evidence: Evidence, config: MatchConfig) -> bool:
 def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchConfig) -> Found:
     checkpoint()
     target = target_of(entry)
-    found = search(begun, target, config.search)
+    found = search(begun, target, config.search, flats_of(entry) if begun.flat else ())
     poses = np.stack(starts) if starts else np.empty((0, 3, 4))
     if not len(found.poses) and not starts:
         poses = _laid(begun, target)

@@ -11,6 +11,7 @@ object's symmetry are this one, so that symmetric poses are one mode and none is
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import logsumexp
@@ -34,6 +35,7 @@ from recognition.matching.likelihood import (
     log_unlike,
 )
 from recognition.matching.loose import LooseConfig, cross_points, sigma_points
+from recognition.matching.one_face import OneFace, divided, rooms_of
 from recognition.matching.places import Places, places_of
 from recognition.matching.room import Lone, log_room
 from recognition.matching.span import but_for_turns, log_copies, same, spread_of
@@ -53,6 +55,16 @@ class Mode:
     hypothesis: Hypothesis
     log_known: float
     log_unknown: float  # of an object that is like this one, and is not
+    log_share: float = 0.0  # logarithm of its share in the room of all modes on the same flat face
+
+
+class _Found(NamedTuple):
+    """A pose that is no other's, before it is known how much of the room is its own."""
+
+    row: int  # of the poses
+    made: Hypothesis
+    bound: float  # logarithm of what empty space leaves of it
+    log_volume: float
 
 
 @dataclass(frozen=True)
@@ -67,14 +79,26 @@ class Felt:
     shares: Floats  # (n,) what each counts for
     places: Places
 
+    @property
+    def middle(self) -> int:
+        """The contact in their midst."""
+        return int(np.argmin(np.linalg.norm(self.points - np.median(self.points, axis=0), axis=1)))
+
+    @property
+    def facing(self) -> Floats:
+        """(3,) unit mean of the normals."""
+        mean = self.normals.mean(axis=0)
+        return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-12))
+
     @staticmethod
     def of(evidence: Evidence) -> Felt:
         """Of all evidence."""
         c = evidence.contacts
         felt = c.has_normal
         normals = np.ascontiguousarray(np.where(felt[:, None], c.normals, 0.0))
-        return Felt(np.ascontiguousarray(c.points), normals, felt, np.maximum(c.sigma, _EXACT[0]),
-                    np.maximum(c.normal_sigma, _EXACT[1]), evidence.shares, places_of(c.points))  # fmt: skip
+        sigma, tau = np.maximum(c.sigma, _EXACT[0]), np.maximum(c.normal_sigma, _EXACT[1])
+        places = places_of(c.points, normals, felt)
+        return Felt(np.ascontiguousarray(c.points), normals, felt, sigma, tau, evidence.shares, places)
 
 
 def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
@@ -85,8 +109,11 @@ def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior:
 
 
 def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
-             more: Floats | None = None) -> list[Mode]:  # fmt: skip
-    """The modes of poses as they are; `more` (6, 6) is what else is known of them, besides by contacts."""
+             more: Floats | None = None, log_share: float = 0.0) -> list[Mode]:  # fmt: skip
+    """The modes of poses as they are; `more` (6, 6) is what else is known of them, besides by contacts.
+
+    `log_share` is theirs of the room on one face, where other modes have the rest.
+    """
     target, absolute = target_of(entry), not evidence.scale_known
     scale, turn = _scales(done, seen, evidence, target, noise)
     on, off = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * scale, seen.tau * turn,
@@ -96,26 +123,37 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
     like = log_each(on, strays, noise)
     total = there + log_known(on, strays, seen.shares, noise)
     unlike = there + log_unlike(on, off, seen.shares)
-    modes: list[Mode] = []
     middle = _in_the_middle(seen, scale, turn)
+    known = done.information / max(scale**2, 1e-12)
+    found: list[_Found] = []
     for k in np.argsort(-total, kind="stable"):
         checkpoint()
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
         if float(np.linalg.norm(world[:3, :3] @ target.center + world[:3, 3] - prior.center)) > prior.radius:
             continue
-        information = done.information[k] / max(scale**2, 1e-12)
-        covariance, log_volume = spread_of(information, done.poses[k], seen.points, target)
+        covariance, log_volume = spread_of(known[k], done.poses[k], seen.points, target)
         if more is not None:
-            covariance, _ = spread_of(information + more, done.poses[k], seen.points, target)
+            covariance, _ = spread_of(known[k] + more, done.poses[k], seen.points, target)
         covariance = but_for_turns(entry, covariance)
-        if any(same(entry, m.hypothesis, world, target) for m in modes):
+        if any(same(entry, f.made, world, target) for f in found):
             continue
-        log_volume += log_room(done.poses[k], covariance, middle, target)
-        at = log_volume + log_copies(entry, covariance, target) - np.log(prior.volume) - _ROTATIONS
+        log_volume += log_room(done.poses[k], covariance, middle, target) + log_copies(
+            entry, covariance, target
+        )
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
-        made, bound = _let_in(made, entry, target, evidence)
-        other = log_astray(-bound / -_SWEPT, float(seen.shares.sum()), bound)
-        modes.append(Mode(made, float(total[k] + at + bound), float(unlike[k] + at + other)))
+        found.append(_Found(int(k), *_let_in(made, entry, target, evidence), log_volume))
+    volumes, shares = [f.log_volume for f in found], [0.0] * len(found)
+    if not seen.places.anywhere:
+        rows = [f.row for f in found]
+        one = OneFace(seen.points[seen.middle], seen.facing)
+        rooms = rooms_of(one, entry, target, done.poses[rows], known[rows])
+        volumes, shares = divided(volumes, rooms, log_share)
+    modes: list[Mode] = []
+    for f, log_volume, share in zip(found, volumes, shares, strict=True):
+        at = log_volume - np.log(prior.volume) - _ROTATIONS
+        other = log_astray(-f.bound / -_SWEPT, float(seen.shares.sum()), f.bound)
+        known_so, unlike_so = float(total[f.row] + at + f.bound), float(unlike[f.row] + at + other)
+        modes.append(Mode(f.made, known_so, unlike_so, share))
     return modes
 
 
@@ -146,7 +184,7 @@ def _behind(entry: Entry, target: Target, poses: Floats, seen: Felt, scale: floa
 
 def _in_the_middle(seen: Felt, scale: float, turn: float) -> Lone:
     """The contact whose face tells how far a loose pose may go."""
-    row = int(np.argmin(np.linalg.norm(seen.points - np.median(seen.points, axis=0), axis=1)))
+    row = seen.middle
     told = bool(seen.felt[row])
     return Lone(seen.points[row], seen.normals[row], told, scale * seen.sigma[row], turn * seen.tau[row])
 

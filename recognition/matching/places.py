@@ -9,7 +9,10 @@ object is.  The share r of the latter is integrated out, for each object by itse
     q_i = mean over j < i and widths h of  exp(-|z_i - z_j|^2 / 2 h^2) / (2 pi h^2)
 
 so that many contacts close together speak once for a small object, not each (our derivation; a kernel density
-along the surface, whose widths are shares of how far the contacts scatter).
+along the surface, whose widths are shares of how far the contacts scatter).  Contacts that all lie on one flat
+face were drawn from that: of no body does much more than half of the surface face one way, for its normals sum to
+nothing, so that n contacts from anywhere do so less than once in 2^(n - 2) times.  How much else there is they
+cannot tell: r is 1, and only the place of the first depends on the object.
 """
 
 from __future__ import annotations
@@ -20,7 +23,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Bools, Floats, frozen
+from recognition.matching.contact_pairs import MANY, of_one_face
 
 _WIDTHS = (0.6, 0.2, 0.06)  # of the contacts' root mean square distance from their middle
 _LEAST = 0.5  # [mm] of a width
@@ -33,6 +37,7 @@ class Places(NamedTuple):
     local: Floats  # (n,) q of each contact [1/mm^2]; nan of the first, which has none before it
     shares: Floats  # (m,) r
     weights: Floats  # (m,) that sum to one
+    anywhere: bool  # whether they may have come from all of the surface
 
     def densities(self, area: float) -> Floats:
         """(m, n) [1/mm^2] of each contact's place on a surface of `area` [mm^2], for each share."""
@@ -41,14 +46,17 @@ class Places(NamedTuple):
 
     def log_density(self, area: float, counts: Floats) -> float:
         """Logarithm of p(places | object), each of n places counted (n,) so much."""
+        if not self.anywhere:
+            return -float(np.log(area)) * float(counts[0]) + float(np.log(self.local[1:]) @ counts[1:])
         each = np.log(self.densities(area)) @ counts
         most = float(each.max())
         return most + float(np.log(self.weights @ np.exp(each - most)))
 
 
-def places_of(points: Floats) -> Places:
-    """Of (n, 3) points [mm], in the order in which they were felt."""
-    return Places(_local(points), *_shares())
+def places_of(points: Floats, normals: Floats, felt: Bools) -> Places:
+    """Of (n, 3) points [mm], in the order in which they were felt, and their normals where they were `felt`."""
+    anywhere = len(points) < MANY or not of_one_face(normals, felt)
+    return Places(_local(points), *_shares(), anywhere)
 
 
 @cache

@@ -129,7 +129,7 @@ def _sharper(mode: Mode, entry: Entry, seen: Felt, evidence: Evidence, prior: Pr
     if fit.worst > config.fits:
         return mode
     done = _there(at, entry, seen)
-    found = modes_at(entry, done, seen, evidence, prior, noise, fit.information)
+    found = modes_at(entry, done, seen, evidence, prior, noise, fit.information, mode.log_share)
     return found[0] if found else mode
 
 

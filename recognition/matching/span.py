@@ -27,11 +27,15 @@ def spread_of(information: Floats, found: Floats, points: Floats, target: Target
     shift = np.eye(6)
     shift[:3, 3:] = hat(middle - target.center).T
     about = shift.T @ information @ shift
-    bound = np.diag([(3.0 / target.size) ** 2] * 3 + [1 / _FREE_TURN**2] * 3)
-    values, axes = np.linalg.eigh(about + bound)
+    values, axes = np.linalg.eigh(about + bounds(target))
     values = np.maximum(values, 1e-14 * values[-1])
     log_volume = 3 * np.log(2 * np.pi) - 0.5 * np.log(values).sum()
     return np.asarray((axes / values) @ axes.T), float(log_volume)
+
+
+def bounds(target: Target) -> Floats:
+    """(6, 6) information of (v, w) where nothing was felt."""
+    return np.diag([(3.0 / target.size) ** 2] * 3 + [1 / _FREE_TURN**2] * 3)
 
 
 def but_for_turns(entry: Entry, covariance: Floats) -> Floats:
