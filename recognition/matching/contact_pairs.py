@@ -7,7 +7,6 @@ import numpy as np
 from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
 
-MANY = 6  # contacts that hardly ever face one way if they came from anywhere
 PARALLEL = 0.35  # [rad] to their mean, within which all normals are those of one face
 
 

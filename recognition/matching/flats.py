@@ -17,6 +17,7 @@ from models.library import Entry
 from models.library.samples import SurfaceSamples
 from primitives.arrays import Floats, frozen
 from primitives.pose import frame_along
+from recognition.matching.lone_face import LoneFace
 
 _TURNS = 48  # of contacts on a face
 _ANGLES = 18  # at which a face's rectangle is tried
@@ -57,11 +58,14 @@ def _made(samples: SurfaceSamples) -> tuple[Flat, ...]:
     return tuple(found)
 
 
-def laid_on(points: Floats, normals: Floats, flats: tuple[Flat, ...]) -> Floats:
-    """(k, 3, 4) poses object_from_world of (n, 3) contacts, about all of whose normals are alike."""
-    if not flats:
-        return np.empty((0, 3, 4))
-    own = frame_along(normals.mean(axis=0) / np.linalg.norm(normals.mean(axis=0)))
+def laid_on(points: Floats, one: LoneFace, flats: tuple[Flat, ...]) -> Floats:
+    """(k, 3, 4) poses object_from_world of (n, 3) contacts, all of which lie on `one` face."""
+    ways = (one.facing,) if one.signed else (one.facing, -one.facing)
+    return np.ascontiguousarray(np.concatenate([_laid(points, way, flats) for way in ways]))
+
+
+def _laid(points: Floats, facing: Floats, flats: tuple[Flat, ...]) -> Floats:
+    own = frame_along(facing)
     flat = points @ own  # (n, 3) in the plane's axes
     angles = 2.0 * np.pi * np.arange(_TURNS) / _TURNS
     turns = np.zeros((_TURNS, 3, 3))
@@ -79,7 +83,7 @@ def laid_on(points: Floats, normals: Floats, flats: tuple[Flat, ...]) -> Floats:
         turned = face.axes @ turns @ own.T
         shift = face.middle - middles @ face.axes.T
         poses.append(np.concatenate([turned, shift[:, :, None]], axis=2))
-    return np.ascontiguousarray(np.concatenate(poses))
+    return np.concatenate(poses)
 
 
 def _boxed(points: Floats, normal: Floats, whole: float) -> Flat:

@@ -17,8 +17,9 @@ from scipy.spatial.transform import Rotation
 
 from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
-from recognition.matching.contact_pairs import MANY, of_one_face, spread, telling_pairs
+from recognition.matching.contact_pairs import of_one_face, spread, telling_pairs
 from recognition.matching.flats import Flat, laid_on
+from recognition.matching.lone_face import LoneFace, lone_face
 from recognition.matching.search_kernels import distinct, searched, settled, weighed
 from recognition.matching.target import Target, field_error, gap
 
@@ -65,13 +66,14 @@ class Begun(NamedTuple):
     normal_sigma: float  # [rad]
     whole: int  # how many contacts there are
     told: bool  # whether sigma is theirs, or has to be estimated
-    crowd: int  # poses that are kept of those that turn the first normal the same way
-    flat: bool  # whether nothing but one flat face was felt, and often enough to say so
+    crowd: int  # poses that are kept of those that turn the face, or the first normal, the same way
+    lone: LoneFace | None  # where nothing but one flat face was felt
 
     def distinct(self, poses: Floats, costs: Floats, most: int, differ: float, size: float) -> Found:
         """The best poses, each only once; `differ` [rad], and times half the size [mm], apart."""
         crowd = self.crowd if self.crowd < most else most
-        args = poses, costs, most, differ, 0.5 * differ * size, self.points[0], self.normals[0], crowd
+        facing = self.normals[0] if self.lone is None else self.lone.facing
+        args = poses, costs, most, differ, 0.5 * differ * size, self.points[0], facing, crowd
         return Found(*distinct(*args))
 
 
@@ -86,10 +88,9 @@ def begin(contacts: Contacts, config: SearchConfig, sigma: float, told: bool = T
     pairs = telling_pairs(points, normals, shown, many)
     normal_sigma = float(np.median(contacts.normal_sigma[felt])) if felt.any() else 0.1
     judged = np.ascontiguousarray(contacts.points[order]), whole[order], felt[order]
-    alike = of_one_face(normals, shown)
-    crowd, flat = config.crowd if alike else config.kept_blind, alike and len(contacts) >= MANY
-    few = points, normals, shown
-    return Begun(*judged, few, pairs, sigma, normal_sigma, len(contacts), told, crowd, flat)
+    lone, few = lone_face(contacts.points, whole, felt), (points, normals, shown)
+    crowd = config.crowd if lone is not None or of_one_face(normals, shown) else config.kept_blind
+    return Begun(*judged, few, pairs, sigma, normal_sigma, len(contacts), told, crowd, lone)
 
 
 def search(begun: Begun, target: Target, config: SearchConfig, flats: tuple[Flat, ...] = ()) -> Found:
@@ -106,8 +107,8 @@ def search(begun: Begun, target: Target, config: SearchConfig, flats: tuple[Flat
         target.bin, target.coarse, target.origin, target.spacing, target.unit, reach, slope, wide, config.cap,
         kept, config.turns, config.most, config.apart, radius, near, begun.crowd,
     )  # fmt: skip
-    if flats:
-        poses = np.concatenate([poses, laid_on(begun.points, begun.normals, flats)])
+    if begun.lone is not None:
+        poses = np.concatenate([poses, laid_on(begun.points, begun.lone, flats)])
     if not len(poses) and kept == config.kept:
         return Found(poses, np.empty(0))
     settled(poses, *begun.few, wide, slope, config.cap, config.rounds, field)

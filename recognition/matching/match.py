@@ -175,7 +175,7 @@ def _fits(belief: Belief, evidence: Evidence, config: MatchConfig) -> bool:
 def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchConfig) -> Found:
     checkpoint()
     target = target_of(entry)
-    found = search(begun, target, config.search, flats_of(entry) if begun.flat else ())
+    found = search(begun, target, config.search, () if begun.lone is None else flats_of(entry))
     poses = np.stack(starts) if starts else np.empty((0, 3, 4))
     if not len(found.poses) and not starts:
         poses = _laid(begun, target)

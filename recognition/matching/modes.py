@@ -34,8 +34,9 @@ from recognition.matching.likelihood import (
     log_strays,
     log_unlike,
 )
+from recognition.matching.lone_face import LoneFace, lone_face
 from recognition.matching.loose import LooseConfig, cross_points, sigma_points
-from recognition.matching.one_face import OneFace, divided, rooms_of
+from recognition.matching.one_face import divided, rooms_of
 from recognition.matching.places import Places, places_of
 from recognition.matching.room import Lone, log_room
 from recognition.matching.span import but_for_turns, log_copies, same, spread_of
@@ -78,17 +79,7 @@ class Felt:
     tau: Floats  # (n,) [rad]
     shares: Floats  # (n,) what each counts for
     places: Places
-
-    @property
-    def middle(self) -> int:
-        """The contact in their midst."""
-        return int(np.argmin(np.linalg.norm(self.points - np.median(self.points, axis=0), axis=1)))
-
-    @property
-    def facing(self) -> Floats:
-        """(3,) unit mean of the normals."""
-        mean = self.normals.mean(axis=0)
-        return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-12))
+    lone: LoneFace | None  # where nothing but one flat face was felt
 
     @staticmethod
     def of(evidence: Evidence) -> Felt:
@@ -97,8 +88,9 @@ class Felt:
         felt = c.has_normal
         normals = np.ascontiguousarray(np.where(felt[:, None], c.normals, 0.0))
         sigma, tau = np.maximum(c.sigma, _EXACT[0]), np.maximum(c.normal_sigma, _EXACT[1])
-        places = places_of(c.points, normals, felt)
-        return Felt(np.ascontiguousarray(c.points), normals, felt, sigma, tau, evidence.shares, places)
+        lone = lone_face(c.points, normals, felt)
+        places = places_of(c.points, lone is None)
+        return Felt(np.ascontiguousarray(c.points), normals, felt, sigma, tau, evidence.shares, places, lone)
 
 
 def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
@@ -143,10 +135,9 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
         found.append(_Found(int(k), *_let_in(made, entry, target, evidence), log_volume))
     volumes, shares = [f.log_volume for f in found], [0.0] * len(found)
-    if not seen.places.anywhere:
+    if seen.lone is not None:
         rows = [f.row for f in found]
-        one = OneFace(seen.points[seen.middle], seen.facing)
-        rooms = rooms_of(one, entry, target, done.poses[rows], known[rows])
+        rooms = rooms_of(seen.lone, entry, target, done.poses[rows], known[rows])
         volumes, shares = divided(volumes, rooms, log_share)
     modes: list[Mode] = []
     for f, log_volume, share in zip(found, volumes, shares, strict=True):
@@ -184,7 +175,7 @@ def _behind(entry: Entry, target: Target, poses: Floats, seen: Felt, scale: floa
 
 def _in_the_middle(seen: Felt, scale: float, turn: float) -> Lone:
     """The contact whose face tells how far a loose pose may go."""
-    row = seen.middle
+    row = int(np.argmin(np.linalg.norm(seen.points - np.median(seen.points, axis=0), axis=1)))
     told = bool(seen.felt[row])
     return Lone(seen.points[row], seen.normals[row], told, scale * seen.sigma[row], turn * seen.tau[row])
 

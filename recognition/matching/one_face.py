@@ -14,7 +14,6 @@ object that has such a face only the share of that in its surface is told (our d
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +22,7 @@ from scipy.special import logsumexp
 from models.library import Entry
 from primitives.arrays import Floats
 from recognition.matching.flats import Flat, flats_of
+from recognition.matching.lone_face import LoneFace
 from recognition.matching.span import bounds
 from recognition.matching.target import Target, gap
 
@@ -32,34 +32,29 @@ _GAPS = 3.0  # and between samples, of a contact from the nearest of its samples
 _SAME = 0.01  # of the object's size, and of a unit vector, within which faces are one
 
 
-@dataclass(frozen=True)
-class OneFace:
-    """What lies on one flat face: a contact of it, and the normals' mean."""
+def face_under(one: LoneFace, found: Floats, flats: tuple[Flat, ...], near: float) -> tuple[int, bool] | None:
+    """Which flat face lies there at a (3, 4) pose object_from_world, and whether it looks the same way; or None.
 
-    point: Floats  # (3,) [mm]
-    facing: Floats  # (3,) unit
-
-    def under(self, found: Floats, flats: tuple[Flat, ...], near: float) -> int | None:
-        """Which flat face it lies on at a (3, 4) pose object_from_world; None where it is none of them.
-
-        `near` [mm] is how far samples are apart.
-        """
-        point, facing = found[:, :3] @ self.point + found[:, 3], found[:, :3] @ self.facing
-        best, least = None, _GAPS * near
-        for k, flat in enumerate(flats):
-            height = float(flat.axes[:, 2] @ (point - flat.middle))
-            if abs(height) > _OFF or float(flat.axes[:, 2] @ facing) < np.cos(_LYING):
-                continue
-            away = float(np.linalg.norm(flat.points - point, axis=1).min())
-            if away < least:
-                best, least = k, away
-        return best
+    `near` [mm] is how far samples are apart.
+    """
+    point, facing = found[:, :3] @ one.point + found[:, 3], found[:, :3] @ one.facing
+    best: tuple[int, bool] | None = None
+    least = _GAPS * near
+    for k, flat in enumerate(flats):
+        along = float(flat.axes[:, 2] @ facing)
+        height = float(flat.axes[:, 2] @ (point - flat.middle))
+        if abs(height) > _OFF or (along if one.signed else abs(along)) < np.cos(_LYING):
+            continue
+        away = float(np.linalg.norm(flat.points - point, axis=1).min())
+        if away < least:
+            best, least = (k, along > 0.0), away
+    return best
 
 
 class Room(NamedTuple):
     """What a face has for one contact."""
 
-    face: int  # the first of those that are alike
+    face: tuple[int, bool]  # the first of those that are alike, and whether contacts look out of it
     log_volume: float
 
 
@@ -96,20 +91,21 @@ def orbits(entry: Entry, flats: tuple[Flat, ...], size: float) -> list[tuple[int
     return found
 
 
-def rooms_of(one: OneFace, entry: Entry, target: Target, poses: Floats, known: Floats) -> list[Room | None]:
-    """The rooms of the faces that (k, 3, 4) poses object_from_world lay it on; None where that is no flat one.
+def rooms_of(one: LoneFace, entry: Entry, target: Target, poses: Floats, known: Floats) -> list[Room | None]:
+    """The rooms of the faces that lie there at (k, 3, 4) poses object_from_world; None where that is no flat one.
 
     `known` (k, 6, 6) is what all contacts tell of (v [mm], w [rad]) there, in the object's frame.
     """
     flats = flats_of(entry)
     alike, rooms = orbits(entry, flats, target.size), list[Room | None]()
     for at, information in zip(poses, known, strict=True):
-        face = one.under(at, flats, gap(target))
-        if face is None:
+        under = face_under(one, at, flats, gap(target))
+        if under is None:
             rooms.append(None)
             continue
+        face, out = under
         first, copies = alike[face]
-        rooms.append(Room(first, log_room(flats[face], copies, information + bounds(target))))
+        rooms.append(Room((first, out), log_room(flats[face], copies, information + bounds(target))))
     return rooms
 
 

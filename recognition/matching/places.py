@@ -23,8 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from primitives.arrays import Bools, Floats, frozen
-from recognition.matching.contact_pairs import MANY, of_one_face
+from primitives.arrays import Floats, frozen
 
 _WIDTHS = (0.6, 0.2, 0.06)  # of the contacts' root mean square distance from their middle
 _LEAST = 0.5  # [mm] of a width
@@ -53,9 +52,8 @@ class Places(NamedTuple):
         return most + float(np.log(self.weights @ np.exp(each - most)))
 
 
-def places_of(points: Floats, normals: Floats, felt: Bools) -> Places:
-    """Of (n, 3) points [mm], in the order in which they were felt, and their normals where they were `felt`."""
-    anywhere = len(points) < MANY or not of_one_face(normals, felt)
+def places_of(points: Floats, anywhere: bool = True) -> Places:
+    """Of (n, 3) points [mm], in the order in which they were felt; `anywhere`: not all on one flat face."""
     return Places(_local(points), *_shares(), anywhere)
 
 

@@ -13,6 +13,7 @@ from primitives.arrays import Floats
 from primitives.pose import quaternion_wxyz
 from recognition.matching import Belief, Evidence, Hypothesis
 from recognition.matching.belief import UNKNOWN
+from recognition.matching.lone_face import lone_face
 from recognition.matching.next_touch import Choice
 
 _LEAST = 1e-4  # a candidate less probable than this is not told, unless it is the best of its object
@@ -113,8 +114,20 @@ def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
         said.append(f"{have} no normal; with normals far fewer contacts are enough")
     said += facing_of(belief)
     if belief.confidence < 0.95:
+        said += _of_one_face(evidence)
         said.append(f"not sure: {belief.decision} has {_percent(belief.confidence)}; {_advice(belief)}")
     return said
+
+
+def _of_one_face(evidence: Evidence) -> list[str]:
+    """Why many contacts may tell little."""
+    c = evidence.contacts
+    if lone_face(c.points, c.normals, c.has_normal) is None:
+        return []
+    return [
+        f"all {len(c)} contacts lie on one flat face, which says little of the rest of an object; "
+        "touch other sides"
+    ]
 
 
 def facing_of(belief: Belief) -> list[str]:

@@ -139,3 +139,15 @@ def test_contacts_in_another_unit_are_told_from_contacts_in_mm(scale, warned):
     said = other_unit(Evidence(Contacts.of(scale * corners)), cube, ["cube"])
     assert bool(said) == warned
     assert not other_unit(Evidence(Contacts.of(scale * corners[:4])), cube, ["cube"])
+
+
+def test_contacts_of_one_face_alone_are_told_where_they_leave_it_open():
+    rng = np.random.default_rng(0)
+    flat = np.column_stack([rng.uniform(-20, 20, (12, 2)), np.zeros(12)])
+    doubtful, sure = (Belief((), {"bored": p, "bracket": 1.0 - p}) for p in (0.6, 0.99))
+    for normals in (None, np.tile([0.0, 0.0, 1.0], (12, 1))):
+        evidence = Evidence(Contacts.of(flat, normals, 0.3))
+        assert sum("one flat face" in line for line in warnings_of(doubtful, evidence)) == 1
+        assert not any("one flat face" in line for line in warnings_of(sure, evidence))
+    solid = Evidence(Contacts.of(flat + rng.normal(size=(12, 3)) * [0, 0, 15.0], None, 0.3))
+    assert not any("one flat face" in line for line in warnings_of(doubtful, solid))
