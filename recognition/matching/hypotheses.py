@@ -88,7 +88,7 @@ def begin(contacts: Contacts, config: SearchConfig, sigma: float, told: bool = T
     pairs = telling_pairs(points, normals, shown, many)
     normal_sigma = float(np.median(contacts.normal_sigma[felt])) if felt.any() else 0.1
     judged = np.ascontiguousarray(contacts.points[order]), whole[order], felt[order]
-    lone, few = lone_face(contacts.points, whole, felt), (points, normals, shown)
+    lone, few = lone_face(contacts.points, whole, felt, sigma if told else 0.0), (points, normals, shown)
     crowd = config.crowd if lone is not None or of_one_face(normals, shown) else config.kept_blind
     return Begun(*judged, few, pairs, sigma, normal_sigma, len(contacts), told, crowd, lone)
 

@@ -88,7 +88,7 @@ class Felt:
         felt = c.has_normal
         normals = np.ascontiguousarray(np.where(felt[:, None], c.normals, 0.0))
         sigma, tau = np.maximum(c.sigma, _EXACT[0]), np.maximum(c.normal_sigma, _EXACT[1])
-        lone = lone_face(c.points, normals, felt)
+        lone = lone_face(c.points, normals, felt, float(np.median(sigma)) if evidence.scale_known else 0.0)
         places = places_of(c.points, lone is None)
         return Felt(np.ascontiguousarray(c.points), normals, felt, sigma, tau, evidence.shares, places, lone)
 

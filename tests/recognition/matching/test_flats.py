@@ -120,3 +120,8 @@ def test_contacts_in_a_plane_are_of_one_face_with_normals_and_without():
     assert lone_face(flat[:4], up[:4], yes[:4]) is None
     assert lone_face(flat, rng.normal(size=(30, 3)), yes) is None
     assert lone_face(flat + rng.normal(size=(30, 3)) * [0, 0, 8.0], up, no) is None
+    small = flat * [0.4, 0.15, 1.0]  # whose noise is a sixth of its breadth
+    assert lone_face(small, up, no) is None
+    assert not lone_face(small, up, no, 0.3).signed
+    line = flat * [1.0, 0.0, 1.0] + 0.3 * rng.normal(size=(30, 3)) * [0.0, 1.0, 0.0]
+    assert lone_face(line, up, no, 0.3) is None  # it lies in many planes
