@@ -11,11 +11,12 @@ import numpy as np
 
 from exploration.control.feel import FeelConfig, Felt, NotTouching, feel
 from exploration.devices.guard import Observation
-from exploration.sensing.contacts import contacts_of
+from exploration.sensing.contacts import contacts_of, slid
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.surfaces.domed_patch import domed_patch
 from exploration.sensing.surfaces.flat_patch import flat_patch
 from exploration.sensing.surfaces.local_surface import LocalSurface
+from exploration.sensing.surfaces.midline import Midline
 from exploration.sensing.touch import perceive
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats, frozen
@@ -31,6 +32,8 @@ class TrustConfig:
     area: float = 15.0  # [response widths^2] in contact
     flat_area: float = 38.0  # [response widths^2] in contact, where the surface is taken for flat
     slender: float = 4.0  # [response widths] across, a flat face may be an edge of two faces that fall off
+    crown: float = 6.0  # [response widths] the same of a strip that bends, which may be the crown of a ring
+    straight: float = 0.96  # of a strip's width over that of its places, from which it does not bend
     slanting: tuple[float, float] = (
         0.08,
         5.0,
@@ -81,13 +84,23 @@ def keep(
             strip = what.kinds["curved"] < trust.round and bool(what.kinds["corner"] + what.kinds["ridge"])
             if strip or float(surface.principal[0][0]) > trust.narrow:
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
-        elif _width(surface, seen.image) < trust.slender:
-            floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
+        else:
+            middle = Midline.of(surface.mask, seen.image.array)
+            bends = middle.drawn_in < trust.straight
+            found = _along(middle, found, seen.world_from_sensor) if bends else found
+            if _width(surface, seen.image) < (trust.crown if bends else trust.slender):
+                floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
         found = _patch(seen, where, trust)
     if len(found):
         sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
         kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
+
+
+def _along(middle: Midline, contacts: Contacts, pose: Floats) -> Contacts:
+    """Contacts of a flat strip that bends, along it: straight ones lie where nothing was felt."""
+    places = se3.transform_points(se3.inverse(pose), contacts.points)[:, :2]
+    return slid(contacts, middle.bent(places), pose)
 
 
 def _patch(seen: Observation, where: tuple[Floats, int, int, int], trust: TrustConfig) -> Contacts:
@@ -132,16 +145,15 @@ def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> 
         room = np.array([image.array.x[-1] - trust.border * px, image.array.y[-1] - trust.border * py])
         inside = bool((np.abs(surface.point[:2]) < room).all())
         return inside and not sharp and _misfit(surface) < trust.curved_misfit and area >= trust.area
+    if _misfit(surface) >= trust.misfit or area < trust.flat_area:
+        return False
     tilt, slender = trust.slanting
-    slanting = float(np.hypot(*surface.normal[:2])) > tilt and _width(surface, image) < slender
-    return _misfit(surface) < trust.misfit and area >= trust.flat_area and not slanting
+    return float(np.hypot(*surface.normal[:2])) <= tilt or _width(surface, image) >= slender
 
 
 def _width(surface: LocalSurface, image: TactileImage) -> float:
-    """[response widths] of what is touched, across its longer extent."""
-    rows, columns = np.nonzero(surface.mask)
-    places = np.stack([image.array.x[columns], image.array.y[rows]])
-    width = np.sqrt(12.0 * np.linalg.eigvalsh(np.cov(places))[0])
+    """[response widths] of what is touched, across its longer extent, which may bend."""
+    width = Midline.of(surface.mask, image.array).width
     return float(width / np.sqrt(_taxels_of_a_width(image) * np.prod(image.array.pitch)))
 
 

@@ -8,13 +8,16 @@ normals come from that same fit: each is given twice the gradient's sigma, so th
 more and no oftener; whoever fits positions and normals of a flat patch at once counts its tilt twice.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from exploration.sensing.surfaces.in_world import in_world
 from exploration.sensing.surfaces.local_surface import LocalSurface, NoSurface
 from exploration.sensing.touch import Touch
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
+from primitives.pose import inverse, transform_points
 
 
 def contacts_of(
@@ -40,6 +43,15 @@ def contacts_of(
         stroke_id,
         sensor_index,
     )
+
+
+def slid(contacts: Contacts, to: Floats, world_from_sensor: Floats) -> Contacts:
+    """Contacts with normals, each moved within its own plane to an (n, 2) place [mm] of the pad."""
+    local = transform_points(inverse(world_from_sensor), contacts.points)
+    normals = contacts.normals @ world_from_sensor[:3, :3]
+    height = local[:, 2] - ((to - local[:, :2]) * normals[:, :2]).sum(axis=1) / normals[:, 2]
+    moved = transform_points(world_from_sensor, np.column_stack([to, height]))
+    return replace(contacts, points=frozen(moved))
 
 
 def _design(surface: LocalSurface) -> tuple[Floats, Floats, Floats]:

@@ -7,7 +7,7 @@ over every taxel that felt nothing while its neighbors did (our derivation).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.ndimage import uniform_filter
@@ -23,6 +23,7 @@ from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, ends_by_curving, sight
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.planning.known.swept import Swept, behind_skin, over_free_taxels
+from exploration.sensing.contacts import slid
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
 from primitives.arrays import Floats, frozen
@@ -170,12 +171,8 @@ def _on_touched(contacts: Contacts, seen: Observation, felt: Felt) -> Contacts:
         return contacts
     taxels = np.column_stack([seen.image.array.x[columns], seen.image.array.y[rows]])
     local = se3.transform_points(se3.inverse(seen.world_from_sensor), contacts.points)
-    normals = contacts.normals @ seen.world_from_sensor[:3, :3]
     nearest = np.linalg.norm(taxels[None] - local[:, None, :2], axis=2).argmin(axis=1)
-    shift = taxels[nearest] - local[:, :2]
-    height = local[:, 2] - (shift * normals[:, :2]).sum(axis=1) / normals[:, 2]
-    moved = np.column_stack([taxels[nearest], height])
-    return replace(contacts, points=frozen(se3.transform_points(seen.world_from_sensor, moved)))
+    return slid(contacts, taxels[nearest], seen.world_from_sensor)
 
 
 def _bare_point(seen: Observation, touch: int, stroke: int, config: LoneTouchConfig) -> Contacts:

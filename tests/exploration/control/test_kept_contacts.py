@@ -11,7 +11,7 @@ from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Csg, Cube, Cylinder, Prism
+from models.csg import Csg, Cube, Cylinder, Prism, Torus
 from models.solid import Solid
 from primitives import pose as se3
 
@@ -65,3 +65,21 @@ def test_a_blunt_edge_is_hardly_trusted_as_a_narrow_face(lean):
     roof = Prism(gable, 60.0).turned("x", np.pi / 2).turned("z", np.pi / 2).turned("x", lean)
     off, sigma, _ = errors(roof, 0.0, 8)
     assert np.sqrt(np.mean((off / sigma) ** 2)) < 1.3
+
+
+def test_the_crown_of_a_ring_yields_contacts_on_the_ring_and_not_inside_its_bend():
+    spec = load_sensor("lts210")
+    solid, rng = Solid.from_csg(Torus(35.0, 7.0)), np.random.default_rng(3)
+    off, sigma = [], []
+    for _ in range(8):
+        turn = se3.rotation_exp([0.0, 0.0, rng.uniform(0.0, np.pi)]) @ DOWN
+        start = se3.pose(turn, [35.0 - rng.uniform(0.0, 3.0), rng.uniform(-1.0, 1.0), 6.6])
+        stage, arrays = simulate(solid, [spec], rng, start_pose=start)
+        kept = []
+        keep(dwell(Guard(stage, arrays, [Calibration.nominal(spec)]), 8), 1, 1, kept)
+        for contacts in kept:
+            off.extend(solid.signed_distance(contacts.points))
+            sigma.extend(contacts.sigma)
+    assert len(off) >= 8
+    assert np.abs(off).max() < 0.12
+    assert np.sqrt(np.mean(np.square(off) / np.square(sigma))) < 1.5
