@@ -73,13 +73,22 @@ class RimWalls:
             for along in (rim.tangent, rim.outward):
                 if not self.reach.touch(se3.pose(pad.attitude(rim.normal, along), at), give):
                     continue
-                for seen in pad.sightings():
-                    off = abs(float((seen.point - rim.point) @ rim.outward))
-                    if seen.outward @ rim.outward > self.config.alike and off < self.config.near:
-                        self.study.found.wall_rims.append((seen, face))
-                        return None, "looked at the rim of a wall that nothing has room to face"
-                return None, "no rim was made out"
+                seen = self._made_out(rim, pad.sightings()) or self._made_out(rim, pad.sightings_in_parts())
+                if seen is None:
+                    return None, "no rim was made out"
+                self.study.found.wall_rims.append((seen, face))
+                return None, "looked at the rim of a wall that nothing has room to face"
         return None, "no way led to a rim"
+
+    def _made_out(self, rim: Sighting, edges: Sequence[Sighting]) -> Sighting | None:
+        """The longest of the edges that were seen where a rim was guessed."""
+        there = [
+            seen
+            for seen in edges
+            if seen.outward @ rim.outward > self.config.alike
+            and abs(float((seen.point - rim.point) @ rim.outward)) < self.config.near
+        ]
+        return max(there, key=lambda seen: seen.length, default=None)
 
 
 def rim_walls(

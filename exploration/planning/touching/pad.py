@@ -22,6 +22,7 @@ from exploration.control.procedures.settle import SettleConfig, Unsettled
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface
+from exploration.control.windows import going_on, windows
 from exploration.devices.guard import Guard, Observation
 from exploration.planning.known.felt_free import FeltFree
 from exploration.planning.known.swept_cells import SweptCells
@@ -30,6 +31,7 @@ from exploration.planning.known.touched import Touched
 from exploration.planning.ways.routes import Tool
 from exploration.planning.ways.transit import Support, TransitConfig, box_supports, keeps_clear, way
 from exploration.sensing.lines.hough import sure_lines
+from exploration.sensing.lines.line import Line
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
@@ -44,6 +46,7 @@ class PadConfig:
 
     longest: float = 400.0  # [mm] of one stroke
     least_line: float = 4.0  # [mm] of a line that counts as an edge
+    part: float = 11.0  # [mm] either way, of what is looked at where the whole shows too much
     averaged: int = 8  # frames of a place that is studied
     back: float = 12.0  # [mm] from a touch that met nothing
     lift: float = 8.0  # [mm] before any travel
@@ -232,12 +235,21 @@ class Pad:
         felt = feel(seen.image)
         if not felt:
             return []
-        lines = [line for line in sure_lines(seen.image, 3) if line.length > self.config.least_line]
-        lines = [line for line in lines if not ends_by_curving(line, felt)]
+        lines = self._lines(seen, felt)
         found = [sight(line, seen) for line in lines]
         if heading is not None and not any(-line.inward @ heading > 0.4 for line in lines):
             found.append(brink(seen, felt, heading))
         return found
+
+    def sightings_in_parts(self) -> list[Sighting]:
+        """Straight edges that cross parts of the pad, where the whole shows more than can be told apart."""
+        parts = windows(dwell(self.guard, self.config.averaged), self.config.part)
+        felt_parts = [(part, felt) for part in parts if (felt := feel(part.image))]
+        return going_on([sight(line, part) for part, felt in felt_parts for line in self._lines(part, felt)])
+
+    def _lines(self, seen: Observation, felt: Felt) -> list[Line]:
+        lines = [line for line in sure_lines(seen.image, 3) if line.length > self.config.least_line]
+        return [line for line in lines if not ends_by_curving(line, felt)]
 
     def _watch(self, seen: Observation) -> None:
         """Note where the array is, and what the skin leaves free, every few mm of whatever it does in contact."""
