@@ -21,6 +21,7 @@ from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.inferring.concluding import conclude
 from exploration.planning.moves.entering import Entering
+from exploration.planning.moves.ledges import Ledges
 from exploration.planning.moves.looking import Looking
 from exploration.planning.moves.nameless import Nameless
 from exploration.planning.moves.open_surface import OpenSurface
@@ -75,6 +76,7 @@ class AnyForm:
         self._open = OpenSurface(study, self.reach, config)
         self._entering = Entering(study, self.reach) if later else None
         self._slipped = Slipped(study, self.reach) if later else None
+        self._ledges = Ledges(study, self.reach) if later else None
         self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
         self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
         self._vain = 0
@@ -134,6 +136,8 @@ class AnyForm:
         if into := list(ways_in):
             return min(into, key=lambda item: _away(item[0], here))[1]
         if self._slipped and (move := self._slipped.next(self._open.alongs)) is not None:
+            return move
+        if self._ledges and (move := self._ledges.next(frontier.openings)) is not None:
             return move
         todo: list[tuple[float, Callable[[], Done]]] = []
         standing = [wall for wall in walls if not self._walls.given_up(wall.point)]

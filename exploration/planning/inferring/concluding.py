@@ -36,7 +36,6 @@ _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two oth
 _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
 _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
 _BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
-_BY_LEDGE = "a round hole is wider at one end; its ledge is taken for half way down"
 _BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the faces at its ends are not"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
@@ -87,14 +86,15 @@ def _holes(
     """Add the walls of the holes that rims are the ends of, the far ends perhaps only guessed; the rims left."""
     hollows = hollows_of(found.graph.faces)
     rims = [rim for rim in rims if not own_rim(rim, hollows)]
-    steps = stepped_holes(rims, guessed)
-    holes, left = holes_of([rim for rim in rims if all(rim is not step.rim for step in steps)], inside)
+    steps = stepped_holes(rims, guessed, found.stopped)
+    ends = [id(rim) for step in steps for rim in step.rims]
+    holes, left = holes_of([rim for rim in rims if id(rim) not in ends], inside)
     led = {id(rim): hole for rim in left if rim.measured and (hole := led_into(rim, hollows)) is not None}
-    for hole in (*holes, *(step.hole for step in steps), *led.values()):
+    for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
         _replace(found, hole.off)
         _add(found, hole.wall(), _BY_ENDS, "cylinder")
     for step in steps:
-        _set(found, step.ledge, _BY_LEDGE)
+        _set(found, step.contacts, step.why, step.kind)
     return [rim for rim in left if id(rim) not in led]
 
 
@@ -148,9 +148,9 @@ def _felt(face: Face) -> bool:
     return bool((face.contacts.touch != NOT_FELT).any())
 
 
-def _set(found: Findings, lot: Contacts, why: str) -> None:
-    """Add a plane of its own, which may be near another that looks its way and is none of it."""
-    made, number = fit("plane", lot), 1 + max((face.id for face in found.graph.faces), default=-1)
+def _set(found: Findings, lot: Contacts, why: str, kind: str) -> None:
+    """Add a face of its own, which may be near another that looks its way and is none of it."""
+    made, number = fit(kind, lot), 1 + max((face.id for face in found.graph.faces), default=-1)
     if isinstance(made, Fit):
         found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
         found.warnings.append(why)

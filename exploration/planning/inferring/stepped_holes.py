@@ -1,8 +1,10 @@
-"""Round holes whose two ends differ: counterbores, of which nothing is known but their rims.
+"""Round holes whose two ends differ: counterbores and countersinks.
 
-Two rims on opposite faces that share an axis are of one hole.  Where one is wider, the hole narrows somewhere
-between, most often at a flat ledge.  Where that lies nobody knows; half way is nearest to all that may be (our
-derivation).  The sigma of its contacts does not say how far off that may be, the warning beside the model does.
+Two rims on opposite faces that share an axis are of one hole.  Where one is wider, the hole narrows in between.
+What stopped an array there tells how: as deep wherever it was stopped, there is a flat ledge; the deeper the
+nearer to the axis, a cone that begins at the rim, of depth (R - rho) k.  Where nothing was felt it is most often
+a ledge, and half way down is nearest to all that may be (our derivation).  The sigma of its contacts does not say
+how far off that may be, the warning beside the model does.
 """
 
 from __future__ import annotations
@@ -13,68 +15,99 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exploration.planning.moves.round_holes import Hole
-from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.open.round_rims import RoundRim, far_end
+from exploration.planning.touching.findings import Stopped
+from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
+
+BY_GUESS = "a round hole is wider at one end; its ledge is taken for half way down"
+BY_TOUCH = "a round hole is wider at one end; its ledge is where an array was stopped"
+BY_SLOPE = "a round hole is wider at one end; it narrows as an array was stopped in it"
+_DOWN = (0.2, 0.5, 0.8)  # of a cone's depth, where its contacts are
 
 
 @dataclass(frozen=True)
 class SteppedHoleConfig:
-    """When two rims are of one hole."""
+    """What is made of where an array was stopped."""
 
-    opposed: float = 0.98  # least cosine between the axes of its ends
-    aside: float = 1.0  # [mm] of one end's center from the other's axis
-    wider: float = 1.0  # [mm] between their radii, at least
+    level: float = 0.7  # [mm] between depths at which it was stopped, of one ledge
+    slope: float = 1.0  # [mm] from the axis, by which places at least differ that tell a slope
     sigma: float = 0.5  # [mm] at most: what is less sure would be taken for the face round the mouth
     normal_sigma: float = 0.05  # [rad]
 
 
 @dataclass(frozen=True)
 class SteppedHole:
-    """The wide part of a hole, down to a ledge."""
+    """A hole that becomes narrower."""
 
-    rim: RoundRim  # its mouth
-    hole: Hole
-    ledge: Contacts  # nobody felt it
+    rims: tuple[RoundRim, RoundRim]  # its wide end, and the other
+    holes: tuple[Hole, ...]  # its upright parts
+    contacts: Contacts  # of what narrows it, which nobody lay on
+    kind: str  # of that: "plane" or "cone"
+    why: str
 
 
 def stepped_holes(
     rims: Sequence[RoundRim],
     guessed: Sequence[RoundRim] = (),
+    stopped: Sequence[Stopped] = (),
     config: SteppedHoleConfig = SteppedHoleConfig(),
 ) -> list[SteppedHole]:
-    """The wide end of every hole that becomes narrower; its far end may be one that is only guessed."""
+    """Every hole that becomes narrower; its far end may be one that is only guessed."""
     found = []
     for rim in rims:
-        behind = [other for other in (*rims, *guessed) if _narrows(rim, other, config)]
-        if not behind:
-            continue
-        other = min(behind, key=lambda b: float((rim.center - b.center) @ rim.axis))
-        far = float((rim.center - other.center) @ rim.axis)
-        hole = Hole(rim.center - 0.25 * far * rim.axis, rim.axis, rim.radius, 0.5 * far, rim.sigma)
-        middle = replace(
-            rim, center=rim.center - 0.5 * far * rim.axis, radius=0.5 * (rim.radius + other.radius)
-        )
-        places, _ = middle.places()
-        ledge = Contacts.of(
-            places,
-            np.tile(rim.axis, (len(places), 1)),
-            sigma=min(config.sigma, far / np.sqrt(12.0)),
-            normal_sigma=config.normal_sigma,
-            touch=NOT_FELT,
-        )
-        found.append(SteppedHole(rim, hole, ledge))
+        other = far_end(rim, [*rims, *guessed])
+        if other is not None:
+            own = np.array([(s.off, s.deep) for s in stopped if np.allclose(s.rim, rim.center)]).reshape(
+                -1, 2
+            )
+            found.append(_made(rim, other, own, config))
     return found
 
 
-def _narrows(rim: RoundRim, other: RoundRim, config: SteppedHoleConfig) -> bool:
-    """Whether another rim is the narrower, far end of a rim's hole."""
-    apart = rim.center - other.center
-    far = float(apart @ rim.axis)
-    aside = float(np.linalg.norm(apart - far * rim.axis))
-    return (
-        (rim.measured or other.measured)
-        and float(rim.axis @ other.axis) < -config.opposed
-        and far > 0.0
-        and aside < config.aside
-        and other.radius < rim.radius - config.wider
+def _made(rim: RoundRim, other: RoundRim, own: Floats, config: SteppedHoleConfig) -> SteppedHole:
+    far = float((rim.center - other.center) @ rim.axis)
+    own = own[(own[:, 1] > 0.0) & (own[:, 1] < far) & (own[:, 0] < rim.radius)]
+    if len(own) > 1 and np.ptp(own[:, 0]) > config.slope and np.ptp(own[:, 1]) > config.level:
+        return _countersunk(rim, other, far, own, config)
+    deep = float(np.median(own[:, 1])) if len(own) else 0.5 * far
+    wide = Hole(rim.center - 0.5 * deep * rim.axis, rim.axis, rim.radius, deep, rim.sigma)
+    middle = replace(rim, center=rim.center - deep * rim.axis, radius=0.5 * (rim.radius + other.radius))
+    places, _ = middle.places()
+    ledge = Contacts.of(
+        places,
+        np.tile(rim.axis, (len(places), 1)),
+        sigma=min(config.sigma, far / np.sqrt(12.0)),
+        normal_sigma=config.normal_sigma,
+        touch=NOT_FELT,
     )
+    holes = (wide, _narrow(rim, other, deep, far))
+    return SteppedHole((rim, other), holes, ledge, "plane", BY_TOUCH if len(own) else BY_GUESS)
+
+
+def _countersunk(
+    rim: RoundRim, other: RoundRim, far: float, own: Floats, config: SteppedHoleConfig
+) -> SteppedHole:
+    """The cone from the rim through the (n, 2) places off the axis and depths where an array was stopped."""
+    inward = rim.radius - own[:, 0]
+    slope = float(inward @ own[:, 1] / (inward @ inward))
+    wide = rim.radius - other.radius
+    deep = min(wide * slope, far)
+    ring, ways = rim.places()
+    looks = deep * -ways + wide * rim.axis
+    places = [ring - share * (wide * ways + deep * rim.axis) for share in _DOWN]
+    cone = Contacts.of(
+        np.concatenate(places),
+        np.tile(looks / np.hypot(deep, wide), (len(_DOWN), 1)),
+        sigma=min(config.sigma, far / np.sqrt(12.0)),
+        normal_sigma=config.normal_sigma,
+        touch=NOT_FELT,
+    )
+    holes = (_narrow(rim, other, deep, far),) if deep < far else ()
+    return SteppedHole((rim, other), holes, cone, "cone", BY_SLOPE)
+
+
+def _narrow(rim: RoundRim, other: RoundRim, deep: float, far: float) -> Hole:
+    """The narrow part, from some depth [mm] behind the wide rim to the other."""
+    middle = other.center + 0.5 * (far - deep) * rim.axis
+    return Hole(middle, rim.axis, other.radius, far - deep, other.sigma)

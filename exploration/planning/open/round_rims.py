@@ -10,6 +10,7 @@ its center and it was felt most of the way round.  How deep the opening is, nobo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,15 @@ class RoundRimConfig:
     around: float = 4.0  # [rad] of it that must have been felt
     inward: float = 0.8  # share of the ways out that must lead to the center
     largest: float = 60.0  # [mm] radius
+
+
+@dataclass(frozen=True)
+class NarrowsConfig:
+    """When two rims are the ends of one hole that narrows."""
+
+    opposed: float = 0.98  # least cosine between the axes of its ends
+    aside: float = 1.0  # [mm] of one end's center from the other's axis
+    wider: float = 1.0  # [mm] between their radii, at least
 
 
 @dataclass(frozen=True)
@@ -59,6 +69,27 @@ class RoundRim:
             f"a round opening of radius about {self.radius:.0f} mm at ({x:.1f}, {y:.1f}, {z:.1f}) mm "
             "has no room for the array; how deep it is, is unknown"
         )
+
+
+def far_end(
+    rim: RoundRim, others: Sequence[RoundRim], config: NarrowsConfig = NarrowsConfig()
+) -> RoundRim | None:
+    """Of other rims the narrower one that a rim's hole ends at: the farthest behind it."""
+    behind = [other for other in others if _narrows(rim, other, config)]
+    return max(behind, key=lambda other: float((rim.center - other.center) @ rim.axis), default=None)
+
+
+def _narrows(rim: RoundRim, other: RoundRim, config: NarrowsConfig) -> bool:
+    apart = rim.center - other.center
+    far = float(apart @ rim.axis)
+    aside = float(np.linalg.norm(apart - far * rim.axis))
+    return (
+        (rim.measured or other.measured)
+        and float(rim.axis @ other.axis) < -config.opposed
+        and far > 0.0
+        and aside < config.aside
+        and other.radius < rim.radius - config.wider
+    )
 
 
 def round_rim(

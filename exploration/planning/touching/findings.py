@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -48,6 +49,14 @@ class ExplorerConfig:
         return cost.touches >= self.max_touches or cost.seconds >= 60.0 * self.max_minutes
 
 
+class Stopped(NamedTuple):
+    """What came down in a round hole, and where it was stopped."""
+
+    rim: Floats  # (3,) [mm] center of the hole's rim
+    off: float  # [mm] from its axis
+    deep: float  # [mm] behind it
+
+
 @dataclass
 class Findings:
     """What exploration has so far; read it whenever the generator yields."""
@@ -57,6 +66,7 @@ class Findings:
     inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] that an array was in
     rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
     refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
+    stopped: list[Stopped] = field(default_factory=list)  # in holes that narrow
     wall_rims: list[tuple[Sighting, int]] = field(default_factory=list)  # others looked at, and their face
     openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex

@@ -1,12 +1,15 @@
-"""Counterbores of which the two rims are all that is known."""
+"""Counterbores and countersinks of which the two rims are known, and perhaps what stopped an array in them."""
 
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from exploration.planning.inferring.stepped_holes import stepped_holes
+from exploration.planning.inferring.stepped_holes import BY_GUESS, BY_SLOPE, BY_TOUCH, stepped_holes
 from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.touching.findings import Stopped
 from primitives.evidence import NOT_FELT
+from primitives.fit import Fit, fit
 
 UP = np.array([0.0, 0.0, 1.0])
 TOP = RoundRim(np.array([3.0, 1.0, 12.0]), UP, 15.0, 0.02, 0, measured=True)
@@ -15,16 +18,49 @@ BOTTOM = RoundRim(np.array([3.1, 1.0, 0.0]), -UP, 9.0, 0.02, 1, measured=True)
 
 def test_a_hole_that_is_wider_on_top_has_a_ledge_half_way_down():
     (step,) = stepped_holes([BOTTOM, TOP])
-    assert step.rim is TOP
-    assert step.hole.radius == 15.0
-    assert step.hole.holds(np.array([[16.0, 1.0, 7.0]])).all()
-    assert not step.hole.holds(np.array([[16.0, 1.0, 4.0]])).any()
-    ledge = step.ledge
+    wide, narrow = step.holes
+    assert step.rims == (TOP, BOTTOM)
+    assert wide.radius == 15.0
+    assert wide.holds(np.array([[16.0, 1.0, 7.0]])).all()
+    assert not wide.holds(np.array([[16.0, 1.0, 4.0]])).any()
+    assert (narrow.radius, narrow.depth) == (9.0, 6.0)
+    ledge = step.contacts
     assert np.allclose(ledge.points[:, 2], 6.0)
     assert np.allclose(ledge.normals, UP)
     assert (ledge.touch == NOT_FELT).all()
     away = np.hypot(ledge.points[:, 0] - 3.0, ledge.points[:, 1] - 1.0)
     assert 9.0 < away.min() <= away.max() < 15.0
+    assert step.why == BY_GUESS
+
+
+def test_the_ledge_is_where_an_array_was_stopped():
+    stopped = [Stopped(TOP.center, 13.0, 3.1), Stopped(TOP.center, 10.6, 2.9)]
+    (step,) = stepped_holes([BOTTOM, TOP], stopped=stopped)
+    wide, narrow = step.holes
+    assert wide.depth == pytest.approx(3.0)
+    assert narrow.middle[2] == pytest.approx(4.5)
+    assert np.allclose(step.contacts.points[:, 2], 9.0)
+    assert (step.kind, step.why) == ("plane", BY_TOUCH)
+
+
+@pytest.mark.parametrize("slope", [0.6, 1.0, 1.4])
+def test_what_is_deeper_nearer_to_the_axis_is_a_cone_from_the_rim(slope):
+    stopped = [Stopped(TOP.center, off, slope * (TOP.radius - off)) for off in (13.5, 11.0)]
+    (step,) = stepped_holes([BOTTOM, TOP], stopped=stopped)
+    (narrow,) = step.holes
+    assert narrow.depth == pytest.approx(12.0 - slope * 6.0)
+    made = fit(step.kind, step.contacts)
+    assert isinstance(made, Fit)
+    assert not made.convex
+    assert made.shape.semi_angle == pytest.approx(np.arctan(1.0 / slope), abs=0.02)
+    assert abs(made.shape.signed_distance(np.array([[18.0, 1.0, 12.0]]))[0]) < 0.05
+    assert step.why == BY_SLOPE
+
+
+def test_what_was_met_behind_the_far_end_or_in_another_hole_tells_nothing():
+    stopped = [Stopped(TOP.center, 13.0, 12.5), Stopped(BOTTOM.center, 8.0, 3.0)]
+    (step,) = stepped_holes([BOTTOM, TOP], stopped=stopped)
+    assert step.why == BY_GUESS
 
 
 def test_rims_alike_beside_each_other_or_only_guessed_make_no_step():

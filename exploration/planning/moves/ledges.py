@@ -1,0 +1,86 @@
+"""Feeling how a round hole narrows: a small array comes down in it beside its axis, where its wide end has room.
+
+What stops it is a ledge, as deep wherever it is met, or a slope, the deeper the nearer to the axis; so it comes
+down at two distances.  An array half over a ledge feels no face, but where it was stopped it feels well enough
+(our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from exploration.control.procedures.approach import ApproachConfig, advance
+from exploration.control.procedures.land import strongest
+from exploration.control.procedures.tare import tare
+from exploration.planning.open.round_rims import RoundRim, far_end
+from exploration.planning.touching.findings import Attempts, Done, Stopped
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from primitives import pose as se3
+from primitives.arrays import Floats
+
+
+@dataclass(frozen=True)
+class LedgesConfig:
+    """Where an array comes down."""
+
+    clear: float = 0.8  # [mm] between its housing and the rim
+    covers: float = 1.5  # [mm] of the ledge, at least, that its skin must reach over
+    nearer: float = 2.5  # [mm] to the axis, of the second time
+    before: float = 4.0  # [mm] over the mouth, from where it comes
+    ways: int = 8  # round the axis, that are looked at for room
+    beside: float = 4.0  # [mm] between rims that are tried as one
+    past: float = 2.0  # [mm] behind the far end
+
+
+class Ledges:
+    """The holes of one exploration that are wider at one end."""
+
+    def __init__(self, study: Study, reach: Reach, config: LedgesConfig = LedgesConfig()) -> None:
+        self.study, self.reach, self.config = study, reach, config
+        self._tried = Attempts(1, config.beside)
+
+    def next(self, guessed: Sequence[RoundRim]) -> Callable[[], Done] | None:
+        """A hole that was not felt yet; the far end of one may be only `guessed`."""
+        rims = self.study.found.rims
+        for rim in rims:
+            other = far_end(rim, [*rims, *guessed])
+            if other is not None and not self._tried.given_up(rim.center):
+                return partial(self._feel, rim, other)
+        return None
+
+    def _feel(self, rim: RoundRim, other: RoundRim) -> Done:
+        self._tried.note(rim.center)
+        far = float((rim.center - other.center) @ rim.axis)
+        met = 0
+        for aside in self._asides(rim, other):
+            met += any(self._down(rim, far, aside, way) for way in rim.places(self.config.ways)[1])
+        return None, "felt where a hole narrows" if met else "felt nothing in a hole that narrows"
+
+    def _asides(self, rim: RoundRim, other: RoundRim) -> list[float]:
+        """[mm] from the axis, where the array has room and reaches over what narrows the hole."""
+        long, wide = self.study.pad.tool.high[:2]
+        most = float(np.sqrt(max((rim.radius - self.config.clear) ** 2 - wide**2, 0.0)) - long)
+        least = other.radius + self.config.covers - 0.5 * self.study.pad.size[0]
+        return [aside for aside in (most, most - self.config.nearer) if aside > max(least, 0.0)]
+
+    def _down(self, rim: RoundRim, far: float, aside: float, way: Floats) -> bool:
+        """Come down beside the axis along a (3,) way from it; whether anything stopped the array."""
+        pad, down = self.study.pad, -rim.axis
+        over = se3.pose(se3.frame_along(down, way), rim.center + aside * way + self.config.before * rim.axis)
+        if not self.reach.with_room([over]) or not self.reach.go(over):
+            return False
+        pad.count_touch()
+        tare(pad.guard)
+        seen = advance(pad.guard, down, self.config.before + far + self.config.past, ApproachConfig().speed)
+        if seen is not None:
+            at = se3.transform_points(seen.world_from_sensor, np.array([[*strongest(seen.image), 0.0]]))[0]
+            deep = float((rim.center - at) @ rim.axis)
+            off = float(np.linalg.norm(at - rim.center + deep * rim.axis))
+            self.study.found.stopped.append(Stopped(rim.center, off, deep))
+        pad.guard.go_to(over)
+        return seen is not None

@@ -1,0 +1,69 @@
+"""A small array finds out how a hole narrows that it has room in beside the axis."""
+
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.faces.attribution import AttributionConfig
+from exploration.planning.moves.ledges import Ledges
+from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.pad import Pad
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.routes import Tool
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.csg import Cone, Cube, Cylinder
+from models.solid import Solid
+from primitives import pose as se3
+
+UP = np.array([0.0, 0.0, 1.0])
+SPECS = [load_sensor("fingertip")]
+BOX = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
+PLATE = Cube((80.0, 60.0, 14.0)) - Cylinder(6.0, 30.0)
+WIDE = RoundRim(np.array([0.0, 0.0, 7.0]), UP, 13.0, 0.02, 0, measured=True)
+FAR = RoundRim(np.array([0.0, 0.0, -7.0]), -UP, 6.0, 0.02, 1, measured=True)
+
+
+def explored(tree, rims):
+    solid, high = Solid.from_csg(tree), se3.pose(se3.frame_along(-UP), [0.0, 0.0, 60.0])
+    stage, arrays = simulate(solid, SPECS, np.random.default_rng(0), start_pose=high)
+    guard = Guard(stage, arrays, [Calibration.nominal(spec) for spec in SPECS])
+    tools = Tool.each(SPECS, [array.flange_from_sensor for array in arrays])
+    pad = Pad(guard, BOX, lambda kind, detail: None, tools=tools)
+    study = Study(pad, Findings(hollow=True, rims=list(rims)), AttributionConfig(convex=False))
+    return Ledges(study, Reach(pad)), study.found
+
+
+@pytest.mark.parametrize("deep", [3.0, 9.0])
+def test_it_is_stopped_as_deep_twice_by_a_ledge(deep):
+    ledges, found = explored(PLATE - Cylinder(13.0, 20.0).at(0.0, 0.0, 17.0 - deep), [WIDE, FAR])
+    move = ledges.next([])
+    assert move is not None
+    move()
+    assert len(found.stopped) == 2
+    assert np.allclose([stop.deep for stop in found.stopped], deep, atol=0.5)
+    assert ledges.next([]) is None
+
+
+def test_it_is_stopped_deeper_nearer_to_the_axis_by_a_slope():
+    sink = Cone(0.0, 13.0, 13.0).at(0.0, 0.0, 0.5)
+    ledges, found = explored(PLATE - sink, [WIDE, FAR])
+    ledges.next([])()
+    outer, inner = found.stopped
+    assert outer.off - inner.off == pytest.approx(2.5, abs=0.6)
+    for stop in found.stopped:
+        assert stop.deep == pytest.approx(13.0 - stop.off, abs=1.6)
+    assert inner.deep - outer.deep > 1.5
+
+
+def test_a_straight_hole_or_one_without_room_is_left_alone():
+    assert explored(PLATE, [FAR])[0].next([]) is None
+    tight = RoundRim(WIDE.center, UP, 5.0, 0.02, 0, measured=True)
+    thin = RoundRim(FAR.center, -UP, 2.0, 0.02, 1, measured=True)
+    ledges, found = explored(PLATE, [tight, thin])
+    move = ledges.next([])
+    assert move is None or move()[0] is None
+    assert found.stopped == []
