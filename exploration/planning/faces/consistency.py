@@ -118,12 +118,14 @@ def _broad(face: Face) -> bool:
 def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
     """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner.
 
-    They scatter by more than `most` [mm] rms.  A sound face may have strays, but most of its contacts lie on it.
+    They scatter by more than `most` [mm] rms, each counting as it is sure.  A sound face may have strays, but most
+    of its contacts lie on it.
     """
     for face in graph.faces:
-        if isinstance(face.fit, Fit) and len(face.contacts) < _FEW and face.fit.rms > most:
+        if isinstance(face.fit, Fit) and 0 < len(face.contacts) < _FEW:
             off = np.abs(face.fit.shape.signed_distance(face.contacts.points))
-            if len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most:
+            scatter = float(np.sqrt(np.average(off**2, weights=face.contacts.sigma**-2.0)))
+            if scatter > most and (len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most):
                 graph = _without(graph, face.id)
     return graph
 

@@ -30,3 +30,13 @@ def test_few_scattered_contacts_are_no_face_and_a_few_strays_do_not_undo_one(off
     graph = flat(off)
     assert graph.faces[0].fit.rms > 0.05
     assert bool(drop_poor(graph).faces) == stays
+
+
+def test_contacts_that_are_unsure_of_themselves_do_not_make_a_face_poor():
+    off = np.array([0.01, -0.02, 0.01, 0.02, -0.01, 0.9, -0.8, 0.7])
+    points = np.column_stack([np.arange(8.0), np.arange(8.0)[::-1] ** 2 / 7.0, off])
+    sigma = np.array([0.02] * 5 + [0.8] * 3)
+    contacts = Contacts.of(points, np.tile([0.0, 0.0, 1.0], (8, 1)), sigma, 0.02)
+    assert drop_poor(PatchGraph((Face(0, fit("plane", contacts), contacts),), ()), 0.15).faces
+    sure = Contacts.of(points, np.tile([0.0, 0.0, 1.0], (8, 1)), 0.02, 0.02)
+    assert not drop_poor(PatchGraph((Face(0, fit("plane", sure), sure),), ()), 0.15).faces
