@@ -22,7 +22,7 @@ APART = 3.0  # [mm] along it, between the two
 
 
 def windows(seen: Observation, length: float) -> Iterator[Observation]:
-    """Rectangles of at most `length` mm either way, half overlapping, in rows; none but parts of the pad."""
+    """Rectangles of at most `length` mm either way, two thirds overlapping; none but parts of the pad."""
     image = seen.image
     rows, columns = (
         _spans(count, length / pitch)
@@ -60,5 +60,5 @@ def going_on(edges: Sequence[Sighting]) -> list[Sighting]:
 def _spans(count: int, most: float) -> list[tuple[int, int]]:
     """Begin and end of overlapping runs of taxels that cover `count` of them."""
     size = min(count, max(LEAST, int(most)))
-    starts = {*range(0, count - size, max(1, size // 2)), count - size}
+    starts = {*range(0, count - size, max(1, size // 3)), count - size}
     return [(start, start + size) for start in sorted(starts)]

@@ -73,12 +73,24 @@ class RimWalls:
             for along in (rim.tangent, rim.outward):
                 if not self.reach.touch(se3.pose(pad.attitude(rim.normal, along), at), give):
                     continue
-                seen = self._made_out(rim, pad.sightings()) or self._made_out(rim, pad.sightings_in_parts())
-                if seen is None:
-                    return None, "no rim was made out"
-                self.study.found.wall_rims.append((seen, face))
-                return None, "looked at the rim of a wall that nothing has room to face"
+                whole, parts = pad.sightings(), pad.sightings_in_parts()
+                seen = self._made_out(rim, whole) or self._made_out(rim, parts)
+                for edge in (*filter(None, [seen]), *sorted(parts, key=lambda edge: -edge.length)):
+                    self._keep(edge, face)
+                note = "looked at the rim of a wall that nothing has room to face"
+                return None, "no rim was made out" if seen is None else note
         return None, "no way led to a rim"
+
+    def _keep(self, edge: Sighting, face: int) -> None:
+        """Remember an edge that a look has shown, looked for or not, unless it was seen there before."""
+        rims = self.study.found.wall_rims
+        seen = [edge.point - rim.point for rim, own in rims if own == face and self._alike(edge, rim)]
+        if not any(np.linalg.norm(apart) < self.config.beside for apart in seen):
+            rims.append((edge, face))
+
+    def _alike(self, edge: Sighting, rim: Sighting) -> bool:
+        off = abs(float((edge.point - rim.point) @ rim.outward))
+        return bool(edge.outward @ rim.outward > self.config.alike and off < self.config.same)
 
     def _made_out(self, rim: Sighting, edges: Sequence[Sighting]) -> Sighting | None:
         """The longest of the edges that were seen where a rim was guessed."""
