@@ -25,7 +25,7 @@ from exploration.planning.moves.ledges import Ledges
 from exploration.planning.moves.looking import Looking
 from exploration.planning.moves.nameless import Nameless
 from exploration.planning.moves.open_surface import OpenSurface
-from exploration.planning.moves.rim_walls import RimWalls
+from exploration.planning.moves.rim_looks import RimLooks
 from exploration.planning.moves.round_holes import RoundHoles
 from exploration.planning.moves.slipped import Slipped
 from exploration.planning.moves.wall_facing import face_wall
@@ -77,7 +77,7 @@ class AnyForm:
         self._entering = Entering(study, self.reach) if later else None
         self._slipped = Slipped(study, self.reach) if later else None
         self._ledges = Ledges(study, self.reach) if later else None
-        self._holes, self._rim_walls = RoundHoles(study, self.reach), RimWalls(study, self.reach)
+        self._holes, self._rim_looks = RoundHoles(study, self.reach), RimLooks(study, self.reach)
         self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
         self._vain = 0
         self._looking = Looking(study, self.reach)
@@ -156,7 +156,7 @@ class AnyForm:
             openings = frontier.openings
             round_ = [opening for opening in openings if not self._refuted(opening)]
             straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in round_)]
-            return self._looking.next() or self._holes.next(openings) or self._rim_walls.next(straight)
+            return self._looking.next() or self._holes.next(openings) or self._rim_looks.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None
 
     def _own_faces(self) -> list[int]:

@@ -11,19 +11,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_poor, flattened
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
+from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.inferring.uprighted import uprighted
-from exploration.planning.moves.rim_walls import SeenRim, rim_walls, upright_walls
-from exploration.planning.moves.round_holes import holes_of
+from exploration.planning.moves.round_holes import Hole, holes_of
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
-from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
 from primitives.arrays import Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
@@ -42,6 +43,8 @@ _ALONG = 0.5  # most cosine between a rim and the way that the face behind it lo
 _ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
 _OFF = 3.0  # sigmas of theirs, that they lie off it at most
 _RIM = 1.5  # [mm] from the face that a rim is of
+_AROUND = 16.0  # [mm] round a hole, within which the face was felt that it comes out of
+_LIP = 2.5  # [mm] round a hole, where what looks like a straight edge is a part of its rim
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 
 
@@ -52,17 +55,24 @@ def conclude(
     found.graph = uprighted(drop_poor(flattened(found.graph)))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     found.rims = [rim for rim in found.rims if _is_on(rim.face, rim.center, rim.axis, found.graph.faces)]
-    found.wall_rims = [
-        (rim, own) for rim, own in found.wall_rims if _is_on(own, rim.point, rim.normal, found.graph.faces)
-    ]
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
+    holes = [*found.rims, *guessed]
+    found.wall_rims, found.glimpsed = (
+        [
+            (rim, own)
+            for rim, own in rims
+            if _is_on(own, rim.point, rim.normal, found.graph.faces)
+            and not any(_part_of(rim, hole) for hole in holes)
+        ]
+        for rims in (found.wall_rims, found.glimpsed)
+    )
     # Holes before walls: a round hole stops strokes, too.
     found.openings = _holes(found, found.rims, guessed, inside)
     rims = [rim for rim, _ in unexplained(found)]
     for lot in inferred_walls(walls(), found.graph.faces, rims):
         if not gone_through(lot, inside):
             _add(found, lot, _BY_STOPS)
-    if lots := rim_walls(unexplained(found), found.graph.faces):
+    if lots := rim_walls([*unexplained(found), *_unexplained(found, found.glimpsed)], found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}
         _replace(found, lambda face: placed.get(face.id, face))
     for lot in lots:
@@ -89,6 +99,7 @@ def _holes(
     steps = stepped_holes(rims, guessed, found.stopped)
     ends = [id(rim) for step in steps for rim in step.rims]
     holes, left = holes_of([rim for rim in rims if id(rim) not in ends], inside)
+    holes = [_ended(hole, found.graph.faces) for hole in holes]
     led = {id(rim): hole for rim in left if rim.measured and (hole := led_into(rim, hollows)) is not None}
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
         _replace(found, hole.off)
@@ -96,6 +107,27 @@ def _holes(
     for step in steps:
         _set(found, step.contacts, step.why, step.kind)
     return [rim for rim in left if id(rim) not in led]
+
+
+def _ended(hole: Hole, faces: Sequence[Face]) -> Hole:
+    """A hole no deeper than to the flat face that it comes out of: who goes through is in the open behind it."""
+    mouth = hole.middle + 0.5 * hole.depth * hole.axis
+    for face in faces:
+        fit = face.fit
+        if (
+            not isinstance(fit, Fit)
+            or fit.kind != "plane"
+            or float(fit.shape.direction @ hole.axis) > -_ALIKE
+        ):
+            continue
+        out = mouth - face.contacts.points
+        deep = float((mouth - fit.shape.anchor) @ fit.shape.direction) / float(
+            hole.axis @ fit.shape.direction
+        )
+        aside = np.linalg.norm(out - np.outer(out @ hole.axis, hole.axis), axis=1)
+        if _RIM < deep < hole.depth and aside.min() < hole.radius + _AROUND:
+            hole = replace(hole, middle=mouth - 0.5 * deep * hole.axis, depth=deep)
+    return hole
 
 
 def _add_slot(found: Findings, slot: Slot) -> None:
@@ -162,7 +194,18 @@ def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
 
 def unexplained(found: Findings) -> list[SeenRim]:
     """The rims that were looked at and that no face is known behind."""
-    return [rim for rim in found.wall_rims if not _explained(rim, found.graph.faces)]
+    return _unexplained(found, found.wall_rims)
+
+
+def _unexplained(found: Findings, rims: Sequence[SeenRim]) -> list[SeenRim]:
+    return [rim for rim in rims if not _explained(rim, found.graph.faces)]
+
+
+def _part_of(rim: Sighting, hole: RoundRim) -> bool:
+    """Whether an edge that looks straight is a part of a round hole's rim, at one end of it or the other."""
+    away = rim.point - hole.center
+    aside = float(np.linalg.norm(away - (away @ hole.axis) * hole.axis))
+    return abs(float(rim.normal @ hole.axis)) > _ALIKE and aside < hole.radius + _LIP
 
 
 def _is_on(own: int, at: Floats, normal: Floats, faces: Sequence[Face]) -> bool:

@@ -19,6 +19,7 @@ from primitives.fit import Fit
 from primitives.patch_graph import Face, PatchGraph
 
 Done = tuple[int | None, str]  # the face that a move ended on, and what it did
+SeenRim = tuple[Sighting, int]  # a rim, and the face that ends there
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,8 @@ class Findings:
     rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
     refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
     stopped: list[Stopped] = field(default_factory=list)  # in holes that narrow
-    wall_rims: list[tuple[Sighting, int]] = field(default_factory=list)  # others looked at, and their face
+    wall_rims: list[SeenRim] = field(default_factory=list)  # others looked at
+    glimpsed: list[SeenRim] = field(default_factory=list)  # edges seen beside those
     openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""

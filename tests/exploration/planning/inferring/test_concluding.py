@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from exploration.control.sighting import Sighting
-from exploration.planning.inferring.concluding import _add, conclude, unexplained
+from exploration.planning.inferring.concluding import _add, _ended, _part_of, conclude, unexplained
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
+from exploration.planning.moves.round_holes import Hole
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
 from primitives.evidence import NOT_FELT, Contacts
@@ -118,3 +119,22 @@ def test_an_inferred_wall_joins_what_faces_as_it_does_and_moves_nothing_that_was
     assert len(found.graph.faces[0].fit.inliers) == len(found.graph.faces[0].contacts) == 18
     _add(found, Contacts.of(at - 1.2 * aside, -way, 0.5, 0.05, touch=NOT_FELT), "of the next, back to back")
     assert len(found.graph.faces) == 2
+
+
+@pytest.mark.parametrize(("aside", "depth"), [(0.0, 6.0), (60.0, 40.0)])
+def test_a_hole_ends_at_the_face_that_it_comes_out_of(aside, depth):
+    """An array that went through a plate of 6 mm went on below it; a face beside that is no end of the hole."""
+    places = np.array([[x + aside, y, 0.0] for x in (-15.0, 0.0, 15.0) for y in (-15.0, 0.0, 15.0)])
+    below = ranked_face(1, Contacts.of(places, np.tile(-Z, (9, 1))), MergeOptions())
+    hole = _ended(Hole(-14.0 * Z, Z, 5.0, 40.0, 0.05), [below])
+    assert hole.depth == pytest.approx(depth)
+    assert hole.middle[2] + 0.5 * hole.depth == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize("above", [True, False])
+def test_a_straight_edge_at_a_hole_is_a_part_of_its_rim_on_either_face(above):
+    rim = Sighting(np.array([5.5, 1.0, 6.0]), np.eye(3)[1], -np.eye(3)[0], Z, 0.05, 5.0)
+    hole = RoundRim(6.0 * Z, Z, 5.0, 0.05, 0) if above else RoundRim(0.0 * Z, -Z, 5.0, 0.05, 1)
+    assert _part_of(rim, hole)
+    assert not _part_of(replace(rim, point=np.array([9.0, 1.0, 6.0])), hole)
+    assert not _part_of(replace(rim, normal=np.eye(3)[1]), hole)

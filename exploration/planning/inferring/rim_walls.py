@@ -8,34 +8,27 @@ it.  That is likely and not measured, so the wall is marked as inferred (our der
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from exploration.control.sighting import Sighting
-from exploration.planning.touching.findings import Attempts, Done
-from exploration.planning.touching.reach import Reach
-from exploration.planning.touching.study import Study
-from primitives import pose as se3
+from exploration.planning.touching.findings import SeenRim
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 
-SeenRim = tuple[Sighting, int]  # a rim, and the face that ends there
 Wall = tuple[Floats, Floats]  # (n, 3) places [mm], and the (3,) way that it looks
 
 
 @dataclass(frozen=True)
 class RimWallsConfig:
-    """How rims are looked at, and when two are of one wall."""
+    """When rims are one, and when two are of one wall."""
 
-    beside: float = 6.0  # [mm] between rims that are tried as one
-    inside: float = 3.0  # [mm] of the pad's middle on the material
-    alike: float = 0.85  # least cosine between the ways out of a rim as guessed and as seen
-    near: float = 4.0  # [mm] between the two
+    beside: float = 6.0  # [mm] between places of a rim that are one
+    alike: float = 0.85  # least cosine between the ways out of a rim, seen twice
     parallel: float = 0.05  # sine of the angle from which two rims are not parallel
     coplanar: float = 0.4  # [mm] of one rim from the other's wall
     known: float = 0.998  # least cosine between a wall's direction and one that the object has
@@ -50,64 +43,11 @@ class RimWallsConfig:
     normal_sigma: float = 0.02  # [rad]
 
 
-class RimWalls:
-    """Looks at rims behind which no face is known."""
-
-    def __init__(self, study: Study, reach: Reach, config: RimWallsConfig = RimWallsConfig()) -> None:
-        self.study, self.reach, self.config = study, reach, config
-        self._tried = Attempts(1, config.beside)
-
-    def next(self, rims: Sequence[SeenRim]) -> Callable[[], Done] | None:
-        """A look at the nearest rim that was not looked at yet."""
-        here = self.study.pad.guard.world_from_sensor[:3, 3]
-        left = [rim for rim in rims if not self._tried.given_up(rim[0].point)]
-        if not left:
-            return None
-        return partial(self._look, *min(left, key=lambda rim: float(np.linalg.norm(rim[0].point - here))))
-
-    def _look(self, rim: Sighting, face: int) -> Done:
-        self._tried.note(rim.point)
-        pad = self.study.pad
-        at = rim.point - self.config.inside * rim.outward
-        for give in (False, True):
-            for along in (rim.tangent, rim.outward):
-                if not self.reach.touch(se3.pose(pad.attitude(rim.normal, along), at), give):
-                    continue
-                whole, parts = pad.sightings(), pad.sightings_in_parts()
-                seen = self._made_out(rim, whole) or self._made_out(rim, parts)
-                for edge in (*filter(None, [seen]), *sorted(parts, key=lambda edge: -edge.length)):
-                    self._keep(edge, face)
-                note = "looked at the rim of a wall that nothing has room to face"
-                return None, "no rim was made out" if seen is None else note
-        return None, "no way led to a rim"
-
-    def _keep(self, edge: Sighting, face: int) -> None:
-        """Remember an edge that a look has shown, looked for or not, unless it was seen there before."""
-        rims = self.study.found.wall_rims
-        seen = [edge.point - rim.point for rim, own in rims if own == face and self._alike(edge, rim)]
-        if not any(np.linalg.norm(apart) < self.config.beside for apart in seen):
-            rims.append((edge, face))
-
-    def _alike(self, edge: Sighting, rim: Sighting) -> bool:
-        off = abs(float((edge.point - rim.point) @ rim.outward))
-        return bool(edge.outward @ rim.outward > self.config.alike and off < self.config.same)
-
-    def _made_out(self, rim: Sighting, edges: Sequence[Sighting]) -> Sighting | None:
-        """The longest of the edges that were seen where a rim was guessed."""
-        there = [
-            seen
-            for seen in edges
-            if seen.outward @ rim.outward > self.config.alike
-            and abs(float((seen.point - rim.point) @ rim.outward)) < self.config.near
-        ]
-        return max(there, key=lambda seen: seen.length, default=None)
-
-
 def rim_walls(
     rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig = RimWallsConfig()
 ) -> list[Contacts]:
     """Contacts of each wall that two rims agree on."""
-    ways = _directions(faces)
+    ways, rims = _directions(faces), _once(rims, config)
     found: list[Wall] = []
     for k, (a, face) in enumerate(rims):
         for b, other in rims[k + 1 :]:
@@ -115,6 +55,23 @@ def rim_walls(
                 _join(found, (_between(_along(a), _along(b)), normal), config)
     found += [side for floor in list(found) for side in _sides(rims, floor, ways, config)]
     return _contacts(found, config)
+
+
+def _once(rims: Sequence[SeenRim], config: RimWallsConfig) -> list[SeenRim]:
+    """Each place of an edge once, as it was seen longest: several parts of a pad show it."""
+    kept: list[SeenRim] = []
+    for rim, face in sorted(rims, key=lambda seen: -seen[0].length):
+        same = (
+            other
+            for other, own in kept
+            if own == face
+            and rim.outward @ other.outward > config.alike
+            and abs(float((rim.point - other.point) @ other.outward)) < config.same
+            and float(np.linalg.norm(rim.point - other.point)) < config.beside
+        )
+        if next(same, None) is None:
+            kept.append((rim, face))
+    return kept
 
 
 def upright_walls(

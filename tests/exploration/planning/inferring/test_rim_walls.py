@@ -3,19 +3,7 @@
 import numpy as np
 
 from exploration.control.sighting import Sighting
-from exploration.devices.guard import Guard
-from exploration.devices.simulated import simulate
-from exploration.planning.faces.attribution import AttributionConfig
-from exploration.planning.moves.rim_walls import RimWalls, rim_walls, upright_walls
-from exploration.planning.touching.findings import Findings
-from exploration.planning.touching.pad import Pad
-from exploration.planning.touching.reach import Reach
-from exploration.planning.touching.study import Study
-from exploration.sensing.calibration import Calibration
-from exploration.sensing.spec import load_sensor
-from models.csg import Cube
-from models.solid import Solid
-from primitives import pose as se3
+from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 
@@ -105,20 +93,3 @@ def test_a_wall_between_two_rims_is_told_beside_them_and_not_where_something_may
     (top,) = rim_walls([(end, k) for k, end in enumerate(ends)], sides)
     assert np.abs(top.normals - Z).max() < 1e-6
     assert (18.0 - np.abs(top.points[:, 0])).max() < 3.0
-
-
-def test_a_look_at_the_end_of_a_groove_remembers_every_edge_that_it_shows():
-    groove = Cube((14.0, 60.0, 30.0)).at(0.0, 0.0, 11.0) | Cube((28.0, 60.0, 12.0)).at(0.0, 0.0, 2.0)
-    block = Solid.from_csg(Cube((60.0, 50.0, 40.0)) - groove)
-    spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-Y), [0.0, 60.0, 0.0])
-    stage, arrays = simulate(block, [spec], np.random.default_rng(0), start_pose=start)
-    box = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
-    pad = Pad(Guard(stage, arrays, [Calibration.nominal(spec)]), box, lambda kind, detail: None)
-    study = Study(pad, Findings(hollow=True), AttributionConfig(convex=False))
-    move = RimWalls(study, Reach(pad)).next([(rim([11.0, 25.0, 2.0], Z, -X, Y), 4)])
-    assert move is not None
-    move()
-    seen = [edge for edge, face in study.found.wall_rims if face == 4]
-    for way, there in ((-X, -14.0), (Z, -4.0)):  # its side, which was looked for, and its floor
-        offs = [float(edge.point @ way) for edge in seen if edge.outward @ way > 0.99]
-        assert min(abs(off - there) for off in offs) < 0.3

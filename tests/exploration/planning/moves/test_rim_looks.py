@@ -1,0 +1,52 @@
+"""A look at a rim shows the others beside it."""
+
+import numpy as np
+
+from exploration.control.sighting import Sighting
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.faces.attribution import AttributionConfig
+from exploration.planning.moves.rim_looks import RimLooks
+from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.pad import Pad
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.csg import Cube
+from models.solid import Solid
+from primitives import pose as se3
+from primitives.evidence import Contacts
+from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
+
+X, Y, Z = np.eye(3)
+
+
+def flat(number, normal, at):
+    u, v = np.roll(normal, 1), np.roll(normal, 2)
+    points = at + np.array([a * u + b * v for a in (-9.0, 0.0, 9.0) for b in (-9.0, 0.0, 9.0)])
+    return ranked_face(number, Contacts.of(points, np.tile(normal, (9, 1))), MergeOptions())
+
+
+def rim(point, tangent, outward, normal):
+    return Sighting(np.array(point), tangent, outward, normal, 0.05, 12.0)
+
+
+def test_a_look_at_the_end_of_a_groove_remembers_every_edge_that_it_shows():
+    groove = Cube((14.0, 60.0, 30.0)).at(0.0, 0.0, 11.0) | Cube((28.0, 60.0, 12.0)).at(0.0, 0.0, 2.0)
+    block = Solid.from_csg(Cube((60.0, 50.0, 40.0)) - groove)
+    spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-Y), [0.0, 60.0, 0.0])
+    stage, arrays = simulate(block, [spec], np.random.default_rng(0), start_pose=start)
+    box = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
+    pad = Pad(Guard(stage, arrays, [Calibration.nominal(spec)]), box, lambda kind, detail: None)
+    end = flat(4, Y, 25.0 * Y)
+    found = Findings(hollow=True, graph=PatchGraph((end,), ()))
+    study = Study(pad, found, AttributionConfig(convex=False))
+    move = RimLooks(study, Reach(pad)).next([(rim([11.0, 25.0, 2.0], Z, -X, Y), 4)])
+    assert move is not None
+    move()
+    (asked,) = study.found.wall_rims
+    seen = [edge for edge, face in (asked, *study.found.glimpsed) if face == 4]
+    for way, there in ((-X, -14.0), (Z, -4.0)):  # its side, which was looked for, and its floor
+        offs = [float(edge.point @ way) for edge in seen if edge.outward @ way > 0.99]
+        assert min(abs(off - there) for off in offs) < 0.3
