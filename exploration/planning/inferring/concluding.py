@@ -68,18 +68,18 @@ def conclude(
     )
     # Holes before walls: a round hole stops strokes, too.
     found.openings = _holes(found, found.rims, guessed, inside)
-    rims = [rim for rim, _ in unexplained(found)]
+    rims = [rim for rim, _ in unexplained(found.wall_rims, found.graph.faces)]
     for lot in inferred_walls(walls(), found.graph.faces, rims):
         if not gone_through(lot, inside):
             _add(found, lot, _BY_STOPS)
-    if lots := rim_walls([*unexplained(found), *_unexplained(found, found.glimpsed)], found.graph.faces):
+    if lots := rim_walls(_seen(found), found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}
         _replace(found, lambda face: placed.get(face.id, face))
     for lot in lots:
         _add(found, lot, _BY_RIMS)
-    for lot in turned_ends(unexplained(found), found.graph.faces):
+    for lot in turned_ends(unexplained(found.wall_rims, found.graph.faces), found.graph.faces):
         _add(found, lot, _BY_TURN)
-    for lot in upright_walls(unexplained(found), found.graph.faces):
+    for lot in upright_walls(_seen(found), found.graph.faces):
         _add(found, lot, _BY_RIM)
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
     found.openings = _holes(found, [*found.openings, *guessed], [], inside)
@@ -192,13 +192,14 @@ def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
     found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
 
 
-def unexplained(found: Findings) -> list[SeenRim]:
-    """The rims that were looked at and that no face is known behind."""
-    return _unexplained(found, found.wall_rims)
+def unexplained(rims: Sequence[SeenRim], faces: Sequence[Face]) -> list[SeenRim]:
+    """The rims that no face is known behind."""
+    return [rim for rim in rims if not _explained(rim, faces)]
 
 
-def _unexplained(found: Findings, rims: Sequence[SeenRim]) -> list[SeenRim]:
-    return [rim for rim in rims if not _explained(rim, found.graph.faces)]
+def _seen(found: Findings) -> list[SeenRim]:
+    """The unexplained of all rims that were looked at, and of those that were seen beside them."""
+    return unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces)
 
 
 def _part_of(rim: Sighting, hole: RoundRim) -> bool:

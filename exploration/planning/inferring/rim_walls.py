@@ -80,7 +80,7 @@ def upright_walls(
     """Contacts of a wall below each rim that no other agrees with: upright on its face, as most walls are."""
     ways = _directions(faces)
     found, unsure = list[Wall](), list[Wall]()
-    for rim, face in sorted(rims, key=lambda seen: -seen[0].length)[: config.most]:
+    for rim, face in _once(rims, config)[: config.most]:
         normal = max(ways, key=lambda way: abs(float(way @ rim.outward)), default=rim.outward)
         normal = np.asarray(normal * np.sign(normal @ rim.outward))
         sure = float(normal @ rim.outward) > config.known

@@ -31,12 +31,9 @@ def wall(number, way):
 def test_a_wall_that_only_ends_at_a_rim_does_not_explain_it():
     (face, _, _), (_, out, along) = wall(1, 0.0), wall(2, np.pi / 3)
     corner = 18.0 * out - 10.0 * along
-    found = SimpleNamespace(graph=SimpleNamespace(faces=(face,)), wall_rims=[])
     rim = Sighting(corner + 10.0 * Z, along, -out, Z, 0.05, 12.0), 0
-    found.wall_rims = [rim]
-    assert unexplained(found) == [rim]
-    found.graph.faces = (face, wall(2, np.pi / 3)[0])
-    assert unexplained(found) == []
+    assert unexplained([rim], [face]) == [rim]
+    assert unexplained([rim], [face, wall(2, np.pi / 3)[0]]) == []
 
 
 def test_a_turned_face_that_ends_round_its_axis_ends_in_a_plane_upright_on_it():

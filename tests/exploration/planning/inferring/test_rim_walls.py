@@ -93,3 +93,10 @@ def test_a_wall_between_two_rims_is_told_beside_them_and_not_where_something_may
     (top,) = rim_walls([(end, k) for k, end in enumerate(ends)], sides)
     assert np.abs(top.normals - Z).max() < 1e-6
     assert (18.0 - np.abs(top.points[:, 0])).max() < 3.0
+
+
+def test_an_edge_that_many_parts_of_a_pad_show_leaves_room_for_others():
+    many = [rim([-8.0, 0.01 * k, 15.0], Y, X, Z) for k in range(30)]
+    short = Sighting(np.array([9.0, 0.0, 15.0]), Y, -X, Z, 0.05, 5.0)
+    walls = upright_walls([*((seen, 0) for seen in many), (short, 0)], FACES)
+    assert len(walls) == 2
