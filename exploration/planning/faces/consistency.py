@@ -24,6 +24,7 @@ _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on the
 _POOR = 0.05  # [mm] rms, from which so few contacts as below are of no one face
 _AGREE = 0.8  # share of a sound face's contacts that lie on it
 _HOPELESS = 0.15  # [mm] rms, from which so few contacts lead nowhere while exploration goes on
+_TELLING = 5  # contacts that are surer than that, without which a face that has unsure ones is none
 _FEW = 30  # contacts, below which a face may be a poor reading of a larger one
 _SAME = 0.1  # [mm] from a larger face, within which more contacts than those are no face beside it
 _LARGER = 1.5  # times as many contacts make a face the larger
@@ -118,14 +119,16 @@ def _broad(face: Face) -> bool:
 def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
     """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner.
 
-    They scatter by more than `most` [mm] rms, each counting as it is sure.  A sound face may have strays, but most
-    of its contacts lie on it.
+    They scatter by more than `most` [mm] rms; those that are hopelessly unsure of themselves tell nothing of that.
+    A sound face may have strays, but most of its contacts lie on it.
     """
     for face in graph.faces:
-        if isinstance(face.fit, Fit) and 0 < len(face.contacts) < _FEW:
+        if isinstance(face.fit, Fit) and len(face.contacts) < _FEW:
             off = np.abs(face.fit.shape.signed_distance(face.contacts.points))
-            scatter = float(np.sqrt(np.average(off**2, weights=face.contacts.sigma**-2.0)))
-            if scatter > most and (len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most):
+            told = off[face.contacts.sigma <= _HOPELESS]
+            few = len(told) < min(_TELLING, len(off))
+            scatter = float(np.sqrt(np.mean(told**2))) if len(told) else 0.0
+            if few or (scatter > most and (len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most)):
                 graph = _without(graph, face.id)
     return graph
 

@@ -40,3 +40,5 @@ def test_contacts_that_are_unsure_of_themselves_do_not_make_a_face_poor():
     assert drop_poor(PatchGraph((Face(0, fit("plane", contacts), contacts),), ()), 0.15).faces
     sure = Contacts.of(points, np.tile([0.0, 0.0, 1.0], (8, 1)), 0.02, 0.02)
     assert not drop_poor(PatchGraph((Face(0, fit("plane", sure), sure),), ()), 0.15).faces
+    fewer = contacts.select(np.array([0, 1, 2, 3, 5, 6, 7]))
+    assert not drop_poor(PatchGraph((Face(0, fit("plane", fewer), fewer),), ()), 0.15).faces
