@@ -72,14 +72,16 @@ def conclude(
     for lot in inferred_walls(walls(), found.graph.faces, rims):
         if not gone_through(lot, inside):
             _add(found, lot, _BY_STOPS)
-    if lots := rim_walls(_seen(found), found.graph.faces):
+    seen = unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces)
+    if lots := rim_walls(seen, found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}
         _replace(found, lambda face: placed.get(face.id, face))
     for lot in lots:
         _add(found, lot, _BY_RIMS)
     for lot in turned_ends(unexplained(found.wall_rims, found.graph.faces), found.graph.faces):
         _add(found, lot, _BY_TURN)
-    for lot in upright_walls(_seen(found), found.graph.faces):
+    looked, beside = (unexplained(rims, found.graph.faces) for rims in (found.wall_rims, found.glimpsed))
+    for lot in upright_walls(looked, found.graph.faces, beside):
         _add(found, lot, _BY_RIM)
     guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
     found.openings = _holes(found, [*found.openings, *guessed], [], inside)
@@ -195,11 +197,6 @@ def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
 def unexplained(rims: Sequence[SeenRim], faces: Sequence[Face]) -> list[SeenRim]:
     """The rims that no face is known behind."""
     return [rim for rim in rims if not _explained(rim, faces)]
-
-
-def _seen(found: Findings) -> list[SeenRim]:
-    """The unexplained of all rims that were looked at, and of those that were seen beside them."""
-    return unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces)
 
 
 def _part_of(rim: Sighting, hole: RoundRim) -> bool:

@@ -75,12 +75,19 @@ def _once(rims: Sequence[SeenRim], config: RimWallsConfig) -> list[SeenRim]:
 
 
 def upright_walls(
-    rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig = RimWallsConfig()
+    rims: Sequence[SeenRim],
+    faces: Sequence[Face],
+    beside: Sequence[SeenRim] = (),
+    config: RimWallsConfig = RimWallsConfig(),
 ) -> list[Contacts]:
-    """Contacts of a wall below each rim that no other agrees with: upright on its face, as most walls are."""
+    """Contacts of a wall below each rim that no other agrees with: upright on its face, as most walls are.
+
+    What was only seen `beside` others may be a piece of a round rim; it counts where it runs as the object does.
+    """
     ways = _directions(faces)
+    alike = [rim for rim in beside if any(abs(float(way @ rim[0].outward)) > config.likely for way in ways)]
     found, unsure = list[Wall](), list[Wall]()
-    for rim, face in _once(rims, config)[: config.most]:
+    for rim, face in _once([*rims, *alike], config)[: config.most]:
         normal = max(ways, key=lambda way: abs(float(way @ rim.outward)), default=rim.outward)
         normal = np.asarray(normal * np.sign(normal @ rim.outward))
         sure = float(normal @ rim.outward) > config.known

@@ -98,5 +98,12 @@ def test_a_wall_between_two_rims_is_told_beside_them_and_not_where_something_may
 def test_an_edge_that_many_parts_of_a_pad_show_leaves_room_for_others():
     many = [rim([-8.0, 0.01 * k, 15.0], Y, X, Z) for k in range(30)]
     short = Sighting(np.array([9.0, 0.0, 15.0]), Y, -X, Z, 0.05, 5.0)
-    walls = upright_walls([*((seen, 0) for seen in many), (short, 0)], FACES)
+    walls = upright_walls([(many[0], 0)], FACES, [*((seen, 0) for seen in many), (short, 0)])
     assert len(walls) == 2
+
+
+def test_a_piece_of_a_round_rim_seen_beside_others_makes_no_wall():
+    way = np.array([0.8, 0.6, 0.0])
+    piece = rim([9.0, 4.0, 15.0], np.cross(Z, way), way, Z), 0
+    assert upright_walls([], FACES, [piece]) == []
+    assert len(upright_walls([piece], FACES)) == 1
