@@ -1,7 +1,7 @@
 """Looks at the rims of walls that no array has room to face.
 
-The pad lies over a rim that was only guessed, and sees where it is; where that face is flat, every other straight
-edge that the look shows is remembered, too.  What walls they are of is inferred in the end.
+The pad lies over a rim that was only guessed, and sees where it is; where that face is flat, every straight edge
+that a part of the pad shows is remembered, too.  What walls they are of is inferred in the end.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ class RimLooks:
                 if not self.reach.touch(se3.pose(pad.attitude(rim.normal, along), at), give):
                     continue
                 whole, parts = pad.sightings(), pad.sightings_in_parts() if self._flat(face) else []
-                seen = self._made_out(rim, whole) or self._made_out(rim, parts)
-                found = self.study.found
+                seen, found = self._made_out(rim, whole), self.study.found
                 found.wall_rims += [] if seen is None else [(seen, face)]
-                found.glimpsed += [(edge, face) for edge in parts if edge is not seen]
-                note = "looked at the rim of a wall that nothing has room to face"
-                return None, "no rim was made out" if seen is None else note
+                found.glimpsed += [(edge, face) for edge in parts]
+                if seen is None and self._made_out(rim, parts) is None:
+                    return None, "no rim was made out"
+                return None, "looked at the rim of a wall that nothing has room to face"
         return None, "no way led to a rim"
 
     def _flat(self, face: int) -> bool:

@@ -69,7 +69,7 @@ class Findings:
     refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
     stopped: list[Stopped] = field(default_factory=list)  # in holes that narrow
     wall_rims: list[SeenRim] = field(default_factory=list)  # others looked at
-    glimpsed: list[SeenRim] = field(default_factory=list)  # edges seen beside those
+    glimpsed: list[SeenRim] = field(default_factory=list)  # edges that parts of a pad showed
     openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""

@@ -45,8 +45,7 @@ def test_a_look_at_the_end_of_a_groove_remembers_every_edge_that_it_shows():
     move = RimLooks(study, Reach(pad)).next([(rim([11.0, 25.0, 2.0], Z, -X, Y), 4)])
     assert move is not None
     move()
-    (asked,) = study.found.wall_rims
-    seen = [edge for edge, face in (asked, *study.found.glimpsed) if face == 4]
+    seen = [edge for edge, face in (*study.found.wall_rims, *study.found.glimpsed) if face == 4]
     for way, there in ((-X, -14.0), (Z, -4.0)):  # its side, which was looked for, and its floor
         offs = [float(edge.point @ way) for edge in seen if edge.outward @ way > 0.99]
         assert min(abs(off - there) for off in offs) < 0.3
