@@ -2,7 +2,8 @@
 
 First all faces as they are.  A body that nothing closes is cut off at the last contacts.  Where the faces still
 leave none, as when a narrow edge was read as a cone, the round face with the fewest contacts is left out, and the
-rest is tried again; flat faces are not.  Where most contacts lie off the body, their hull takes its place.
+rest is tried again; flat faces are not.  Where most contacts lie off the body, walls that were only inferred are
+left out, and if that does not help their hull takes its place.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit
 from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import cut_off
-from recognition.hulled import hulled
+from recognition.hulled import BETTER, MOST, hulled, off_body
 
 _FEW = 6  # contacts outside the body, that are no strays
 _SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
@@ -74,11 +75,16 @@ def best_body(
 ) -> Body:
     """Of faces in a (2, 3) workspace `box` [mm]; one that reaches `past` mm past all contacts is cut off.
 
-    Where most contacts lie off it, the `loose` ones of no face among them, their hull is taken instead.
+    Where most contacts lie off it, the `loose` ones of no face among them, flat walls that nobody felt may have
+    cut it: it is tried without them.  Where that is no better, the contacts' hull is taken instead.
     """
     body = _of_faces(felt, box, free, past)
-    named = [face.contacts for face in (*body.felt, *body.left_out)]
-    contacts = Contacts.concatenate([*named, *([] if loose is None else [loose])])
+    contacts = Contacts.concatenate([*(face.contacts for face in felt), *([] if loose is None else [loose])])
+    places = contacts.points[contacts.touch != NOT_FELT]
+    surer = [face for face in felt if face.fit.kind != "plane" or (face.contacts.touch != NOT_FELT).any()]
+    if len(surer) < len(felt) and (off := off_body(body.assembly, places)) > MOST:
+        other = _of_faces(surer, box, free, past)
+        body = other if off_body(other.assembly, places) < BETTER * off else body
     hull = hulled(body.felt, contacts, body.assembly, free)
     return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
 

@@ -22,8 +22,8 @@ from recognition.assembly.piece import Piece
 from recognition.assembly.regularities import regularize
 
 _OFF = 1.0  # [mm] from the body, from which a contact is not on it
-_MOST = 0.4  # share of the contacts off the body, from which their hull is looked at
-_BETTER = 0.75  # of that share, as which less must be off the hull
+MOST = 0.4  # share of the contacts off the body, from which another is looked for
+BETTER = 0.75  # of that share, as which less must be off the other
 _LEAST = 30  # contacts
 _EMPTY = 0.25  # share of a hull, of which more is known to be empty, that is no body
 _BESIDE = 3.0  # [mm] from a place known to be empty, that is so too
@@ -41,8 +41,8 @@ def hulled(
     It is, too, where much of the hull is empty: (n, 3) places `free` are.
     """
     felt = contacts.points[contacts.touch != NOT_FELT]
-    before = _off(body, felt)
-    if len(felt) < _LEAST or not faces or before < _MOST:
+    before = off_body(body, felt)
+    if len(felt) < _LEAST or not faces or before < MOST:
         return None
     hull = _hull(felt)
     if hull is None or _emptied(np.array(hull.points), free) > _EMPTY:
@@ -52,10 +52,10 @@ def hulled(
     none = tuple(None for _ in fits)
     solid = Solid.from_csg(piece.placed)
     made = Assembly(fits, regularize(fits), none, (piece,), piece.placed, solid, (_TOLD,))
-    return made if _off(made, felt) < _BETTER * before else None
+    return made if off_body(made, felt) < BETTER * before else None
 
 
-def _off(body: Assembly | NotClosed, felt: Floats) -> float:
+def off_body(body: Assembly | NotClosed, felt: Floats) -> float:
     """Share of (n, 3) felt places that are not on a body."""
     if isinstance(body, NotClosed) or not len(felt):
         return 1.0

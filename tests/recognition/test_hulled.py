@@ -6,6 +6,7 @@ import numpy as np
 
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
+from recognition import best_body as best_body_module
 from recognition.assembly import NotClosed
 from recognition.best_body import FeltFace, best_body
 from recognition.hulled import hulled
@@ -45,3 +46,21 @@ def test_a_body_that_explains_what_was_felt_stays():
     assert abs(body.assembly.solid.volume - 64000.0) < 10.0
     inferred = replace(crumpled(), touch=np.full(600, NOT_FELT))
     assert hulled(faces, inferred, NotClosed("nothing was felt")) is None
+
+
+def test_a_wall_that_was_only_inferred_may_not_cut_away_what_was_felt(monkeypatch):
+    faces = [side(way) for way in AXES]
+    slanting = np.array([0.6, 0.8, 0.0])
+    places = 12.0 * slanting + np.outer(np.arange(6.0), [0.8, -0.6, 0.0]) + np.outer([1, 2, 0] * 2, AXES[2])
+    lot = Contacts.of(places, np.tile(-slanting, (6, 1)), 0.1, 0.02, touch=NOT_FELT)
+    wall = FeltFace(fit("plane", lot), lot)
+    sliver = best_body([side(way, 5.0) for way in AXES], BOX, None, 15.0)
+    made = best_body_module._of_faces
+
+    def misled(felt, *rest):
+        return sliver if any(face is wall for face in felt) else made(felt, *rest)
+
+    monkeypatch.setattr(best_body_module, "_of_faces", misled)
+    body = best_body([*faces, wall], BOX, None, 15.0)
+    assert abs(body.assembly.solid.volume - 64000.0) < 10.0
+    assert not body.hulled
