@@ -74,9 +74,9 @@ class RoundRim:
 def far_end(
     rim: RoundRim, others: Sequence[RoundRim], config: NarrowsConfig = NarrowsConfig()
 ) -> RoundRim | None:
-    """Of other rims the narrower one that a rim's hole ends at: the farthest behind it."""
+    """Of other rims the narrower one that a rim's hole ends at: the first behind it."""
     behind = [other for other in others if _narrows(rim, other, config)]
-    return max(behind, key=lambda other: float((rim.center - other.center) @ rim.axis), default=None)
+    return min(behind, key=lambda other: float((rim.center - other.center) @ rim.axis), default=None)
 
 
 def _narrows(rim: RoundRim, other: RoundRim, config: NarrowsConfig) -> bool:

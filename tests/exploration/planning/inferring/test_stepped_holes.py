@@ -68,3 +68,9 @@ def test_rims_alike_beside_each_other_or_only_guessed_make_no_step():
     assert stepped_holes([TOP, replace(BOTTOM, center=np.array([8.0, 1.0, 0.0]))]) == []
     assert stepped_holes([TOP, replace(BOTTOM, axis=UP)]) == []
     assert stepped_holes([replace(TOP, measured=False), replace(BOTTOM, measured=False)]) == []
+
+
+def test_a_hole_ends_at_the_first_narrower_rim_and_not_in_a_wall_behind_it():
+    behind = replace(BOTTOM, center=np.array([3.0, 1.0, -30.0]), radius=6.0)
+    (step,) = stepped_holes([behind, TOP, BOTTOM])
+    assert step.rims == (TOP, BOTTOM)
