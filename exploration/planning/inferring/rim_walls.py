@@ -35,6 +35,7 @@ class RimWallsConfig:
     faces: float = 0.9  # most cosine between the faces of the two rims
     same: float = 0.6  # [mm] between walls that are one
     most: int = 16  # walls of one rim each
+    opposite: float = 0.99  # least cosine between the way that a wall looks and the one back
     likely: float = 0.93  # least cosine between the way out of such a rim and one that the object has
     deep: float = 3.0  # [mm] of such a wall, where nothing tells more
     felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
@@ -80,14 +81,16 @@ def upright_walls(
     beside: Sequence[SeenRim] = (),
     config: RimWallsConfig = RimWallsConfig(),
 ) -> list[Contacts]:
-    """Contacts of a wall below each rim that no other agrees with: upright on its face, as most walls are.
+    """Contacts of a wall below each rim of a flat face that no other agrees with: upright on it, as most walls are.
 
     What was only seen `beside` others may be a piece of a round rim; it counts where it runs as the object does.
+    So may one that was looked for: where it runs otherwise another has to look back at it, as in a hexagon.
     """
-    ways = _directions(faces)
+    ways, turned = _directions(faces), _turned(faces)
     alike = [rim for rim in beside if any(abs(float(way @ rim[0].outward)) > config.likely for way in ways)]
     found, unsure = list[Wall](), list[Wall]()
-    for rim, face in _once([*rims, *alike], config)[: config.most]:
+    flat_rims = [(rim, face) for rim, face in [*rims, *alike] if face not in turned]
+    for rim, face in _once(flat_rims, config)[: config.most]:
         normal = max(ways, key=lambda way: abs(float(way @ rim.outward)), default=rim.outward)
         normal = np.asarray(normal * np.sign(normal @ rim.outward))
         sure = float(normal @ rim.outward) > config.known
@@ -97,10 +100,14 @@ def upright_walls(
             down = _depth(rim, face, faces, config) * rim.normal
             wall = _between(_along(straight), _along(straight) - down), normal
             _join(found if sure else unsure, wall, config)
-    for points, normal in unsure:
+    for points, normal in [wall for wall in unsure if _looked_back_at(wall, [*found, *unsure], config)]:
         if not any(_one(wall, (points, normal), 2.0 * config.same, config) for wall in found):
             found.append((points, normal))
     return _contacts(found, config)
+
+
+def _looked_back_at(wall: Wall, walls: Sequence[Wall], config: RimWallsConfig) -> bool:
+    return any(float(wall[1] @ normal) < -config.opposite for _, normal in walls)
 
 
 def _depth(rim: Sighting, own: int, faces: Sequence[Face], config: RimWallsConfig) -> float:
@@ -119,6 +126,10 @@ def _depth(rim: Sighting, own: int, faces: Sequence[Face], config: RimWallsConfi
 
 def _directions(faces: Sequence[Face]) -> list[Floats]:
     return [f.fit.shape.direction for f in faces if isinstance(f.fit, Fit) and f.fit.kind == "plane"]
+
+
+def _turned(faces: Sequence[Face]) -> set[int]:
+    return {f.id for f in faces if isinstance(f.fit, Fit) and f.fit.kind != "plane"}
 
 
 def _join(found: list[Wall], wall: Wall, config: RimWallsConfig) -> None:

@@ -106,4 +106,22 @@ def test_a_piece_of_a_round_rim_seen_beside_others_makes_no_wall():
     way = np.array([0.8, 0.6, 0.0])
     piece = rim([9.0, 4.0, 15.0], np.cross(Z, way), way, Z), 0
     assert upright_walls([], FACES, [piece]) == []
-    assert len(upright_walls([piece], FACES)) == 1
+
+
+def test_a_wall_that_runs_as_no_face_does_needs_another_that_looks_back_at_it():
+    way = np.array([0.8, 0.6, 0.0])
+    near = rim(15.0 * Z - 9.0 * way, np.cross(Z, way), way, Z), 0
+    far = rim(15.0 * Z + 9.0 * way, np.cross(Z, way), -way, Z), 0
+    assert upright_walls([near], FACES) == []
+    assert len(upright_walls([near, far], FACES)) == 2
+
+
+def test_an_edge_seen_of_a_round_face_makes_no_upright_wall():
+    turn = np.linspace(0.0, 5.0, 20)
+    normals = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(20)])
+    points = 12.0 * normals + np.outer(np.linspace(-9.0, 9.0, 20), Z)
+    barrel = ranked_face(7, Contacts.of(points, normals), MergeOptions())
+    assert barrel.fit.kind == "cylinder"
+    edge = rim([12.0, 0.0, 3.0], Z, Y, X)
+    assert upright_walls([(edge, 7)], [*FACES, barrel]) == []
+    assert len(upright_walls([(edge, 3)], FACES)) == 1
