@@ -81,7 +81,7 @@ def upright_walls(
     beside: Sequence[SeenRim] = (),
     config: RimWallsConfig = RimWallsConfig(),
 ) -> list[Contacts]:
-    """Contacts of a wall below each rim of a flat face that no other agrees with: upright on it, as most walls are.
+    """Contacts of a wall below each rim of a flat face that no other agrees with: upright on it, as most are.
 
     What was only seen `beside` others may be a piece of a round rim; it counts where it runs as the object does.
     So may one that was looked for: where it runs otherwise another has to look back at it, as in a hexagon.
