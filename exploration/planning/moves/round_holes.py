@@ -87,7 +87,7 @@ class RoundHoles:
                 seen = dwell(pad.guard, self.config.frames)
                 frames.append((seen.image, seen.world_from_sensor))
                 used.append(way)
-                found = fit_round_hole(frames, rim.center, rim.axis, rim.radius)
+                found = fit_round_hole(frames, rim.center, rim.axis, rim.radius, rim.outer)
             if led >= self.config.most or (found is not None and len(frames) >= looks):
                 break
         if found is None:
@@ -103,7 +103,8 @@ class RoundHoles:
         half = 0.5 * min(self.study.pad.size)
         ways = rim.places(16)[1][[0, 4, 8, 12, 2, 6, 10, 14, 1, 5, 9, 13, 3, 7, 11, 15]]
         found: list[tuple[Floats, Floats]] = []
-        for far in (0.0, 0.5 * half, half) if small else (rim.radius + self.config.over,):
+        over = min(rim.radius + self.config.over, 0.5 * (rim.radius + rim.outer))
+        for far in (0.0, 0.5 * half, half) if small else (over,):
             for way in ways[::4] if far == 0.0 else ways:
                 for along in (np.cross(rim.axis, way), way):
                     turn = self.study.pad.attitude(rim.axis, along)

@@ -21,6 +21,7 @@ from exploration.planning.open.gaps import gaps
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.mouths import Mouth, mouths
 from exploration.planning.open.rim_sightings import by_heading, rim_sighting
+from exploration.planning.open.ring_ends import ring_ends
 from exploration.planning.open.round_rims import RoundRim
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT
@@ -122,7 +123,8 @@ class LocalFrontier:
                 at, ways = rim.places()
                 if self._explained(own, at, -ways).mean() < self.config.known and not self._filled(rim):
                     found.append(rim)
-        return found
+        rings = [rim for rim in ring_ends(self.known) if not self._filled(rim)]
+        return found + [rim for rim in rings if not any(other.holds(rim.center) for other in found)]
 
     def _filled(self, rim: RoundRim) -> bool:
         """Whether a boss stands in a round gap: the face is not there, and no more is a hole."""

@@ -49,6 +49,7 @@ class RoundRim:
     sigma: float  # [mm] of the radius
     face: int
     measured: bool = False  # by looks at its rim; else it is a guess
+    outer: float = np.inf  # [mm] radius at which the face ends, about the same axis
 
     def places(self, count: int = 24) -> tuple[Floats, Floats]:
         """(count, 3) places on the circle, and (count, 3) the ways to them from its center."""

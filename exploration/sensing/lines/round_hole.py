@@ -7,6 +7,8 @@ In the face's plane, with a the distance of a taxel from the hole's center and F
 
 its own plane (d, g) under the same circle.  The planes are linear, so only center and radius are searched for
 (variable projection, Golub and Pereyra 1973).  Taxels far outside the rim tell of other things and are left out.
+A face that is a ring about the hole ends at a known circle of radius S, and 1 becomes F(b / w, S / w), with b
+from the center of that.
 """
 
 from __future__ import annotations
@@ -56,6 +58,7 @@ class _Look:
     depth: Floats  # (n,)
     weight: Floats  # (n,) 1 / sigma
     width: float  # [mm]
+    face: Floats  # (n,) of each, that would lie on the face if it had no hole
 
 
 def fit_round_hole(
@@ -63,11 +66,15 @@ def fit_round_hole(
     center: Floats,
     axis: Floats,
     radius: float,
+    outer: float = np.inf,
     config: RoundHoleConfig = RoundHoleConfig(),
 ) -> RoundHole | None:
-    """The hole of (3,) center, (3,) axis and radius thought of, as images at (4, 4) world poses show it."""
+    """The hole of (3,) center, (3,) axis and radius thought of, as images at (4, 4) world poses show it.
+
+    The face is a disc of radius `outer` [mm] about the center thought of.
+    """
     turn = se3.frame_along(axis)
-    looks = [_look(image, (pose, turn, center), radius, config) for image, pose in frames]
+    looks = [_look(image, (pose, turn, center), (radius, outer), config) for image, pose in frames]
     looks = [look for look in looks if len(look.depth) > 12]
     if not looks:
         return None
@@ -89,25 +96,30 @@ def fit_round_hole(
 
 
 def _look(
-    image: TactileImage, where: tuple[Floats, Floats, Floats], radius: float, config: RoundHoleConfig
+    image: TactileImage,
+    where: tuple[Floats, Floats, Floats],
+    radii: tuple[float, float],
+    config: RoundHoleConfig,
 ) -> _Look:
-    pose, turn, center = where
+    (pose, turn, center), (radius, outer) = where, radii
     x, y = (grid.ravel() for grid in np.meshgrid(image.array.x, image.array.y))
     depth, sigma = image.depth.ravel(), image.sigma.ravel()
     width = response_of(image).mean_width
     places = se3.transform_points(pose, np.column_stack([x, y, -np.maximum(depth, 0.0)]))
     flat = ((places - center) @ turn)[:, :2]
-    near = np.linalg.norm(flat, axis=1) < radius + config.outside * width
+    away = np.linalg.norm(flat, axis=1)
+    near = away < radius + config.outside * width
+    face = of_disc(away / width, outer / width) if np.isfinite(outer) else np.ones(len(flat))
     kept = near & np.isfinite(sigma) & (sigma > 0.0)
     rows = np.column_stack([np.ones(len(x)), x, y])[kept]
     floor = config.systematic * float(depth[kept].max(initial=0.0))
-    return _Look(flat[kept], rows, depth[kept], 1.0 / np.hypot(sigma[kept], floor), width)
+    return _Look(flat[kept], rows, depth[kept], 1.0 / np.hypot(sigma[kept], floor), width, face[kept])
 
 
 def _residual(look: _Look, circle: Floats) -> Floats:
     """(n,) what the best plane under a circle (x, y, radius) leaves, in standard deviations."""
     away = np.linalg.norm(look.flat - circle[:2], axis=1)
-    there = (1.0 - of_disc(away / look.width, float(circle[2]) / look.width)) * look.weight
+    there = (look.face - of_disc(away / look.width, float(circle[2]) / look.width)) * look.weight
     rows, seen = look.rows * there[:, None], look.depth * look.weight
     plane, *_ = np.linalg.lstsq(rows, seen, rcond=None)
     return np.asarray(rows @ plane - seen)

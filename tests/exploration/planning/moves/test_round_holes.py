@@ -23,13 +23,15 @@ def rim(height, up=1.0, radius=6.0, x=0.0, measured=True):
     return RoundRim(np.array([x, 0.0, height]), up * UP, radius, 0.02, 0, measured)
 
 
-def over(center, radius, pose, rng):
+def over(center, radius, pose, rng, outer=np.inf):
     """A frame of a pad on a face with a hole, by the disc's own blur."""
     width = rubber(SPREAD, PAD.pitch).mean_width
     x, y = np.meshgrid(PAD.x, PAD.y)
     places = se3.transform_points(pose, np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3))
     away = np.linalg.norm(places[:, :2] - center, axis=1).reshape(x.shape)
-    depth = (0.5 + 0.004 * x) * (1.0 - of_disc(away / width, radius / width))
+    face = 1.0 if np.isinf(outer) else of_disc(np.linalg.norm(places[:, :2], axis=1) / width, outer / width)
+    face = np.broadcast_to(face, places.shape[:1]).reshape(x.shape)
+    depth = (0.5 + 0.004 * x) * (face - of_disc(away / width, radius / width))
     noisy = depth + NOISE * rng.standard_normal(depth.shape)
     return TactileImage(PAD, noisy, np.full(depth.shape, NOISE), SPREAD, 0.1, 0.0), pose
 
@@ -43,6 +45,18 @@ def test_one_circle_explains_looks_from_several_places():
         assert found is not None
         assert np.linalg.norm(found.center[:2] - [0.3, -0.2]) < 0.1
         assert abs(found.radius - radius) < max(4.0 * found.sigma, 0.05)
+
+
+def test_the_bore_of_a_ring_is_seen_on_three_millimeters_of_face():
+    rng, down = np.random.default_rng(3), np.diag([1.0, -1.0, -1.0])
+    places = [(15.0, 0.0), (-15.0, 0.0), (0.0, 15.0), (0.0, -15.0)]
+    frames = [over([0.1, -0.1], 13.4, se3.pose(down, [*at, 0.0]), rng, 16.5) for at in places]
+    found = fit_round_hole(frames, np.zeros(3), UP, 11.7, 16.5)
+    assert found is not None
+    assert abs(found.radius - 13.4) < max(4.0 * found.sigma, 0.05)
+    assert np.linalg.norm(found.center[:2] - [0.1, -0.1]) < 0.1
+    blind = fit_round_hole(frames, np.zeros(3), UP, 11.7)
+    assert blind is None or abs(blind.radius - 13.4) > 0.1
 
 
 def test_a_face_without_a_hole_shows_none():

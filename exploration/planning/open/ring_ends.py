@@ -1,0 +1,65 @@
+"""Ends of tubes: flat faces that a turned one ends at, and that are not there about its axis.
+
+No pad lies on a ring a few millimeters wide so that the face is felt all round its bore, as `gaps` asks.  But the
+turned face tells the ring's outer circle, and what was felt of the ring lies between that and the bore's rim.
+Where the middle was found free, a bore about the same axis is where to look (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.planning.open.known_face import KnownFace
+from exploration.planning.open.round_rims import RoundRim
+from primitives.arrays import Floats
+from primitives.shapes import Cylinder
+
+
+@dataclass(frozen=True)
+class RingEndsConfig:
+    """When a flat face is the end of a tube."""
+
+    upright: float = 0.998  # least cosine between the face's normal and the axis
+    beyond: float = 3.0  # [mm] past the turned face, that what was felt of its end may seem to lie
+    beside: float = 20.0  # [mm] from the end, within which the turned face was felt
+    felt: int = 6  # touched places of the ring
+    least: float = 2.5  # [mm] of the bore's radius
+    free: int = 4  # places inside, at which the face is not
+    inside: float = 0.5  # [mm] nearer to the axis than all that was felt, where they are
+
+
+def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfig()) -> list[RoundRim]:
+    """Circles where the bores of tubes may begin, with the outer circle of each ring."""
+    found: list[RoundRim] = []
+    for end in (own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.felt):
+        axis = end.side * end.fit.shape.direction
+        for turned in known:
+            shape = turned.fit.shape
+            if not isinstance(shape, Cylinder) or turned.side < 0.0 or not len(turned.cells):
+                continue
+            if abs(float(shape.direction @ axis)) < config.upright or not _ends_at(turned, end, axis, config):
+                continue
+            slope = float(axis @ shape.direction)
+            along = float(axis @ (end.fit.shape.anchor - shape.anchor)) / slope
+            center = shape.anchor + along * shape.direction
+            felt, outer = _aside(end.cells, center, axis), float(shape.radius)
+            radius, outside = float(felt.min()), float(felt.max())
+            inside = _aside(end.free, center, axis) < radius - config.inside
+            if config.least < radius and outside < outer + config.beyond and inside.sum() >= config.free:
+                found.append(RoundRim(center, axis, radius, 1.0, end.face.id, outer=outer))
+    return found
+
+
+def _ends_at(turned: KnownFace, end: KnownFace, axis: Floats, config: RingEndsConfig) -> bool:
+    """Whether all that was felt of a turned face lies behind a flat one, and some of it near that."""
+    behind = (end.fit.shape.anchor - turned.cells) @ axis
+    return bool(behind.min() > -config.beyond and behind.min() < config.beside)
+
+
+def _aside(places: Floats, center: Floats, axis: Floats) -> Floats:
+    """(n,) [mm] of (n, 3) places from an axis."""
+    away = places - center
+    return np.asarray(np.linalg.norm(away - np.outer(away @ axis, axis), axis=1))

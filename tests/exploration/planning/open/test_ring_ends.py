@@ -1,0 +1,52 @@
+"""Which flat faces are the ends of tubes."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from exploration.planning.known.surface_map import SurfaceMap
+from exploration.planning.open.known_face import KnownFace
+from exploration.planning.open.ring_ends import ring_ends
+from primitives.evidence import Contacts
+from primitives.patch_graph import MergeOptions, ranked_face
+
+TURN = np.linspace(0.0, 2.0 * np.pi, 60)
+RING = np.column_stack([np.cos(TURN), np.sin(TURN), np.zeros(60)])
+UP = np.array([0.0, 0.0, 1.0])
+NOWHERE = np.empty((0, 3))
+
+
+def known(number, points, normals, free=NOWHERE):
+    face, felt = ranked_face(number, Contacts.of(points, normals), MergeOptions()), SurfaceMap()
+    felt.add(points, normals)
+    return KnownFace.of(face, face.fit, felt, free, 5.0)
+
+
+def flat_ring(radii, free):
+    points = np.concatenate([radius * RING for radius in radii])
+    return known(0, points, np.tile(UP, (len(points), 1)), free)
+
+
+BARREL = known(1, np.concatenate([16.0 * RING - z * UP for z in (4.0, 14.0, 24.0)]), np.tile(RING, (3, 1)))
+INSIDE = 6.0 * RING[::4] - 0.5 * UP
+END = flat_ring((13.5, 15.0), INSIDE)
+
+
+def test_a_ring_at_the_end_of_a_barrel_is_looked_at_within_the_barrel():
+    (rim,) = ring_ends([END, BARREL])
+    assert np.allclose(rim.center, 0.0, atol=0.05)
+    assert rim.axis @ UP > 0.999
+    assert abs(rim.outer - 16.0) < 0.05
+    assert abs(rim.radius - 13.5) < 0.5
+
+
+def test_an_end_felt_over_its_middle_or_free_nowhere_is_none():
+    full = flat_ring((1.0, 5.0, 9.0, 13.5), 20.0 * RING - 0.5 * UP)
+    assert ring_ends([full, BARREL]) == []
+    assert ring_ends([flat_ring((13.5, 15.0), NOWHERE), BARREL]) == []
+
+
+def test_a_flange_round_the_barrel_or_a_bore_for_it_makes_no_ring():
+    wide = flat_ring((19.0, 25.0), INSIDE)
+    assert ring_ends([wide, BARREL]) == []
+    assert ring_ends([END, replace(BARREL, side=-1.0)]) == []
