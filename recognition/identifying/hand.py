@@ -12,7 +12,7 @@ from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, Cost, Guard, OverPress
 from exploration.devices.protocols import StageLimits
 from exploration.planning.known.told import Told
-from exploration.planning.touching.lone_touch import Approach, LoneTouch, touch_once
+from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocked, touch_once
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
 from exploration.planning.ways.search import sweeps
 from primitives.arrays import Floats
@@ -45,8 +45,8 @@ class Hand(Protocol):
         """Sweeps through a (6,) box [mm], from its middle outward, until one meets something."""
         ...
 
-    def touch(self, approach: Approach, ball: Ball) -> LoneTouch | None:
-        """Round a ball to where the approach begins, and the approach; None where it could not be made."""
+    def touch(self, approach: Approach, ball: Ball) -> LoneTouch:
+        """Round a ball to where the approach begins, and the approach; it tells nothing if that was blocked."""
         ...
 
     def leave(self, ball: Ball | None = None) -> None:
@@ -105,7 +105,7 @@ class GuardedHand:
                 return
             self.leave()
 
-    def touch(self, approach: Approach, ball: Ball) -> LoneTouch | None:
+    def touch(self, approach: Approach, ball: Ball) -> LoneTouch:
         """One guarded approach."""
         try:
             for stop in way_round(self.here, approach.start, ball):
@@ -116,7 +116,7 @@ class GuardedHand:
         except (OverPress, Collision) as error:
             self.warnings.append(str(error))
             self.guard.cost.touches += 1
-            return None
+            return blocked(self.guard.cost.touches, approach, self.here)
         return self._last
 
     def leave(self, ball: Ball | None = None) -> None:

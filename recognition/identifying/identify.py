@@ -102,9 +102,7 @@ class Identifier:
             approach, choice = self._next(ball)
             if self.ended:
                 return
-            made = self.hand.touch(approach, ball)
-            if made is not None:
-                yield self._learn(made, choice)
+            yield self._learn(self.hand.touch(approach, ball), choice)
 
     @property
     def evidence(self) -> Evidence:
@@ -146,11 +144,13 @@ class Identifier:
     def _learn(self, touch: LoneTouch, choice: Choice | None) -> Step:
         self.touches.append(touch)
         self._drawn = None
-        self.belief = learned(
-            self.touches, self.library, self._prior(), self.config.unknown, self.belief, self.config.learning
-        )
         self.announce("touch", {"number": touch.touch, "felt": touch.note, "met": touch.met})
-        self._judge()
+        if touch.told:
+            config, before = self.config, self.belief
+            self.belief = learned(
+                self.touches, self.library, self._prior(), config.unknown, before, config.learning
+            )
+            self._judge()
         return Step(touch, self.belief, choice, self.hand.cost.seconds)
 
     def _prior(self) -> Prior:

@@ -72,6 +72,11 @@ class LoneTouch:
     def __bool__(self) -> bool:
         return self.met
 
+    @property
+    def told(self) -> bool:
+        """Whether it says anything: of an approach that was blocked on its way nothing is known."""
+        return self.met or len(self.free.poses) > 0
+
 
 @dataclass(frozen=True)
 class LoneTouchConfig:
@@ -127,6 +132,12 @@ def touch_once(guard: Guard, approach: Approach, config: LoneTouchConfig | None 
         free_cells(seen, felt) if felt else np.empty((0, 3)),
         _imprint(seen, number) if felt and felt.depth > config.pressed else None,
     )
+
+
+def blocked(number: int, approach: Approach, where: Floats) -> LoneTouch:
+    """An approach that something stopped before it began; the pad stays at (4, 4) `where`."""
+    nothing = Contacts.of([]), (), joined([])
+    return LoneTouch(number, approach, *nothing, False, "the way was blocked", where)
 
 
 def _come_down(guard: Guard, approach: Approach, config: LoneTouchConfig) -> tuple[bool, str]:

@@ -1,0 +1,71 @@
+"""An approach that something stops on its way tells nothing, and the next one is made elsewhere."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from exploration.devices.guard import Collision, Cost
+from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocked, joined
+from exploration.planning.ways.round_ball import Ball
+from models.csg import Cube
+from models.library import Library
+from models.solid import Solid
+from primitives.evidence import Contacts
+from primitives.pose import pose
+from recognition.identifying import identify
+from recognition.identifying.hand import GuardedHand
+from recognition.identifying.identify import Identifier, IdentifyConfig
+from recognition.matching import Belief, Hypothesis
+
+LIBRARY = Library.of({"cube": Solid.from_csg(Cube((40.0, 40.0, 40.0)))})
+AWAY = pose(translation=[0.0, 0.0, 90.0])
+ASKED = Approach(pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 60.0]), 120.0)
+
+
+class _InTheWay:
+    """A guard that meets something wherever it is sent."""
+
+    def __init__(self):
+        self.cost, self.world_from_sensor = Cost(), AWAY
+
+    def go_to(self, where):
+        raise Collision("collision of lts210 by 0.13 mm")
+
+
+def test_an_approach_that_is_blocked_on_its_way_is_a_touch_that_tells_nothing():
+    hand = GuardedHand(_InTheWay())
+    made = hand.touch(ASKED, Ball(np.zeros(3), 40.0))
+    assert not made
+    assert not made.told
+    assert made.touch == hand.cost.touches == 1
+    assert hand.warnings == ["collision of lts210 by 0.13 mm"]
+
+
+def test_after_two_that_were_blocked_belief_is_not_asked_where_to_touch(monkeypatch):
+    asked = []
+    monkeypatch.setattr(identify, "choose", lambda *args, **more: asked.append("belief"))
+    monkeypatch.setattr(identify, "learned", lambda *args: asked.append("matched"))
+    contacts = Contacts.of([[0.0, 0.0, 20.0]], [[0.0, 0.0, 1.0]], 0.1, 0.01)
+    felt = LoneTouch(1, ASKED, contacts, (), joined([]), True, "a flat face", np.eye(4))
+    hand = SimpleNamespace(
+        cost=Cost(touches=1),
+        here=AWAY,
+        pad=(20.0, 20.0),
+        limits=None,
+        reachable=None,
+        leave=lambda ball: None,
+    )
+    hand.touch = lambda approach, ball: blocked(2, approach, AWAY)
+    me = Identifier(hand, LIBRARY, np.array([-100.0] * 3 + [100.0] * 3), IdentifyConfig(max_touches=3))
+    found = Hypothesis("cube", np.eye(4), 0.0, 1e-4 * np.eye(6), 0.0, np.zeros(1))
+    me.touches, me.belief, me._agreed = [felt], Belief((found,), {"cube": 0.99, "unknown": 0.01}), 1
+    before = me.around()
+    for _ in range(2):
+        me._learn(hand.touch(ASKED, before), None)
+    assert me._agreed == 1
+    assert me.around().radius > before.radius
+    approach, choice = me._next(me.around())
+    assert choice is None
+    assert not asked
+    there, tried = (a.start[:3, 3] - me.around().center for a in (approach, ASKED))
+    assert there @ tried < 0.5 * np.linalg.norm(there) * np.linalg.norm(tried)
