@@ -23,6 +23,11 @@ def identify(
     ] = "information",
     confidence: Annotated[float, typer.Option(help="Probability at which to stop.")] = 0.95,
     max_touches: Annotated[int, typer.Option(help="Touches after which it stops, sure or not.")] = 40,
+    pose_mm: Annotated[
+        float, typer.Option(help="Error of the place [mm] down to which it is touched on, once named.")
+    ] = 0.15,
+    pose_deg: Annotated[float, typer.Option(help="Error of the attitude [degrees], likewise.")] = 0.25,
+    pose_touches: Annotated[int, typer.Option(help="Touches for the pose alone, at most.")] = 3,
     live: flags.Live = False,
     live_at: flags.LiveAt = None,
     *,
@@ -47,6 +52,9 @@ def identify(
             library=library,
             policy=policy,
             confidence=confidence,
+            pose_mm=pose_mm,
+            pose_deg=pose_deg,
+            pose_touches=pose_touches,
         )
     with listing_parts_if_unknown(device or part, "identify"):
         look_at_file(part)

@@ -9,7 +9,7 @@ library, and never the object.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from exploration.planning.ways.round_ball import Ball
 from models.library import Library
 from primitives.arrays import Floats
 from recognition.identifying.bounds import believed_ball, felt_ball
+from recognition.identifying.exact import Exact, exact
 from recognition.identifying.hand import Hand
 from recognition.identifying.learned import LearnConfig, evidence_of, learned
 from recognition.identifying.placed import is_placed
@@ -27,7 +28,7 @@ from recognition.matching.belief import UNKNOWN
 from recognition.matching.next_touch.choose import Choice, choose
 from recognition.matching.next_touch.flight import flown, least_turned
 from recognition.matching.next_touch.held import Held
-from recognition.matching.next_touch.placing import doubt, placing
+from recognition.matching.next_touch.placing import placing
 from recognition.matching.next_touch.planar import planar
 from recognition.matching.next_touch.sampled import sampled
 
@@ -45,7 +46,8 @@ class IdentifyConfig:
     least: int = 4  # touches that met something, before which nothing is sure
     confirmed: int = 2  # touches in a row, after each of which the same name is sure enough
     patience: int = 8  # touches in a row, for which a name may be sure and its pose not
-    doubt: float = 0.2  # [mm] error of places of its surface, down to which it is touched when it is sure,
+    place: float = 0.15  # [mm] error of its place, and
+    turn: float = np.deg2rad(0.25)  # [rad] of its attitude, down to which it is touched when it is sure,
     finishing: int = 3  # with so many touches at most
     blind: int = 1  # touches that met something, before which the widest gap is touched
     misses: int = 2  # touches in a row without a contact, after which belief is not asked where to touch
@@ -86,6 +88,7 @@ class Identifier:
     _before: str = ""
     _drawn: Held | None = None
     _finishing: int = 0  # touches since it was sure, for the pose alone
+    _exact: Exact | None = None  # where it is, as exactly as can be told
 
     def run(self) -> Iterator[Step]:
         """Touch and match, one touch at a time."""
@@ -147,11 +150,22 @@ class Identifier:
         self.announce("touch", {"number": touch.touch, "felt": touch.note, "met": touch.met})
         if touch.told:
             config, before = self.config, self.belief
-            self.belief = learned(
-                self.touches, self.library, self._prior(), config.unknown, before, config.learning
-            )
+            told = learned(self.touches, self.library, self._prior(), config.unknown, before, config.learning)
+            self.belief = None if told is None else self._placed(told)
             self._judge()
         return Step(touch, self.belief, choice, self.hand.cost.seconds)
+
+    def _placed(self, belief: Belief) -> Belief:
+        """The belief, with the object that it decides for where its touches put it, if its pose is known."""
+        self._exact, name = None, belief.decision
+        best = belief.best(name)
+        if best is None or not is_placed(belief, self.library[name], self.config.confidence):
+            return belief
+        self._exact = exact(best, self.library[name], self.touches, self._prior(), self.config.learning)
+        if self._exact is None:
+            return belief
+        better = self._exact.hypothesis
+        return replace(belief, hypotheses=tuple(better if h is best else h for h in belief.hypotheses))
 
     def _prior(self) -> Prior:
         low, high = self.box[:3], self.box[3:]
@@ -170,14 +184,13 @@ class Identifier:
         placed = name == UNKNOWN or is_placed(self.belief, self.library[name], self.config.confidence)
         if self._agreed < (self.config.confirmed if placed else self.config.patience):
             self._finishing = 0
-        elif name == UNKNOWN or not placed or self._finishing >= self.config.finishing or self._exact(name):
+        elif name == UNKNOWN or not placed or self._finishing >= self.config.finishing or self._is_exact():
             self.ended = "sure"
         else:
             self._finishing += 1
 
-    def _exact(self, name: str) -> bool:
-        best = self.belief.best(name) if self.belief is not None else None
-        return best is None or doubt(best, self.library[name]) <= self.config.doubt
+    def _is_exact(self) -> bool:
+        return self._exact is None or self._exact.within(self.config.place, self.config.turn)
 
     def _next(self, ball: Ball) -> tuple[Approach, Choice | None]:
         if self._spent():
@@ -217,8 +230,9 @@ class Identifier:
         best = None if self.belief is None else self.belief.best(self.belief.decision)
         if best is None:
             return None
-        felt = self.evidence.contacts
-        noise = float(np.median(felt.sigma)), float(np.median(felt.normal_sigma))
+        felt, errs = self.evidence.contacts, self._exact
+        usual = float(np.median(felt.sigma)), float(np.median(felt.normal_sigma))
+        noise = usual if errs is None else (errs.place, errs.turn)
         entry, hand = self.library[best.name], self.hand
         skin = next((t.imprint for t in reversed(self.touches) if t.imprint is not None), None)
         found = placing(best, entry, ball, hand.pad, noise, self.rng, hand.reachable, skin=skin)

@@ -23,6 +23,9 @@ class IdentifyOptions(ExploreOptions):
     policy: str = "information"
     confidence: float = 0.95
     unknown: float = 0.1  # prior probability that it is none of the library's objects
+    pose_mm: float = 0.15  # [mm] error of the place, 1 sigma, and
+    pose_deg: float = 0.25  # [deg] of the attitude, down to which a named object is touched
+    pose_touches: int = 3  # that are made for the pose alone, at most
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -30,3 +33,8 @@ class IdentifyOptions(ExploreOptions):
             raise PalpateError(f"--confidence must lie between 0 and 1, not {self.confidence}")
         if not 0.0 <= self.unknown < 1.0:
             raise PalpateError(f"--unknown must be a probability below 1, not {self.unknown}")
+        for flag, value in (("--pose-mm", self.pose_mm), ("--pose-deg", self.pose_deg)):
+            if not 0.0 < value < float("inf"):
+                raise PalpateError(f"{flag} must be above 0, not {value}")
+        if self.pose_touches < 0:
+            raise PalpateError(f"--pose-touches must be 0 or more, not {self.pose_touches}")

@@ -49,7 +49,15 @@ def run(
     if not len(known):
         raise PalpateError("the library holds no object; add CAD files to its folder")
     with felt_run(options, "identify", world, told) as felt:
-        config = IdentifyConfig(options.policy, options.confidence, options.max_touches, options.unknown)
+        config = IdentifyConfig(
+            options.policy,
+            options.confidence,
+            options.max_touches,
+            options.unknown,
+            place=options.pose_mm,
+            turn=float(np.deg2rad(options.pose_deg)),
+            finishing=options.pose_touches,
+        )
         rng = np.random.default_rng([options.seed, 1])
         hand = GuardedHand(felt.guard, felt.warnings, beside(world, options), options.feature)
         identifier = Identifier(hand, known, felt.world.box.ravel(), config, rng, felt.announce)
