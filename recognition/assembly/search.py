@@ -67,7 +67,20 @@ def shortest(
         if better.cost >= best.cost - 1e-9:
             break
         best = _grown(better, vocabulary, solid, weight, options)
-    return mended(pruned(best, vocabulary, solid, weight, options), vocabulary, solid, weight, options)
+    best = _settled(best, vocabulary, solid, weight, options)
+    while best.wrong > options.leaf:
+        again = _grown(best, vocabulary, solid, weight, options)
+        if again.cost >= best.cost - 1e-9:
+            break
+        best = _settled(again, vocabulary, solid, weight, options)
+    return best
+
+
+def _settled(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    """Without what is needless, and with what should have been there before: it may grow again from there."""
+    return mended(pruned(state, vocabulary, solid, weight, options), vocabulary, solid, weight, options)
 
 
 def _grown(

@@ -1,0 +1,27 @@
+"""The search for the shortest list of primitives, over the cells of turned parts."""
+
+import numpy as np
+import pytest
+
+from primitives.shapes import Cylinder, Plane
+from recognition.assembly.search import SearchOptions, _steps, shortest
+from recognition.assembly.vocabulary import Vocabulary
+
+Z = np.eye(3)[2]
+HEIGHTS, RADII = (0.0, 6.0, 25.0, 41.0), (10.0, 13.0, 16.0, 24.0)
+SHAPES = [*(Plane(h * Z, Z) for h in HEIGHTS), *(Cylinder(np.zeros(3), Z, r) for r in RADII)]
+LEVELS = range(len(HEIGHTS) + 1)
+OUTSIDE = np.array(
+    [[level > k for k in range(4)] + [ring > k for k in range(4)] for level in LEVELS for ring in LEVELS]
+)
+
+
+@pytest.mark.parametrize("seed", range(180, 200))
+def test_no_single_step_betters_what_the_search_ends_with(seed):
+    rng, options = np.random.default_rng(seed), SearchOptions()
+    solid = rng.random(len(OUTSIDE)) < 0.5
+    weight = rng.choice([5.0, 30.0, 200.0, 600.0], len(OUTSIDE))
+    vocabulary = Vocabulary(SHAPES, OUTSIDE)
+    found = shortest(vocabulary, solid, weight, options)
+    after = _steps(found, vocabulary, solid, weight, options)
+    assert min((state.cost for state in after), default=np.inf) > found.cost - 1e-9
