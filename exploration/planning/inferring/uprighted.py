@@ -3,7 +3,8 @@
 A pad that met a round end once or twice felt some ten contacts of it, or many on a narrow band.  They fit what
 leans, a cone or a cylinder, as well as the cylinder that stands upright on its plate; what leans ends somewhere
 else.  A cylinder along a known direction has three parameters, where a cone has six: Schwarz's criterion says what
-the contacts pay for (our derivation).
+the contacts pay for (our derivation).  On a low rim the skin bends over both its edges wherever it lies, as on a
+piece of a sphere: what such contacts err by together is added to their own sigmas.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ _BAND = 0.5  # of a cylinder's radius, along which it was felt at least where it
 _PARAMETERS = 3  # of a cylinder along a given direction
 _RESIDUALS = 3  # of a point with its normal
 _SLACK = 3.0  # times chi2, by which contacts of one touch err together beyond their frames' noise
+_LOW = 8.0  # [mm] along a direction, up to which a face lies beside its edges throughout
+_BENT = 0.06, 0.1  # [mm], [rad] that contacts and their normals err by there
 _ACROSS = 0.3  # most cosine between a direction and the median contact's normal
 _STEP = 3.0  # [mm] along a cylinder, at which it is the same again
 _SAME = 0.995  # cosine from which two directions are one
@@ -65,20 +68,26 @@ def _upright(face: Face, ways: list[Floats]) -> Fit | None:
     if isinstance(shape, Cylinder) and any(abs(float(shape.direction @ way)) > _UPRIGHT for way in ways):
         return None
     paid = np.log(_RESIDUALS * len(felt))
-    best, least = None, float(squares(face.fit, felt).sum()) / _SLACK + len(face.fit.sigma) * paid
+    best, most = None, 0.0
     for way in ways:
         if np.median(np.abs(felt.normals @ way)) > _ACROSS:
             continue
-        made = fit("cylinder", _drawn_out(felt, way))
+        told = _bent(felt) if float(np.ptp(felt.points @ way)) < _LOW else felt
+        made = fit("cylinder", _drawn_out(told, way))
         if not isinstance(made, Fit):
             continue
-        own = squares(made, felt)
-        score = float(own.sum()) / _SLACK + _PARAMETERS * paid
-        if score < least:
+        own, chi2 = squares(face.fit, told).sum(), squares(made, told).sum()
+        gain = float(own - chi2) / _SLACK + (len(face.fit.sigma) - _PARAMETERS) * paid
+        if gain > most:
             rows = face.fit.inliers
             dof = max(_RESIDUALS * len(felt) - _PARAMETERS, 1)
-            best, least = replace(made, inliers=rows, chi2=float(own.sum()), dof=dof), score
+            best, most = replace(made, inliers=rows, chi2=float(chi2), dof=dof), gain
     return best
+
+
+def _bent(felt: Contacts) -> Contacts:
+    sigma, normal_sigma = np.hypot(felt.sigma, _BENT[0]), np.hypot(felt.normal_sigma, _BENT[1])
+    return replace(felt, sigma=sigma, normal_sigma=normal_sigma)
 
 
 def _narrow(face: Face) -> bool:

@@ -6,7 +6,7 @@ import pytest
 from exploration.planning.inferring.uprighted import uprighted
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
-from primitives.shapes import Cone, Cylinder
+from primitives.shapes import Cone, Cylinder, Sphere
 
 Z = np.eye(3)[2]
 
@@ -61,3 +61,24 @@ def test_a_narrow_band_of_many_contacts_stands_upright_where_a_long_one_tells_it
     (_, upright), (_, kept) = (uprighted(PatchGraph((plate(rng), own), ())).faces for own in (narrow, long))
     assert abs(upright.fit.shape.direction @ Z) > 0.9999
     assert kept is long
+
+
+def zone(rng, high):
+    """Two touches of a ball of radius 24, to both sides of its equator."""
+    ball = Sphere([0, 0, 0.0], 24.0)
+    turn, up = (
+        np.concatenate([rng.uniform(0, 0.5, 12), rng.uniform(3, 3.5, 12)]),
+        rng.uniform(-high, high, 24),
+    )
+    at = ball.project(np.column_stack([24.0 * np.cos(turn), 24.0 * np.sin(turn), up]))
+    return face(1, Contacts.of(at, ball.normals(at), 0.02, 0.03))
+
+
+def test_the_low_rim_of_a_flange_is_no_sphere_though_the_skin_bends_over_both_its_edges():
+    rng = np.random.default_rng(4)
+    low, high = zone(rng, 2.0), zone(rng, 6.0)
+    assert low.fit.kind == high.fit.kind == "sphere"
+    end = uprighted(PatchGraph((plate(rng), low), ())).faces[1].fit
+    assert end.kind == "cylinder"
+    assert end.shape.radius == pytest.approx(24.0, abs=0.1)
+    assert uprighted(PatchGraph((plate(rng), high), ())).faces[1] is high
