@@ -17,6 +17,7 @@ from exploration.planning.inferring.inferred_walls import gone_through, inferred
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
 from exploration.planning.inferring.risers import risers
+from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.turned_ends import turned_ends
@@ -38,6 +39,7 @@ _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, 
 _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
 _BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
 _BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the faces at its ends are not"
+_BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
@@ -68,6 +70,9 @@ def conclude(
     )
     # Holes before walls: a round hole stops strokes, too.
     found.openings = _holes(found, found.rims, guessed, inside)
+    seen = unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces)
+    for lot in round_walls(seen, (now := frontier()).known, now.ends(), inside):
+        _add(found, lot, _BY_CIRCLE, "cylinder")
     rims = [rim for rim, _ in unexplained(found.wall_rims, found.graph.faces)]
     for lot in inferred_walls(walls(), found.graph.faces, rims):
         if not gone_through(lot, inside):

@@ -97,7 +97,7 @@ def upright_walls(
         normal = normal if float(normal @ rim.outward) > config.likely else rim.outward
         if abs(float(normal @ rim.normal)) < config.parallel:
             straight = replace(rim, tangent=np.cross(normal, rim.normal))
-            down = _depth(rim, face, faces, config) * rim.normal
+            down = depth_below(rim.point, rim.normal, face, faces, config) * rim.normal
             wall = _between(_along(straight), _along(straight) - down), normal
             _join(found if sure else unsure, wall, config)
     for points, normal in [wall for wall in unsure if _looked_back_at(wall, [*found, *unsure], config)]:
@@ -110,16 +110,18 @@ def _looked_back_at(wall: Wall, walls: Sequence[Wall], config: RimWallsConfig) -
     return any(float(wall[1] @ normal) < -config.opposite for _, normal in walls)
 
 
-def _depth(rim: Sighting, own: int, faces: Sequence[Face], config: RimWallsConfig) -> float:
-    """[mm] from a rim down to the next flat face that is parallel to its own, where one was felt beside it."""
+def depth_below(
+    point: Floats, normal: Floats, own: int, faces: Sequence[Face], config: RimWallsConfig = RimWallsConfig()
+) -> float:
+    """[mm] from a (3,) rim of face `own` down to the next flat face parallel to it, if one was felt beside it."""
     deep = [config.deep]
     for face in faces:
         if face.id == own or not isinstance(face.fit, Fit) or face.fit.kind != "plane":
             continue
-        if abs(float(face.fit.shape.direction @ rim.normal)) > config.known:
-            away = rim.point - face.contacts.points
-            down = np.median(away @ rim.normal)
-            aside = np.linalg.norm(away - np.outer(away @ rim.normal, rim.normal), axis=1)
+        if abs(float(face.fit.shape.direction @ normal)) > config.known:
+            away = point - face.contacts.points
+            down = np.median(away @ normal)
+            aside = np.linalg.norm(away - np.outer(away @ normal, normal), axis=1)
             deep += [float(down)] if down > 0.0 and aside.min() < config.felt else []
     return min(deep[1:], default=config.deep)
 

@@ -103,12 +103,18 @@ class LocalFrontier:
     def mouths(self) -> list[Mouth]:
         """Ways across what is missing of each flat face, where no face is known behind the rim."""
         found: list[Mouth] = []
-        for own in self.known:
+        for own, (at, out) in zip(self.known, self.ends(), strict=True):
             if own.fit.kind == "plane":
-                at, out = own.rim
-                left = ~self._explained(own, at, out)
-                normal = own.side * own.fit.shape.direction
-                found += mouths(own.cells, at[left], out[left], normal)
+                found += mouths(own.cells, at, out, own.side * own.fit.shape.direction)
+        return found
+
+    def ends(self) -> list[tuple[Floats, Floats]]:
+        """(n, 3) places at which each known face was felt last and no other explains it, and the ways out."""
+        found = []
+        for own in self.known:
+            at, out = own.rim
+            left = ~self._explained(own, at, out)
+            found.append((at[left], out[left]))
         return found
 
     @cached_property

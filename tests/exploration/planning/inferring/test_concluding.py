@@ -80,7 +80,7 @@ def test_a_round_hole_between_two_rims_is_known_before_it_is_asked_what_stopped_
         found.graph, own = found.graph.add_stroke(Contacts.of(square + z * Z, np.tile(way, (9, 1))))
         found.rims.append(RoundRim(z * Z, way, 9.0, 0.05, own, True))
     known = []
-    frontier = SimpleNamespace(openings=[], known=[], placed=list)
+    frontier = SimpleNamespace(openings=[], known=[], placed=list, ends=list)
     conclude(found, lambda: known.append({f.fit.kind for f in found.graph.faces}) or [], lambda: frontier)
     assert "cylinder" in known[0]
 
@@ -99,7 +99,7 @@ def ring_with_rims():
 
 
 def test_rims_of_faces_that_turned_out_to_be_a_ring_make_no_hole_and_no_wall():
-    found, frontier = ring_with_rims(), SimpleNamespace(openings=[], known=[], placed=list)
+    found, frontier = ring_with_rims(), SimpleNamespace(openings=[], known=[], placed=list, ends=list)
     conclude(found, list, lambda: frontier)
     assert [face.fit.kind for face in found.graph.faces] == ["torus"]
 

@@ -1,0 +1,173 @@
+"""Round walls that no array has room to face, inferred from where the flat face at their end ends.
+
+Edges of one flat face that all look away from one point, equally far from it, are pieces of a circle, and what
+stands below that is round: a wheel's hub, a boss.  Where no edges were made out, as on a ring so narrow that two
+of them are under the pad, the places serve at which the face was felt last, and less well.  n places are fitted by
+
+    |x|^2 = 2 c . x + (r^2 - |c|^2),
+
+linear in c and in the bracket (Kasa 1976).  Edges of a square or a hexagon may lie so, too, in the middles of its
+sides; but then they look only so many ways (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.planning.inferring.rim_walls import depth_below
+from exploration.planning.open.known_face import KnownFace
+from exploration.planning.touching.findings import SeenRim
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.pose import frame_along
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """When places are of one circle."""
+
+    least: int  # of them
+    off: float  # [mm] from the circle
+    away: float  # least cosine between the way out of the face there and the way from the middle
+
+
+@dataclass(frozen=True)
+class RoundWallsConfig:
+    """What tells of a circle, and where its wall is."""
+
+    edges: Likeness = Likeness(4, 0.5, 0.95)  # as looks have shown them
+    ends: Likeness = Likeness(16, 1.5, 0.7)  # where the face was felt last
+    round: float = 0.08  # of the radius, that a place may be off it at most
+    share: float = 0.75  # of a face's places that must be of it
+    bare: float = 0.6  # share of the places where the face was felt last, that no other face may explain
+    around: float = 3.3  # [rad] of it, over which they are
+    turned: float = 0.05  # [rad] from the ways that a polygon's edges look, to be none of them
+    sides: tuple[int, ...] = (4, 6)  # of such polygons
+    upright: float = 0.1  # most cosine between the way out of an edge and the face's own
+    behind: tuple[float, float] = (1.0, 5.0)  # [mm] behind a wall, where its material is
+    went: int = 4  # places there that an array went through, from which there is none
+    rows: tuple[float, ...] = (0.5, 1.2, 2.5)  # [mm] below the edge, where the wall is
+    land: float = 5.0  # [mm] of it, that there is at least
+    ring: int = 24  # places round it
+    sigma: float = 0.2  # [mm]
+    normal_sigma: float = 0.05  # [rad]
+
+
+@dataclass(frozen=True)
+class Circle:
+    """The outline of a flat face."""
+
+    center: Floats  # (3,) [mm]
+    axis: Floats  # (3,) out of the face
+    radius: float  # [mm]
+
+
+def round_walls(
+    rims: Sequence[SeenRim],
+    known: Sequence[KnownFace],
+    open_: Sequence[tuple[Floats, Floats]],
+    free: Floats,
+    config: RoundWallsConfig = RoundWallsConfig(),
+) -> list[Contacts]:
+    """Contacts of the round wall below each flat face whose unexplained edges are a circle's.
+
+    `open_[k]` are (n, 3) places at which the `known` face k was felt last, and no face explains it, with the ways
+    out of it there.  An array was at (m, 3) places `free`.
+    """
+    faces, lots = [own.face for own in known], []
+    for own, (at, out) in zip(known, open_, strict=True):
+        if own.fit.kind != "plane":
+            continue
+        axis = own.side * own.fit.shape.direction
+        seen = [
+            rim
+            for rim, face in rims
+            if face == own.face.id and abs(float(rim.outward @ axis)) < config.upright
+        ]
+        edges = np.array([rim.point for rim in seen]).reshape(-1, 3)
+        ways = np.array([rim.outward for rim in seen]).reshape(-1, 3)
+        circle = _circle(edges, ways, axis, config.edges, config)
+        if circle is None and len(at) > config.bare * len(own.rim[0]):
+            circle = _circle(at, out, axis, config.ends, config)
+        if circle is not None:
+            deep = depth_below(circle.center, circle.axis, own.face.id, faces)
+            if _gone_through(circle, (config.land, deep - config.land), free, config):
+                deep = config.land
+            if not _gone_through(circle, (0.0, config.land), free, config):
+                lots.append(_wall(circle, deep, config))
+    return lots
+
+
+def _circle(
+    at: Floats, out: Floats, axis: Floats, alike: Likeness, config: RoundWallsConfig
+) -> Circle | None:
+    """The circle that most of (n, 3) places lie on, all looking away from its middle; None where there is none."""
+    if len(at) < alike.least:
+        return None
+    turn = frame_along(axis)
+    places, ways = at @ turn, (out @ turn)[:, :2]
+    outer = ((places[:, :2] - _kasa(places[:, :2])[0]) * ways).sum(axis=1) > 0.0  # the others are a bore's
+    places, ways, kept = places[outer], ways[outer], np.ones(int(outer.sum()), dtype=bool)
+    while kept.sum() >= max(alike.least, config.share * len(places)):
+        center, radius = _kasa(places[kept, :2])
+        from_middle = places[:, :2] - center
+        far = np.linalg.norm(from_middle, axis=1)
+        cosine = (from_middle * ways).sum(axis=1) / np.maximum(far, 1e-9)
+        amiss = np.abs(far - radius) / min(alike.off, config.round * radius) + np.where(
+            cosine < alike.away, 1.0, 0.0
+        )
+        if amiss[kept].max() < 1.0:
+            angle = np.sort(np.arctan2(from_middle[kept, 1], from_middle[kept, 0]))
+            if _around(angle) < config.around or any(_of_polygon(angle, n, config) for n in config.sides):
+                return None
+            return Circle(turn @ np.array([*center, float(places[kept, 2].mean())]), axis, radius)
+        kept[np.argmax(np.where(kept, amiss, -1.0))] = False
+    return None
+
+
+def _kasa(flat: Floats) -> tuple[Floats, float]:
+    """(2,) center and radius of the circle through (n, 2) places."""
+    middle = flat.mean(axis=0)
+    local = flat - middle
+    rows = np.column_stack([2.0 * local, np.ones(len(local))])
+    (x, y, rest), *_ = np.linalg.lstsq(rows, (local**2).sum(axis=1), rcond=None)
+    return middle + np.array([x, y]), float(np.sqrt(max(rest + x * x + y * y, 0.0)))
+
+
+def _around(angle: Floats) -> float:
+    """[rad] of the circle that sorted angles span, less its widest gap."""
+    return float(2.0 * np.pi - np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+
+
+def _of_polygon(angle: Floats, sides: int, config: RoundWallsConfig) -> bool:
+    """Whether all look only the ways that the sides of a regular polygon do."""
+    turned = (angle - angle[0]) * sides / (2.0 * np.pi)
+    return bool(np.abs(turned - np.round(turned)).max() * 2.0 * np.pi / sides < config.turned)
+
+
+def _gone_through(
+    circle: Circle, between: tuple[float, float], free: Floats, config: RoundWallsConfig
+) -> bool:
+    """Whether an array was behind the wall `between` two depths [mm], as in a groove round it."""
+    away = circle.center - free
+    down = away @ circle.axis
+    behind = circle.radius - np.linalg.norm(away - np.outer(down, circle.axis), axis=1)
+    low, high = config.behind
+    return (
+        int(((down > between[0]) & (down < between[1]) & (behind > low) & (behind < high)).sum())
+        >= config.went
+    )
+
+
+def _wall(circle: Circle, deep: float, config: RoundWallsConfig) -> Contacts:
+    """Contacts of a wall so many [mm] deep, looking out; nobody felt it."""
+    turn = 2.0 * np.pi * np.arange(config.ring) / config.ring
+    ways = np.column_stack([np.cos(turn), np.sin(turn)]) @ frame_along(circle.axis)[:, :2].T
+    ring = circle.center + circle.radius * ways
+    rows = [*config.rows, *(deep - row for row in config.rows if deep > config.land)]
+    points = np.concatenate([ring - row * circle.axis for row in rows])
+    normals = np.tile(ways, (len(rows), 1))
+    return Contacts.of(points, normals, config.sigma, config.normal_sigma, touch=NOT_FELT)

@@ -1,0 +1,79 @@
+"""Round walls from the circle at which a flat face ends."""
+
+import numpy as np
+import pytest
+
+from exploration.control.sighting import Sighting
+from exploration.planning.inferring.round_walls import round_walls
+from exploration.planning.known.surface_map import SurfaceMap
+from exploration.planning.open.known_face import KnownFace
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import fit
+from primitives.patch_graph import MergeOptions, ranked_face
+
+X, Y, Z = np.eye(3)
+NOWHERE = np.empty((0, 3))
+GRID = np.stack(np.meshgrid(np.arange(-24.0, 25.0, 2.0), np.arange(-24.0, 25.0, 2.0)), axis=-1).reshape(-1, 2)
+
+
+def flat(number, inside, height=0.0, up=1.0, free=None):
+    """A face felt where `inside` says so, and found free elsewhere."""
+    kept = inside(GRID)
+    points = np.column_stack([GRID[kept], np.full(kept.sum(), height)])
+    normals = np.tile(up * Z, (len(points), 1))
+    face, felt = ranked_face(number, Contacts.of(points, normals), MergeOptions()), SurfaceMap()
+    felt.add(points, normals)
+    places = np.column_stack([GRID[~kept], np.full((~kept).sum(), height - 0.5 * up)])
+    return KnownFace.of(face, face.fit, felt, places if free is None else free, 5.0)
+
+
+def disc(radius, bore=0.0):
+    return lambda xy: (np.hypot(*xy.T) < radius) & (np.hypot(*xy.T) >= bore)
+
+
+def edge(angle, radius, own=0):
+    way = np.array([np.cos(angle), np.sin(angle), 0.0])
+    return Sighting(radius * way, np.cross(Z, way), way, Z, 0.05, 12.0), own
+
+
+TOP, FLOOR = flat(0, disc(14.0)), flat(1, disc(25.0), -10.0)
+EDGES = [edge(angle, 14.6) for angle in (0.3, 1.0, 2.5, 4.0, 5.4)]
+
+
+def walls(rims, known, ends=None, free=NOWHERE):
+    return round_walls(rims, known, ends or [(NOWHERE, NOWHERE)] * len(known), free)
+
+
+def test_edges_of_one_circle_are_the_end_of_a_round_wall_as_deep_as_the_next_face():
+    (lot,) = walls(EDGES, [TOP, FLOOR])
+    found = fit("cylinder", lot)
+    assert found
+    assert found.convex
+    assert found.shape.radius == pytest.approx(14.6, abs=0.01)
+    assert (lot.touch == NOT_FELT).all()
+    assert lot.points[:, 2].min() == pytest.approx(-9.5)
+
+
+def test_the_middles_of_a_hexagon_s_sides_are_no_circle_nor_are_edges_on_one_side():
+    sides = [edge(k * np.pi / 3.0, 14.6) for k in range(6)]
+    assert walls(sides, [TOP, FLOOR]) == []
+    assert walls([edge(angle, 14.6) for angle in (0.1, 0.5, 1.1, 1.7)], [TOP, FLOOR]) == []
+
+
+def test_where_an_array_was_behind_it_there_is_no_wall_and_below_its_land_a_groove():
+    turn = np.linspace(0.0, 6.0, 20)
+    ring = 12.0 * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(20)])
+    assert walls(EDGES, [TOP, FLOOR], free=ring - 2.0 * Z) == []
+    (lot,) = walls(EDGES, [TOP, flat(2, disc(14.0), -20.0, -1.0)], free=ring - 10.0 * Z)
+    assert lot.points[:, 2].min() > -5.0
+
+
+def test_a_hub_s_outline_serves_where_no_edge_was_made_out_and_nothing_explains_it():
+    hub = flat(0, disc(14.0, 5.0))
+    (lot,) = walls([], [hub, FLOOR], [hub.rim, (NOWHERE, NOWHERE)])
+    assert fit("cylinder", lot).shape.radius == pytest.approx(14.0, abs=2.0)
+    at, out = hub.rim
+    some = at[:, 0] > 0.0
+    assert walls([], [hub, FLOOR], [(at[some], out[some]), (NOWHERE, NOWHERE)]) == []
+    square = flat(0, lambda xy: np.abs(xy).max(axis=1) < 13.0)
+    assert walls([], [square, FLOOR], [square.rim, (NOWHERE, NOWHERE)]) == []
