@@ -27,6 +27,7 @@ class ReachConfig:
     standoff: float = 10.0  # [mm] before the last, guarded advance
     overtravel: float = 8.0  # [mm]
     back: float = 4.0  # [mm] from what was met on the way
+    rise: float = 6.0  # [mm] straight off what the pad lies on, where a wall beside it leaves no other way
     out: float = 4.0  # [mm] of the housing that stay out of what it goes into
     under: float = 5.0  # [mm] aside, up to which a place is under a lid
     wide: float = 3.5  # [mm] round what is carried on long arms, where ways are as free as that
@@ -128,15 +129,25 @@ class Reach:
     def go(self, goal: Floats) -> bool:
         """Round what is known to a (4, 4) goal; whether the pad got there, `led` whether there was a way."""
         self._suspect = self._suspect[~self.pad.swept.holds(self._suspect)]
-        start, tool, ways = self.pad.guard.world_from_sensor, self.pad.tool, self._ways()
+        start = self.pad.guard.world_from_sensor
+        poses = self._routed(start, goal)
+        if poses is None and not self.clear(start):
+            off = start @ se3.pose(translation=[0.0, 0.0, -self.config.rise])
+            poses = self._routed(off, goal)
+            if poses is not None:
+                retreat(self.pad.guard, self.config.rise)
+        self.led = poses is not None
+        return poses is not None and all(self._fly(pose, k == 0) for k, pose in enumerate(poses))
+
+    def _routed(self, start: Floats, goal: Floats) -> list[Floats] | None:
+        """(4, 4) poses from one to another round what is known; None where nothing leads there."""
+        ways = self._ways()
         tried = (
-            route(tool, start, goal, places, ways, config, self._barred)
+            route(self.pad.tool, start, goal, places, ways, config, self._barred)
             for places in self._in_the_way()
             for config in self._routes
         )
-        poses = next((found for found in tried if found is not None), None)
-        self.led = poses is not None
-        return poses is not None and all(self._fly(pose, k == 0) for k, pose in enumerate(poses))
+        return next((found for found in tried if found is not None), None)
 
     def _in_the_way(self) -> Iterator[Floats]:
         """(n, 3) places to keep off: of all that may stand; of what was felt; and of that, less what was since
