@@ -29,6 +29,7 @@ class GapsConfig:
     ways: int = 16  # directions in which its rim is looked for
     clear: float = 1.2  # [mm] of a free place from all that was touched
     places: int = 8  # of its rim that were touched
+    strays: int = 3  # of them, the farthest, that may be past it
     rim: RoundRimConfig = field(default_factory=lambda: RoundRimConfig(rms=1.2, share=0.25))
 
 
@@ -51,18 +52,24 @@ def gaps(
             continue
         rows = np.flatnonzero(members)
         rim, out = _rim_about(places[rows[np.argmax(away[rows])]], felt, config)
-        circle = round_rim(rim @ turn.T, out @ turn.T, axis, face, config.rim)
-        found += [circle] if circle is not None else []
+        for kept in (slice(None), slice(-config.strays)):
+            circle = round_rim(rim[kept] @ turn.T, out[kept] @ turn.T, axis, face, config.rim)
+            if circle is not None:
+                found.append(circle)
+                break
     return found
 
 
 def _rim_about(middle: Floats, felt: Floats, config: GapsConfig) -> tuple[Floats, Floats]:
-    """(n, 3) the touched places nearest to a (2,) middle, one a direction, and (n, 3) the ways to it."""
+    """(n, 3) the touched places nearest to a (2,) middle, one a direction, and (n, 3) the ways to it.
+
+    The nearest of them first.
+    """
     toward = felt[:, :2] - middle
     far = np.linalg.norm(toward, axis=1)
     way = np.floor(np.arctan2(toward[:, 1], toward[:, 0]) / (2.0 * np.pi) * config.ways).astype(int)
     order = np.argsort(far, kind="stable")
     _, first = np.unique(way[order], return_index=True)
-    rows = order[first]
+    rows = order[np.sort(first)]
     out = np.column_stack([-toward[rows] / np.maximum(far[rows], 1e-9)[:, None], np.zeros(len(rows))])
     return felt[rows], out
