@@ -27,6 +27,7 @@ class RingEndsConfig:
     beside: float = 20.0  # [mm] from the end, within which the turned face was felt
     felt: int = 6  # touched places of the ring
     least: float = 2.5  # [mm] of the bore's radius
+    largest: float = 60.0  # [mm] of the turned face's
     free: int = 4  # places inside, at which the face is not
     inside: float = 0.5  # [mm] nearer to the axis than all that was felt, where they are
 
@@ -34,15 +35,13 @@ class RingEndsConfig:
 def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfig()) -> list[RoundRim]:
     """Circles where the bores of tubes may begin, with the outer circle of each ring."""
     found: list[RoundRim] = []
+    barrels = [(own, shape) for own in known if (shape := _barrel(own, config)) is not None]
     for end in (own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.felt):
         axis = end.side * end.fit.shape.direction
-        for turned in known:
-            shape = turned.fit.shape
-            if not isinstance(shape, Cylinder) or turned.side < 0.0 or not len(turned.cells):
-                continue
-            if abs(float(shape.direction @ axis)) < config.upright or not _ends_at(turned, end, axis, config):
-                continue
+        for turned, shape in barrels:
             slope = float(axis @ shape.direction)
+            if abs(slope) < config.upright or not _ends_at(turned, end, axis, config):
+                continue
             along = float(axis @ (end.fit.shape.anchor - shape.anchor)) / slope
             center = shape.anchor + along * shape.direction
             felt, outer = _aside(end.cells, center, axis), float(shape.radius)
@@ -51,6 +50,13 @@ def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfi
             if config.least < radius and outside < outer + config.beyond and inside.sum() >= config.free:
                 found.append(RoundRim(center, axis, radius, 1.0, end.face.id, outer=outer))
     return found
+
+
+def _barrel(own: KnownFace, config: RingEndsConfig) -> Cylinder | None:
+    shape = own.fit.shape
+    if not isinstance(shape, Cylinder) or own.side < 0.0 or not len(own.cells):
+        return None
+    return shape if shape.radius < config.largest else None
 
 
 def _ends_at(turned: KnownFace, end: KnownFace, axis: Floats, config: RingEndsConfig) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.ring_ends import ring_ends
+from exploration.planning.open.ring_ends import RingEndsConfig, ring_ends
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 
@@ -50,3 +50,4 @@ def test_a_flange_round_the_barrel_or_a_bore_for_it_makes_no_ring():
     wide = flat_ring((19.0, 25.0), INSIDE)
     assert ring_ends([wide, BARREL]) == []
     assert ring_ends([END, replace(BARREL, side=-1.0)]) == []
+    assert ring_ends([END, BARREL], RingEndsConfig(largest=15.0)) == []
