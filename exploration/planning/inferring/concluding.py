@@ -13,6 +13,7 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_poor, flattened
+from exploration.planning.inferring.far_ends import far_ends
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
@@ -70,6 +71,9 @@ def conclude(
     )
     # Holes before walls: a round hole stops strokes, too.
     found.openings = _holes(found, found.rims, guessed, inside)
+    through = far_ends(found.openings, frontier().known)
+    left = _holes(found, [*found.openings, *through], [], inside)
+    found.openings = [rim for rim in left if not any(rim is end for end in through)]
     seen = unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces)
     for lot in round_walls(seen, (now := frontier()).known, now.ends(), inside):
         _add(found, lot, _BY_CIRCLE, "cylinder")

@@ -1,0 +1,43 @@
+"""Where holes come out of faces of which nobody saw the rim there."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from exploration.planning.inferring.far_ends import far_ends
+from exploration.planning.known.surface_map import SurfaceMap
+from exploration.planning.open.known_face import KnownFace
+from exploration.planning.open.round_rims import RoundRim
+from primitives.evidence import Contacts
+from primitives.patch_graph import MergeOptions, ranked_face
+
+Z = np.eye(3)[2]
+GRID = np.stack(np.meshgrid(np.arange(-20.0, 21.0, 1.0), np.arange(-20.0, 21.0, 1.0)), axis=-1).reshape(-1, 2)
+RIM = RoundRim(np.array([5.0, 0.0, 10.0]), Z, 4.0, 0.02, 0, True)
+
+
+def under(hole_at=(5.0, 0.0), height=0.0, up=-1.0):
+    """The face behind, felt but for a hole at a place, of which it is known that it is not there."""
+    kept = np.linalg.norm(GRID - hole_at, axis=1) > 4.0
+    points = np.column_stack([GRID[kept], np.full(kept.sum(), height)])
+    free = np.column_stack([GRID[~kept], np.full((~kept).sum(), height - 0.5 * up)])
+    normals = np.tile(up * Z, (len(points), 1))
+    face, felt = ranked_face(3, Contacts.of(points, normals), MergeOptions()), SurfaceMap()
+    felt.add(points, normals)
+    return KnownFace.of(face, face.fit, felt, free, 5.0)
+
+
+def test_a_hole_comes_out_where_the_face_behind_it_is_missing():
+    (end,) = far_ends([RIM], [under(), under(height=-15.0)])
+    assert np.allclose(end.center, [5.0, 0.0, 0.0], atol=0.05)
+    assert end.axis @ Z < -0.999
+    assert end.radius == RIM.radius
+    assert not end.measured
+
+
+def test_it_is_blind_where_that_face_was_touched_or_looks_the_same_way_or_nobody_looked_at_the_rim():
+    assert far_ends([RIM], [under((-12.0, 0.0))]) == []
+    assert far_ends([RIM], [under(up=1.0)]) == []
+    assert far_ends([replace(RIM, measured=False)], [under()]) == []
+    full = under((90.0, 0.0))
+    assert far_ends([RIM], [replace(full, free=np.array([[5.0, 0.0, 0.5]] * 4))]) == []
