@@ -13,7 +13,7 @@ sides; but then they look only so many ways (our derivation).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,13 +39,16 @@ class RoundWallsConfig:
     """What tells of a circle, and where its wall is."""
 
     edges: Likeness = Likeness(4, 0.5, 0.95)  # as looks have shown them
-    ends: Likeness = Likeness(16, 1.5, 0.7)  # where the face was felt last
+    ends: Likeness = Likeness(
+        16, 1.5, 0.3
+    )  # where the face was felt last: the ways out are hardly known there
     round: float = 0.08  # of the radius, that a place may be off it at most
     share: float = 0.75  # of a face's places that must be of it
     bare: float = 0.6  # share of the places where the face was felt last, that no other face may explain
     around: float = 3.3  # [rad] of it, over which they are
     turned: float = 0.05  # [rad] from the ways that a polygon's edges look, to be none of them
     sides: tuple[int, ...] = (4, 6)  # of such polygons
+    parallel: float = 0.998  # least cosine between the axes of two ends of one wall
     upright: float = 0.1  # most cosine between the way out of an edge and the face's own
     behind: tuple[float, float] = (1.0, 5.0)  # [mm] behind a wall, where its material is
     went: int = 4  # places there that an array went through, from which there is none
@@ -77,7 +80,7 @@ def round_walls(
     `open_[k]` are (n, 3) places at which the `known` face k was felt last, and no face explains it, with the ways
     out of it there.  An array was at (m, 3) places `free`.
     """
-    faces, lots = [own.face for own in known], []
+    faces, found = [own.face for own in known], list[tuple[Circle, float]]()
     for own, (at, out) in zip(known, open_, strict=True):
         if own.fit.kind != "plane":
             continue
@@ -97,8 +100,21 @@ def round_walls(
             if _gone_through(circle, (config.land, deep - config.land), free, config):
                 deep = config.land
             if not _gone_through(circle, (0.0, config.land), free, config):
-                lots.append(_wall(circle, deep, config))
-    return lots
+                found.append((circle, deep))
+    return [
+        _wall(_one_of(circle, [other for other, _ in found], config), deep, config) for circle, deep in found
+    ]
+
+
+def _one_of(circle: Circle, others: Sequence[Circle], config: RoundWallsConfig) -> Circle:
+    """The circle, as round as the first of all that are ends of one wall."""
+    for other in others:
+        away = circle.center - other.center
+        aside = away - float(away @ other.axis) * other.axis
+        near = abs(circle.radius - other.radius) < config.ends.off and np.linalg.norm(aside) < config.ends.off
+        if near and abs(float(circle.axis @ other.axis)) > config.parallel:
+            return replace(circle, center=circle.center - aside, radius=other.radius)
+    return circle
 
 
 def _circle(

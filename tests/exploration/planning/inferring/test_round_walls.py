@@ -1,5 +1,7 @@
 """Round walls from the circle at which a flat face ends."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,14 @@ def test_where_an_array_was_behind_it_there_is_no_wall_and_below_its_land_a_groo
     assert walls(EDGES, [TOP, FLOOR], free=ring - 2.0 * Z) == []
     (lot,) = walls(EDGES, [TOP, flat(2, disc(14.0), -20.0, -1.0)], free=ring - 10.0 * Z)
     assert lot.points[:, 2].min() > -5.0
+
+
+def test_two_ends_of_one_wall_are_equally_round():
+    below = flat(2, disc(14.0), -20.0, -1.0)
+    other = [replace(rim, point=rim.point * (15.4 / 14.6) - 20.0 * Z, normal=-Z) for rim, _ in EDGES]
+    lots = walls([*EDGES, *((rim, 2) for rim in other)], [TOP, below])
+    assert len(lots) == 2
+    assert np.allclose([np.hypot(*lot.points[:, :2].T).max() for lot in lots], 14.6, atol=0.01)
 
 
 def test_a_hub_s_outline_serves_where_no_edge_was_made_out_and_nothing_explains_it():
