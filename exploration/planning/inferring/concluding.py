@@ -107,17 +107,18 @@ def _holes(
     """Add the walls of the holes that rims are the ends of, the far ends perhaps only guessed; the rims left."""
     hollows = hollows_of(found.graph.faces)
     rims = [rim for rim in rims if not own_rim(rim, hollows)]
+    led = [hole for rim in rims if (hole := led_into(rim, hollows)) is not None]
+    rims = [rim for rim in rims if led_into(rim, hollows) is None]
     steps = stepped_holes(rims, guessed, found.stopped)
     ends = [id(rim) for step in steps for rim in step.rims]
     holes, left = holes_of([rim for rim in rims if id(rim) not in ends], inside)
     holes = [_ended(hole, found.graph.faces) for hole in holes]
-    led = {id(rim): hole for rim in left if rim.measured and (hole := led_into(rim, hollows)) is not None}
-    for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
+    for hole in (*holes, *(hole for step in steps for hole in step.holes), *led):
         _replace(found, hole.off)
         _add(found, hole.wall(), _BY_ENDS, "cylinder")
     for step in steps:
         _set(found, step.contacts, step.why, step.kind)
-    return [rim for rim in left if id(rim) not in led]
+    return left
 
 
 def _ended(hole: Hole, faces: Sequence[Face]) -> Hole:

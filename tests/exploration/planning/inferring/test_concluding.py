@@ -15,7 +15,7 @@ from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
-from primitives.shapes import Cone, Torus
+from primitives.shapes import Cone, Sphere, Torus
 
 Z = np.eye(3)[2]
 
@@ -71,6 +71,22 @@ def test_a_round_opening_goes_on_to_the_countersink_behind_it():
     assert own_rim(RoundRim(8.0 * Z, Z, 14.0, 0.05, 5, True), [face])
     assert not own_rim(under, [face])
     assert led_into(replace(under, center=under.center + np.array([30.0, 0.0, 0.0])), [face]) is None
+
+
+def test_a_hole_into_a_hollow_ends_there_though_an_array_went_in_from_the_other_side():
+    hollow, around = Sphere(np.zeros(3), 30.0), np.linspace(0.0, 6.0, 30)
+    points = hollow.project(np.column_stack([9.0 * np.cos(around), 9.0 * np.sin(around), 20.0 + around]))
+    found, frontier = Findings(), SimpleNamespace(openings=[], known=[], placed=list, ends=list)
+    found.graph, own = found.graph.add_stroke(Contacts.of(points, -hollow.normals(points), 0.02, 0.01))
+    assert not found.graph.face(own).fit.convex
+    top = np.array([[x, y, 35.0] for x in (-9.0, 0.0, 9.0) for y in (-9.0, 0.0, 9.0)])
+    found.graph, lid = found.graph.add_stroke(Contacts.of(top, np.tile(Z, (9, 1))))
+    found.rims = [RoundRim(35.0 * Z, Z, 6.0, 0.05, lid, True)]
+    found.inside = [np.outer(np.arange(0.0, 35.0, 2.0), Z)]
+    conclude(found, list, lambda: frontier)
+    (hole,) = (face for face in found.graph.faces if (face.contacts.touch == NOT_FELT).all())
+    assert hole.fit.kind == "cylinder"
+    assert hole.contacts.points[:, 2].min() > 29.0
 
 
 def test_a_round_hole_between_two_rims_is_known_before_it_is_asked_what_stopped_strokes():
