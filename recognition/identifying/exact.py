@@ -66,7 +66,8 @@ def exact(
     guess, config = guess or LearnConfig(), config or ExactConfig()
     patches = [replace(t, contacts=_patch(t.contacts, config)) for t in touches if t.met]
     factors = np.array(list(product(config.factors, repeat=2)))
-    fits = [_refined(h, entry, patches, prior, _erring(guess, *f)) for f in factors]
+    seen = Felt.of(Evidence(evidence_of(patches, guess).contacts))
+    fits = [_refined(h, entry, patches, seen, prior, _erring(guess, *f)) for f in factors]
     told = np.array([-np.inf if fit is None else fit.log_known for fit in fits])
     if not np.isfinite(told).any():
         return None
@@ -74,7 +75,7 @@ def exact(
     share = np.exp(told - told.max())
     mean = np.sqrt(share @ factors**2 / share.sum())
     erring = _erring(guess, *mean)
-    fit = _refined(h, entry, patches, prior, erring, pictured=True)
+    fit = _refined(h, entry, patches, seen, prior, erring, pictured=True)
     if fit is None:
         return None
     at, points = fit.hypothesis.pose, evidence_of(touches, guess).contacts.points
@@ -90,14 +91,14 @@ def _refined(
     h: Hypothesis,
     entry: Entry,
     patches: Sequence[LoneTouch],
+    seen: Felt,
     prior: Prior,
     erring: LearnConfig,
     pictured: bool = False,
 ) -> Mode | None:
     """The mode that the hypothesis leads to with such errors; `pictured`: by what the whole skin felt, too."""
     felt = evidence_of(patches, erring)
-    alone, noise = Evidence(felt.contacts), NoiseConfig()
-    seen = Felt.of(alone)
+    alone, noise, seen = Evidence(felt.contacts), NoiseConfig(), seen.erring(felt.contacts)
     start: Floats = np.ascontiguousarray(inverse(h.pose)[None, :3])
     found = modes_of(entry, start, seen, alone, prior, noise, 1)
     if found and pictured:

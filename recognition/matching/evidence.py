@@ -10,6 +10,7 @@ Contacts may carry normals or not, and free space bounds where material can be. 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -17,6 +18,8 @@ from scipy.spatial.distance import cdist
 from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace, FreeSpace, Imprint
+from primitives.shapes import Shape
+from recognition.matching.round_face import round_face
 
 ALIKE = 0.1  # share of the error's variance that contacts of one touch have in common
 WIDE = 200.0  # [mm] of a prior round contacts, where nobody told it
@@ -65,6 +68,11 @@ class Evidence:
         if len(np.unique(c.touch)) > 1:
             alike[c.touch[:, None] == c.touch] = 1.0
         return np.asarray(1.0 / (1.0 + ALIKE * (alike.sum(axis=1) - 1.0)))
+
+    @cached_property
+    def round_face(self) -> Shape | None:
+        """What was felt, if that was nothing but one round face, as far as can be told."""
+        return round_face(self.contacts) if self.scale_known else None
 
     @property
     def lacking(self) -> int:

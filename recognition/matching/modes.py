@@ -14,17 +14,18 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp
 
 from models.library import Entry
 from primitives.arrays import Bools, Floats, frozen
+from primitives.evidence import Contacts
 from primitives.pose import inverse, pose
+from primitives.shapes import Shape
 from recognition.console.interrupts import checkpoint
 from recognition.matching.align import Aligned, refine
 from recognition.matching.belief import Hypothesis
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
-from recognition.matching.imprints import log_imprints
+from recognition.matching.let_in import SWEPT, let_in
 from recognition.matching.likelihood import (
     NoiseConfig,
     log_astray,
@@ -35,18 +36,15 @@ from recognition.matching.likelihood import (
     log_unlike,
 )
 from recognition.matching.lone_face import LoneFace, lone_face
-from recognition.matching.loose import LooseConfig, cross_points, sigma_points
-from recognition.matching.one_face import divided, rooms_of
+from recognition.matching.one_face import Room, divided, rooms_of
 from recognition.matching.places import Places, places_of
 from recognition.matching.room import Lone, log_room
+from recognition.matching.round_room import rooms_round
 from recognition.matching.span import but_for_turns, log_copies, same, spread_of
 from recognition.matching.target import Target, field_error, gap, target_of
-from recognition.matching.untouched import log_untouched
 
 _ROTATIONS = np.log(8 * np.pi**2)
-_TRIED = LooseConfig(sigmas=(0.6, 1.2))  # poses that a loose mode stands for
 _EXACT = 0.005, 0.002  # [mm], [rad]: no contact is surer, for no mesh is
-_SWEPT = -4.6  # log likelihood of a sample of the object in space that was swept
 
 
 @dataclass(frozen=True)
@@ -80,6 +78,7 @@ class Felt:
     shares: Floats  # (n,) what each counts for
     places: Places
     lone: LoneFace | None  # where nothing but one flat face was felt
+    round_one: Shape | None  # or one round one
 
     @staticmethod
     def of(evidence: Evidence) -> Felt:
@@ -87,10 +86,30 @@ class Felt:
         c = evidence.contacts
         felt = c.has_normal
         normals = np.ascontiguousarray(np.where(felt[:, None], c.normals, 0.0))
-        sigma, tau = np.maximum(c.sigma, _EXACT[0]), np.maximum(c.normal_sigma, _EXACT[1])
+        sigma, tau = _at_best(c)
         lone = lone_face(c.points, normals, felt, float(np.median(sigma)) if evidence.scale_known else 0.0)
-        places = places_of(c.points, lone is None)
-        return Felt(np.ascontiguousarray(c.points), normals, felt, sigma, tau, evidence.shares, places, lone)
+        round_one = None if lone is not None else evidence.round_face
+        places = places_of(c.points, lone is None and round_one is None)
+        return Felt(
+            np.ascontiguousarray(c.points),
+            normals,
+            felt,
+            sigma,
+            tau,
+            evidence.shares,
+            places,
+            lone,
+            round_one,
+        )
+
+    def erring(self, contacts: Contacts) -> Felt:
+        """The same, with the sigmas that these very contacts have now."""
+        sigma, tau = _at_best(contacts)
+        return replace(self, sigma=sigma, tau=tau)
+
+
+def _at_best(c: Contacts) -> tuple[Floats, Floats]:
+    return np.maximum(c.sigma, _EXACT[0]), np.maximum(c.normal_sigma, _EXACT[1])
 
 
 def modes_of(entry: Entry, poses: Floats, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,
@@ -133,19 +152,28 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
             entry, covariance, target
         )
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
-        found.append(_Found(int(k), *_let_in(made, entry, target, evidence), log_volume))
-    volumes, shares = [f.log_volume for f in found], [0.0] * len(found)
-    if seen.lone is not None:
-        rows = [f.row for f in found]
-        rooms = rooms_of(seen.lone, entry, target, done.poses[rows], known[rows])
-        volumes, shares = divided(volumes, rooms, log_share)
+        found.append(_Found(int(k), *let_in(made, entry, target, evidence), log_volume))
+    rooms = _rooms(entry, found, done.poses, known, seen, middle)
+    volumes, shares = divided([f.log_volume for f in found], rooms, log_share)
     modes: list[Mode] = []
     for f, log_volume, share in zip(found, volumes, shares, strict=True):
         at = log_volume - np.log(prior.volume) - _ROTATIONS
-        other = log_astray(-f.bound / -_SWEPT, float(seen.shares.sum()), f.bound)
+        other = log_astray(-f.bound / -SWEPT, float(seen.shares.sum()), f.bound)
         known_so, unlike_so = float(total[f.row] + at + f.bound), float(unlike[f.row] + at + other)
         modes.append(Mode(f.made, known_so, unlike_so, share))
     return modes
+
+
+def _rooms(entry: Entry, found: list[_Found], poses: Floats, known: Floats, seen: Felt,
+           middle: Lone) -> list[Room | None]:  # fmt: skip
+    """The room that modes share, where nothing but one face was felt."""
+    target, rows = target_of(entry), [f.row for f in found]
+    if seen.lone is not None:
+        return rooms_of(seen.lone, entry, target, poses[rows], known[rows])
+    if seen.round_one is None:
+        return [None] * len(found)
+    made = [f.made for f in found]
+    return rooms_round(seen.round_one, made, entry, target, poses[rows], known[rows], seen.points, middle)
 
 
 def residual(entry: Entry, world: Floats, points: Floats) -> float:
@@ -192,41 +220,3 @@ def _scales(
                                    target.size, noise, not evidence.scale_known)  # fmt: skip
             best = max(best, (float(log_known(*both, seen.shares, noise).max()), float(s), float(t)))
     return best[1], best[2]
-
-
-def _let_in(made: Hypothesis, entry: Entry, target: Target, evidence: Evidence) -> tuple[Hypothesis, float]:
-    """The hypothesis where space that was felt empty lets it be, of all poses it stands for, and what is left."""
-    nothing = evidence.free is None and evidence.missed is None and not len(evidence.untouched)
-    if nothing and not evidence.imprints:
-        return made, 0.0
-    sigma = float(np.median(evidence.contacts.sigma))
-
-    def left_at(at: Floats) -> float:
-        checkpoint()
-        there = replace(made, pose=frozen(at))
-        told = _free(evidence, target, at, sigma) + log_untouched(there, entry, evidence)
-        return told + log_imprints(there, entry, evidence)
-
-    left = [left_at(made.pose)]
-    if left[0] == 0.0:
-        return made, 0.0
-    poses = sigma_points(made.pose, made.covariance, entry, _TRIED)
-    for at in poses[1:]:
-        left.append(left_at(at))
-        if left[-1] == 0.0:
-            return replace(made, pose=frozen(at)), 0.0
-    best = int(np.argmax(left))
-    if left[best] > _SWEPT:
-        return replace(made, pose=frozen(poses[best])), left[best]
-    poses += cross_points(made.pose, made.covariance, entry, _TRIED)
-    left += [left_at(at) for at in poses[len(left) :]]
-    best = int(np.argmax(left))
-    return replace(made, pose=frozen(poses[best])), float(logsumexp(left) - np.log(len(left)))
-
-
-def _free(evidence: Evidence, target: Target, world: Floats, sigma: float) -> float:
-    """Logarithm of how well the object keeps out of the space that was swept: one outlier a sample in it."""
-    if evidence.free is None or len(evidence.free.poses) == 0:
-        return 0.0
-    inside = evidence.free.contains(target.points @ world[:3, :3].T + world[:3, 3], margin=3 * sigma + 1.0)
-    return float(_SWEPT * min(int(inside.sum()), 10))

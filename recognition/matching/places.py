@@ -12,7 +12,8 @@ so that many contacts close together speak once for a small object, not each (ou
 along the surface, whose widths are shares of how far the contacts scatter).  Contacts that all lie on one flat
 face were drawn from that: of no body does much more than half of the surface face one way, for its normals sum to
 nothing, so that n contacts from anywhere do so less than once in 2^(n - 2) times.  How much else there is they
-cannot tell: r is 1, and only the place of the first depends on the object.
+cannot tell: r is 1, and only the place of the first depends on the object.  So it is with those that all lie on
+one round face: q spills over its edges, and would favor an object of little area by that much for each contact.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class Places(NamedTuple):
 
 
 def places_of(points: Floats, anywhere: bool = True) -> Places:
-    """Of (n, 3) points [mm], in the order in which they were felt; `anywhere`: not all on one flat face."""
+    """Of (n, 3) points [mm], in the order in which they were felt; `anywhere`: not all on one face."""
     return Places(_local(points), *_shares(), anywhere)
 
 

@@ -122,11 +122,12 @@ def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
 def _of_one_face(evidence: Evidence) -> list[str]:
     """Why many contacts may tell little."""
     c = evidence.contacts
-    if lone_face(c.points, c.normals, c.has_normal) is None:
+    flat = lone_face(c.points, c.normals, c.has_normal) is not None
+    if not flat and evidence.round_face is None:
         return []
     return [
-        f"all {len(c)} contacts lie on one flat face, which says little of the rest of an object; "
-        "touch other sides"
+        f"all {len(c)} contacts lie on one {'flat' if flat else 'round'} face, which says little of the rest of "
+        "an object; touch other sides"
     ]
 
 

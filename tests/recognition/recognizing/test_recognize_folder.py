@@ -151,3 +151,7 @@ def test_contacts_of_one_face_alone_are_told_where_they_leave_it_open():
         assert not any("one flat face" in line for line in warnings_of(sure, evidence))
     solid = Evidence(Contacts.of(flat + rng.normal(size=(12, 3)) * [0, 0, 15.0], None, 0.3))
     assert not any("one flat face" in line for line in warnings_of(doubtful, solid))
+    turn = rng.uniform(0.0, 3.0, 12)
+    normals = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(12)])
+    rod = Evidence(Contacts.of(15.0 * normals + flat[:, :1] * [0.0, 0.0, 1.0], normals, 0.3, 0.04))
+    assert sum("one round face" in line for line in warnings_of(doubtful, rod)) == 1
