@@ -21,7 +21,8 @@ class Aligned(NamedTuple):
 
     poses: Floats  # (k, 3, 4) object_from_world
     distances: Floats  # (k, n) [mm]; `beyond` where nothing is near
-    angles: Floats  # (k, n) [rad], as chords
+    angles: Floats  # (k, n) [rad], as chords, to the normal of the surface that facets stand for,
+    facet_angles: Floats  # (k, n) [rad] and to that of the facet itself
     information: Floats  # (k, 6, 6) of (v, w) about the contacts' middle, in the object's frame
 
 
@@ -31,6 +32,7 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
     count, n = len(poses), len(points)
     poses = poses.copy()
     distances, angles = np.full((count, n), np.inf), np.full((count, n), np.inf)
+    facet_angles = np.full((count, n), np.inf)
     information = np.zeros((count, 6, 6))
     stack, reach, found = np.empty(64, dtype=np.int64), np.empty(64), np.empty(7)
     h, b, j, x = np.empty((6, 6)), np.empty(6), np.empty(6), np.empty(6)
@@ -40,7 +42,7 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
         for k in range(3):
             middle[k] += points[i, k] / n
     least = 1e-3 * n / np.median(sigma) ** 2
-    corners, normals_of, k_of = mesh[0], mesh[2], np.empty((3, 3))
+    corners, flat, normals_of, k_of = mesh[0], mesh[1], mesh[2], np.empty((3, 3))
     for row in range(count):
         pose = poses[row]
         step = -1
@@ -59,16 +61,18 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
                     if step == rounds:
                         distances[row, i], angles[row, i] = np.inf, np.inf
                     continue
-                d2, along, turned = 0.0, 0.0, 0.0
+                d2, along, turned, beside, touched = 0.0, 0.0, 0.0, 0.0, int(found[6])
                 for k in range(3):
                     u[k] = q[k] - found[k]
                     d2 += u[k] * u[k]
                     along += u[k] * found[3 + k]
                     turned += (m[k] - found[3 + k]) ** 2
+                    beside += (m[k] - flat[touched, k]) ** 2
                     r[k] = q[k] - center[k]
                 d = np.sqrt(d2)
                 if step == rounds:
                     distances[row, i], angles[row, i] = d, np.sqrt(turned) if felt[i] else 0.0
+                    facet_angles[row, i] = np.sqrt(beside) if felt[i] else 0.0
                 weight = shares[i] / (1.0 + np.exp(0.5 * min(d2 / (s * s), 200.0) - 0.35 * cap))
                 far = max(far, r[0] * r[0] + r[1] * r[1] + r[2] * r[2])
                 on_face = d < 1e-9 or abs(along) > 0.9 * d
@@ -82,8 +86,7 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
                         / (a * a)
                         / (1.0 + np.exp(0.5 * (min(turned / (a * a), 200.0) - tilt_bound(a))))
                     )
-                    t = int(found[6])
-                    bent(corners[t], normals_of[t], k_of)
+                    bent(corners[touched], normals_of[touched], k_of)
                     add_bent_normal(h, b, m, found[3:6], k_of, r, w, j)
             if step == rounds:
                 for p in range(6):
@@ -102,7 +105,7 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
             turned = x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
             if wide == 1.0 and long + turned * far < 1e-8:
                 step = rounds - 1
-    return poses, distances, angles, information
+    return poses, distances, angles, facet_angles, information
 
 
 def refine(poses: Floats, points: Floats, normals: Floats, felt: Bools, sigma: Floats, tau: Floats,

@@ -29,15 +29,13 @@ from recognition.matching.let_in import SWEPT, let_in
 from recognition.matching.likelihood import (
     NoiseConfig,
     log_astray,
-    log_each,
     log_known,
     log_likelihoods,
-    log_strays,
-    log_unlike,
 )
 from recognition.matching.lone_face import LoneFace, lone_face
 from recognition.matching.one_face import Room, divided, rooms_of
 from recognition.matching.places import Places, places_of
+from recognition.matching.readings import read_both, readings, weighed
 from recognition.matching.room import Lone, log_room
 from recognition.matching.round_room import rooms_round
 from recognition.matching.span import but_for_turns, log_copies, same, spread_of
@@ -127,13 +125,18 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
     """
     target, absolute = target_of(entry), not evidence.scale_known
     scale, turn = _scales(done, seen, evidence, target, noise)
-    on, off = log_likelihoods(done.distances, done.angles, seen.felt, seen.sigma * scale, seen.tau * turn,
-                                target.size, noise, absolute)  # fmt: skip
-    there = seen.places.log_density(target.area, seen.shares)
-    strays = log_strays(off, _behind(entry, target, done.poses, seen, scale), noise)
-    like = log_each(on, strays, noise)
-    total = there + log_known(on, strays, seen.shares, noise)
-    unlike = there + log_unlike(on, off, seen.shares)
+    there, behind = (
+        seen.places.log_density(target.area, seen.shares),
+        _behind(entry, target, done.poses, seen, scale),
+    )
+    both = read_both(
+        [
+            weighed(done.distances, angles, seen.felt, seen.sigma * scale, seen.tau * turn, seen.shares,
+                    behind, target.size, noise, absolute)
+            for angles in readings(done, entry.solid.body)
+        ]
+    )  # fmt: skip
+    like, total, unlike = both.each, there + both.known, there + both.unlike
     middle = _in_the_middle(seen, scale, turn)
     known = done.information / max(scale**2, 1e-12)
     found: list[_Found] = []

@@ -23,6 +23,7 @@ from recognition.matching.facets import facets_of
 from recognition.matching.hypotheses import Found
 from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods
 from recognition.matching.modes import Felt
+from recognition.matching.readings import readings
 from recognition.matching.target import field_error, target_of
 
 
@@ -94,8 +95,12 @@ def _looked_at(entry: Entry, poses: Floats, seen: Felt, few: Ints, noise: NoiseC
     contacts = np.ascontiguousarray(seen.points[few]), np.ascontiguousarray(seen.normals[few]), felt
     mesh = facets_of(entry.solid.body)
     done = refine(np.ascontiguousarray(poses), *contacts, sigma, tau, shares, mesh, wider, config.rounds)
-    both = log_likelihoods(done.distances, done.angles, felt, sigma, tau, target.size, noise)
-    return done.poses, log_each(*both, noise) @ shares
+    told = [
+        log_each(*log_likelihoods(done.distances, angles, felt, sigma, tau, target.size, noise), noise)
+        @ shares
+        for angles in readings(done, entry.solid.body)
+    ]
+    return done.poses, np.max(told, axis=0)
 
 
 def _best(
