@@ -17,6 +17,7 @@ from primitives.arrays import Floats
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
 _TANGENT = 0.01  # [rad] within which directions are one
+_ACROSS = 0.1  # [rad] within which a pin runs across an axis: one that was hardly felt leans
 _SHARE = 0.02  # of a radius, within which a plane touches a cylinder that was felt at a few places
 _TOUCHING = 0.05  # [mm] the same, however small the radius
 _MOST = 12  # stops
@@ -67,7 +68,7 @@ def _meets(pin: Cylinder | Cone, body: Shape) -> bool:
     if isinstance(body, Sphere):
         return _distance(body.center, pin) < body.radius
     assert isinstance(body, Cylinder | Torus)
-    if abs(float(pin.axis @ body.direction)) > _TANGENT:
+    if abs(float(pin.axis @ body.direction)) > _ACROSS:
         return False
     apart = abs(float((body.anchor - pin.anchor) @ np.cross(pin.axis, body.direction)))
     if isinstance(body, Cylinder):

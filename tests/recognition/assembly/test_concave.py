@@ -92,6 +92,8 @@ def test_a_pin_may_end_in_the_tube_of_the_ring_that_it_carries():
     ring = Torus(np.zeros(3), np.array([0, 1.0, 0]), 20.0, 5.0)
     pin = Cylinder(np.array([0, 0, -50.0]), np.array([0, 0, 1.0]), 4.0)
     assert sorted(round(float(s.origin[2]), 9) for s in stops([ring, pin])) == [-20.0, 20.0]
+    hardly_felt = Cylinder(np.array([0, 0, -50.0]), np.array([0, 0.04, 1.0]), 4.0)
+    assert len(stops([ring, hardly_felt])) == 2
 
 
 def test_what_would_refill_a_hole_is_added_before_it():
