@@ -21,7 +21,7 @@ from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
-from exploration.planning.inferring.turned_ends import turned_ends
+from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
 from exploration.planning.inferring.uprighted import uprighted
 from exploration.planning.moves.round_holes import Hole, holes_of
 from exploration.planning.open.local_frontier import LocalFrontier
@@ -38,6 +38,7 @@ _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped
 _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two others"
 _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
 _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
+_BY_LAST = "the flat end of a turned face that no pad could lie on is inferred from where that was felt last"
 _BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
 _BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the faces at its ends are not"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
@@ -89,6 +90,9 @@ def conclude(
         _add(found, lot, _BY_RIMS)
     for lot in turned_ends(unexplained(found.wall_rims, found.graph.faces), found.graph.faces):
         _add(found, lot, _BY_TURN)
+    for lot in felt_ends((now := frontier()).known, now.ends()):
+        if _home(found.graph.faces, lot, "plane") is None:
+            _add(found, lot, _BY_LAST)
     looked, beside = (unexplained(rims, found.graph.faces) for rims in (found.wall_rims, found.glimpsed))
     for lot in upright_walls(looked, found.graph.faces, beside):
         _add(found, lot, _BY_RIM)

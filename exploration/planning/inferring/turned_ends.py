@@ -3,6 +3,9 @@
 A cylinder or cone that ends at a rim round its axis was most likely turned, and what ends it stands upright on the
 axis there: a narrow ring, on which no array can lie, does so on a funnel's mouth or a pipe's end.  That is likely
 and not measured, so the end is marked as inferred (our derivation).
+
+Where no rim was made out, as round a flange so low that a pad lies over both its edges, the cylinder ends half way
+between the places where it was felt last and those where it was missing, if that is equally high all round.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.control.sighting import Sighting
+from exploration.planning.open.known_face import KnownFace
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
@@ -32,6 +36,13 @@ class TurnedEndsConfig:
     deep: tuple[float, ...] = (0.3, 0.8, 1.3)  # [mm] from a rim, likewise
     sigma: float = 0.1  # [mm]
     normal_sigma: float = 0.02  # [rad]
+    along: float = 0.7  # least cosine between the way out of a cylinder and its axis, at its end
+    cells: int = 12  # places where it was felt last, that tell where it ends
+    around: float = 3.3  # [rad] round it, over which they are
+    level: float = 0.8  # [mm] from their median, within which half of them are
+    past: float = 2.0  # [mm] past an end, where the cylinder was felt nowhere
+    ring: int = 24  # places round such an end
+    unsure: float = 0.5  # [mm] of it
 
 
 def turned_ends(
@@ -61,6 +72,47 @@ def turned_ends(
         Contacts.of(p, np.broadcast_to(way, p.shape), config.sigma, config.normal_sigma, touch=NOT_FELT)
         for p, way in ends
     ]
+
+
+def felt_ends(
+    known: Sequence[KnownFace],
+    open_: Sequence[tuple[Floats, Floats]],
+    config: TurnedEndsConfig = TurnedEndsConfig(),
+) -> list[Contacts]:
+    """Contacts of the ends of cylinders, from (n, 3) places where each was felt last, and the ways out there."""
+    lots = []
+    for own, (at, out) in zip(known, open_, strict=True):
+        shape = own.fit.shape
+        if isinstance(shape, Cylinder) and own.side > 0.0 and shape.radius > max(config.deep):
+            for way in (shape.direction, -shape.direction):
+                last = at[out @ way > config.along]
+                high = None if len(last) < config.cells else _height(own, shape, last, way, config)
+                lots += [] if high is None else [_end(shape, way, high, config)]
+    return lots
+
+
+def _height(
+    own: KnownFace, shape: Cylinder, last: Floats, way: Floats, config: TurnedEndsConfig
+) -> float | None:
+    """[mm] along a (3,) way, of the end of a cylinder felt last at (n, 3) places; None where it is not level."""
+    local = (last - shape.anchor) @ shape.frame
+    angle = np.sort(np.arctan2(local[:, 1], local[:, 0]))
+    gap = float(np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+    heights = last @ way + 0.5 * own.near_free.query(last)[0]
+    high = float(np.median(heights))
+    level = float(np.median(np.abs(heights - high))) < config.level
+    felt = float(np.quantile(own.cells @ way, 0.98)) < high + config.past
+    return high if level and felt and 2.0 * np.pi - gap > config.around else None
+
+
+def _end(shape: Cylinder, way: Floats, high: float, config: TurnedEndsConfig) -> Contacts:
+    """Contacts of a flat end at a height [mm] along a (3,) way, just inside the cylinder; nobody felt it."""
+    turn = 2.0 * np.pi * np.arange(config.ring) / config.ring
+    ways = np.column_stack([np.cos(turn), np.sin(turn)]) @ shape.frame[:, :2].T
+    center = shape.anchor + (high - float(shape.anchor @ way)) * way
+    points = np.concatenate([center + (shape.radius - deep) * ways for deep in config.deep])
+    normals = np.broadcast_to(way, points.shape)
+    return Contacts.of(points, normals, config.unsure, config.normal_sigma, touch=NOT_FELT)
 
 
 def _places(rim: Sighting, shape: Cylinder | Cone, config: TurnedEndsConfig) -> Floats:
