@@ -19,6 +19,7 @@ from models.library import Library
 from primitives.arrays import Floats
 from recognition.identifying.bounds import believed_ball, felt_ball
 from recognition.identifying.exact import Exact, exact
+from recognition.identifying.finish import finish
 from recognition.identifying.hand import Hand
 from recognition.identifying.learned import LearnConfig, evidence_of, learned
 from recognition.identifying.placed import is_placed
@@ -26,9 +27,7 @@ from recognition.identifying.policies import POLICY, Policy, gap_touch
 from recognition.matching import Belief, Evidence, Prior
 from recognition.matching.belief import UNKNOWN
 from recognition.matching.next_touch.choose import Choice, choose
-from recognition.matching.next_touch.flight import flown, least_turned
 from recognition.matching.next_touch.held import Held
-from recognition.matching.next_touch.placing import placing
 from recognition.matching.next_touch.planar import planar
 from recognition.matching.next_touch.sampled import sampled
 
@@ -150,22 +149,37 @@ class Identifier:
         self.announce("touch", {"number": touch.touch, "felt": touch.note, "met": touch.met})
         if touch.told:
             config, before = self.config, self.belief
-            told = learned(self.touches, self.library, self._prior(), config.unknown, before, config.learning)
-            self.belief = None if told is None else self._placed(told)
+            self.belief = learned(
+                self.touches, self.library, self._prior(), config.unknown, before, config.learning
+            )
+            self._exact = self._exactly()
             self._judge()
         return Step(touch, self.belief, choice, self.hand.cost.seconds)
 
-    def _placed(self, belief: Belief) -> Belief:
-        """The belief, with the object that it decides for where its touches put it, if its pose is known."""
-        self._exact, name = None, belief.decision
-        best = belief.best(name)
-        if best is None or not is_placed(belief, self.library[name], self.config.confidence):
-            return belief
-        self._exact = exact(best, self.library[name], self.touches, self._prior(), self.config.learning)
-        if self._exact is None:
-            return belief
-        better = self._exact.hypothesis
-        return replace(belief, hypotheses=tuple(better if h is best else h for h in belief.hypotheses))
+    def _exactly(self) -> Exact | None:
+        """Where the object is that is decided for, if its pose is known."""
+        belief, config = self.belief, self.config
+        best = None if belief is None else belief.best(belief.decision)
+        if (
+            belief is None
+            or best is None
+            or not is_placed(belief, self.library[best.name], config.confidence)
+        ):
+            return None
+        return exact(best, self.library[best.name], self.touches, self._prior(), config.learning)
+
+    @property
+    def told(self) -> Belief | None:
+        """The belief, with the object that it decides for where its touches put it.
+
+        Touches are chosen by what was matched: rivals of one name must be known alike well to be told apart.
+        """
+        if self.belief is None or self._exact is None:
+            return self.belief
+        old, better = self.belief.best(self.belief.decision), self._exact.hypothesis
+        return replace(
+            self.belief, hypotheses=tuple(better if h is old else h for h in self.belief.hypotheses)
+        )
 
     def _prior(self) -> Prior:
         low, high = self.box[:3], self.box[3:]
@@ -181,16 +195,14 @@ class Identifier:
         self._before = name
         if self.belief.confidence < self.config.confidence:
             self._agreed = 0
+        wanted = self.config.place, self.config.turn
         placed = name == UNKNOWN or is_placed(self.belief, self.library[name], self.config.confidence)
         if self._agreed < (self.config.confirmed if placed else self.config.patience):
             self._finishing = 0
-        elif name == UNKNOWN or not placed or self._finishing >= self.config.finishing or self._is_exact():
+        elif self._exact is None or self._finishing >= self.config.finishing or self._exact.within(*wanted):
             self.ended = "sure"
         else:
             self._finishing += 1
-
-    def _is_exact(self) -> bool:
-        return self._exact is None or self._exact.within(self.config.place, self.config.turn)
 
     def _next(self, ball: Ball) -> tuple[Approach, Choice | None]:
         if self._spent():
@@ -227,18 +239,11 @@ class Identifier:
 
     def _finish(self, ball: Ball) -> Approach | None:
         """The touch that tells most of where the object is that it is sure of."""
-        best = None if self.belief is None else self.belief.best(self.belief.decision)
+        best = None if self.told is None else self.told.best(self.told.decision)
         if best is None:
             return None
-        felt, errs = self.evidence.contacts, self._exact
-        usual = float(np.median(felt.sigma)), float(np.median(felt.normal_sigma))
-        noise = usual if errs is None else (errs.place, errs.turn)
-        entry, hand = self.library[best.name], self.hand
-        skin = next((t.imprint for t in reversed(self.touches) if t.imprint is not None), None)
-        found = placing(best, entry, ball, hand.pad, noise, self.rng, hand.reachable, skin=skin)
-        if found is None or (known := self._known()) is None:
-            return found
-        return flown(least_turned(found, hand.here), known, self.library, hand.pad)
+        asked = best, self._exact, self.touches, self.evidence.contacts, self._known()
+        return finish(*asked, self.library, self.hand, ball, self.rng)
 
     def _places(self, ball: Ball) -> Floats:
         """(n, 3) [mm] where the pad lay, or whence it came where it met nothing."""

@@ -119,7 +119,7 @@ def _finish(
     separate: Choice | None,
     library: Library,
 ) -> dict[str, Any]:
-    belief = identifier.belief or unfelt(library, options.unknown)
+    belief = identifier.told or unfelt(library, options.unknown)
     said: dict[str, Any] = {
         "decision": belief.decision,
         "confidence": belief.confidence,
@@ -162,7 +162,7 @@ def _finish(
 
 def _model(identifier: Identifier, library: Library) -> ReportMesh | None:
     """The object decided for, where it is believed to be."""
-    belief = identifier.belief
+    belief = identifier.told
     best = None if belief is None else belief.best(belief.decision)
     if best is None:
         return None

@@ -86,7 +86,7 @@ def identified(library: Library, number: int, policy: str) -> Told:
     hand = RayHand(solid.placed(world), rng)
     identifier = Identifier(hand, library, BOX, IdentifyConfig(policy), np.random.default_rng([number, 1]))
     steps = [(s.seconds, *_stated(s.belief, name)) for s in identifier.run()]
-    belief = identifier.belief
+    belief = identifier.told
     if belief is None:
         return Told(False, False, 0.0, hand.cost.touches, hand.cost.seconds, None, None, tuple(steps))
     best = belief.best(name) if belief.decision == name else None
