@@ -42,7 +42,7 @@ class TurnedEndsConfig:
     level: float = 0.8  # [mm] from their median, within which half of them are
     past: float = 2.0  # [mm] past an end, where the cylinder was felt nowhere
     ring: int = 24  # places round such an end
-    unsure: float = 0.5  # [mm] of it
+    unsure: float = 1.0  # [mm] of it: what looks its way so near is that end
 
 
 def turned_ends(
