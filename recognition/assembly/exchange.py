@@ -2,7 +2,8 @@
 
 The search takes what explains most first.  A bar with a round end is then explained by a box open past that end,
 and nothing that is added or subtracted later takes the corners away: the box must end at the round end's axis,
-and the cylinder be added (our derivation).
+and the cylinder be added.  A counterbore taken to go through explains the bore behind it, too: it must end at its
+ledge, and the bore be subtracted (our derivation).
 """
 
 from __future__ import annotations
@@ -63,26 +64,33 @@ def _bettered(
             steps = (*state.steps[:place], Step(step.operation, candidate), *state.steps[place + 1 :])
             other = replayed(steps, vocabulary, solid, weight, options)
             best = min(best, other, key=lambda after: after.cost)
-            if other.wrong > options.leaf:
-                mended = float(weight[solid & ~other.held].sum())
-                gaps.append((other.cost + options.leaf - mended, place, other))
-    for least, place, other in sorted(gaps, key=lambda gap: gap[0])[:_GAPS]:
+            for more, lot in (("add", solid & ~other.held), ("subtract", ~solid & other.held)):
+                if (mended := float(weight[lot].sum())) > options.leaf:
+                    gaps.append((other.cost + options.leaf - mended, place, more, other))
+    for least, place, more, other in sorted(gaps, key=lambda gap: gap[0])[:_GAPS]:
         if least >= best.cost - 1e-9:
             break
-        best = min(
-            (best, *_filled(other, place, vocabulary, solid, weight, options)), key=lambda after: after.cost
-        )
+        tried = _with_one_more(other, (place, more), vocabulary, solid, weight, options)
+        best = min((best, *tried), key=lambda after: after.cost)
     return best
 
 
-def _filled(
-    state: State, place: int, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+def _with_one_more(
+    state: State,
+    more: tuple[int, str],
+    vocabulary: Vocabulary,
+    solid: Bools,
+    weight: Floats,
+    options: SearchOptions,
 ) -> Iterator[State]:
-    """With the primitive added, right after a place, that holds most of what is missing."""
-    missing = solid & ~state.held
-    worth = weight * (missing.astype(float) - (~solid & ~state.held))
+    """With one added right after a place, that holds most of what is missing, or one subtracted at the end."""
+    place, operation = more
+    if operation == "add":
+        worth, place = weight * ((solid & ~state.held).astype(float) - (~solid & ~state.held)), place + 1
+    else:
+        worth, place = weight * ((~solid & state.held).astype(float) - (solid & state.held)), len(state.steps)
     for _, candidate in vocabulary.best(worth, 2):
-        steps = (*state.steps[: place + 1], Step("add", candidate), *state.steps[place + 1 :])
+        steps = (*state.steps[:place], Step(operation, candidate), *state.steps[place:])
         yield replayed(steps, vocabulary, solid, weight, options)
 
 

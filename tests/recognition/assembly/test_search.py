@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from primitives.shapes import Cylinder, Plane
-from recognition.assembly.search import SearchOptions, _steps, shortest
-from recognition.assembly.vocabulary import Vocabulary
+from recognition.assembly.exchange import exchanged
+from recognition.assembly.search import SearchOptions, Step, _steps, replayed, shortest
+from recognition.assembly.vocabulary import Candidate, Vocabulary
 
 Z = np.eye(3)[2]
 HEIGHTS, RADII = (0.0, 6.0, 25.0, 41.0), (10.0, 13.0, 16.0, 24.0)
@@ -25,3 +26,19 @@ def test_no_single_step_betters_what_the_search_ends_with(seed):
     found = shortest(vocabulary, solid, weight, options)
     after = _steps(found, vocabulary, solid, weight, options)
     assert min((state.cost for state in after), default=np.inf) > found.cost - 1e-9
+
+
+def test_a_counterbore_taken_to_go_through_ends_at_its_ledge_and_leaves_the_bore():
+    def cylinder(radius, low, high):
+        slab = (None if low is None else HEIGHTS.index(low), None if high is None else HEIGHTS.index(high))
+        return Candidate("cylinder", 4 + RADII.index(radius), slabs=(slab,))
+
+    vocabulary, options = Vocabulary(SHAPES, OUTSIDE), SearchOptions()
+    outside, bore = (cylinder(24.0, 0.0, 6.0), cylinder(16.0, 0.0, 41.0)), cylinder(10.0, None, None)
+    steps = (*(Step("add", each) for each in outside), Step("subtract", cylinder(13.0, 25.0, None)))
+    weight = np.where(vocabulary.mask(bore), 1000.0, 150.0)
+    bushing = replayed((*steps, Step("subtract", bore)), vocabulary, np.zeros(25, bool), weight, options).held
+    through = (*steps[:2], Step("subtract", cylinder(13.0, None, None)))
+    stuck = replayed(through, vocabulary, bushing, weight, options)
+    assert stuck.wrong > options.leaf
+    assert (exchanged(stuck, vocabulary, bushing, weight, options).held == bushing).all()
