@@ -30,7 +30,10 @@ class GapsConfig:
     clear: float = 1.2  # [mm] of a free place from all that was touched
     places: int = 8  # of its rim that were touched
     strays: int = 3  # of them, the farthest, that may be past it
-    rim: RoundRimConfig = field(default_factory=lambda: RoundRimConfig(rms=1.2, share=0.25))
+    rim: RoundRimConfig = field(default_factory=lambda: RoundRimConfig(rms=1.2, share=0.25, around=4.6))
+    trimmed: RoundRimConfig = field(  # without strays: past a wide gap, as between tines, most ways lead out
+        default_factory=lambda: RoundRimConfig(rms=0.9, share=0.25, largest=8.0)
+    )
 
 
 def gaps(
@@ -52,8 +55,8 @@ def gaps(
             continue
         rows = np.flatnonzero(members)
         rim, out = _rim_about(places[rows[np.argmax(away[rows])]], felt, config)
-        for kept in (slice(None), slice(-config.strays)):
-            circle = round_rim(rim[kept] @ turn.T, out[kept] @ turn.T, axis, face, config.rim)
+        for kept, told in ((slice(None), config.rim), (slice(-config.strays), config.trimmed)):
+            circle = round_rim(rim[kept] @ turn.T, out[kept] @ turn.T, axis, face, told)
             if circle is not None:
                 found.append(circle)
                 break

@@ -120,17 +120,19 @@ class LocalFrontier:
     @cached_property
     def openings(self) -> list[RoundRim]:
         """Round gaps in flat faces, behind whose rim no face is known, and from which nothing stands up."""
-        found: list[RoundRim] = []
+        found = [rim for rim in ring_ends(self.known) if not self._filled(rim)]
+        rings = [rim.center for rim in found]
         for own in self.known:
             if own.fit.kind != "plane":
                 continue
             axis = own.side * own.fit.shape.direction
             for rim in gaps(own.cells, own.free, axis, own.face.id):
+                if any(rim.holds(center) for center in rings):
+                    continue
                 at, ways = rim.places()
                 if self._explained(own, at, -ways).mean() < self.config.known and not self._filled(rim):
                     found.append(rim)
-        rings = [rim for rim in ring_ends(self.known) if not self._filled(rim)]
-        return found + [rim for rim in rings if not any(other.holds(rim.center) for other in found)]
+        return found
 
     def _filled(self, rim: RoundRim) -> bool:
         """Whether a boss stands in a round gap: the face is not there, and no more is a hole."""

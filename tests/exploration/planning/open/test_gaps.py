@@ -29,6 +29,8 @@ def test_so_is_one_that_a_few_ways_lead_past():
     assert 4.0 < rim.radius < 7.0
 
 
-def test_a_slot_is_none():
+def test_a_slot_is_none_nor_is_what_is_between_two_tines():
     slot = lambda xy: np.abs(xy[:, 1]) > 5.0  # noqa: E731
     assert gaps(*face(5.0, slot), Z, 0) == []
+    tines = lambda xy: (np.abs(xy[:, 0]) > 11.0) & (np.abs(xy[:, 1]) < 13.0)  # noqa: E731
+    assert gaps(*face(11.0, tines), Z, 0) == []
