@@ -13,6 +13,7 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_poor, flattened
+from exploration.planning.inferring.adding import add, add_own, change, home_of
 from exploration.planning.inferring.far_ends import far_ends
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
@@ -28,9 +29,8 @@ from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
-from primitives.arrays import Floats, frozen
-from primitives.evidence import NOT_FELT, Contacts
-from primitives.fit import Fit, NoFit, fit
+from primitives.arrays import Floats
+from primitives.fit import Fit
 from primitives.patch_graph import Face
 from primitives.shapes import Plane
 
@@ -44,8 +44,7 @@ _BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
-_ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
-_OFF = 3.0  # sigmas of theirs, that they lie off it at most
+_ALIKE = 0.95  # least cosine between two directions that are one
 _RIM = 1.5  # [mm] from the face that a rim is of
 _AROUND = 16.0  # [mm] round a hole, within which the face was felt that it comes out of
 _LIP = 2.5  # [mm] round a hole, where what looks like a straight edge is a part of its rim
@@ -58,51 +57,73 @@ def conclude(
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
     found.graph = uprighted(drop_poor(flattened(found.graph)))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
+    _add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
+    _add_walls(found, walls, frontier, inside)
+    _add_ends(found, frontier)
+    looked, beside = (unexplained(rims, found.graph.faces) for rims in (found.wall_rims, found.glimpsed))
+    for lot in upright_walls(looked, found.graph.faces, beside):
+        add(found, lot, _BY_RIM)
+    found.openings = _holes(found, [*found.openings, *_guessed(found, frontier())], [], inside)
+    for slot in slots(frontier().known):
+        _add_slot(found, slot)
+    for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
+        add(found, riser.contacts, _BY_STEP, riser.kind)
+    found.warnings.extend(rim.told() for rim in found.openings)
+
+
+def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats) -> None:
+    """Holes between two rims, or from one to where a face is missing; and of all rims those that are edges."""
     found.rims = [rim for rim in found.rims if _is_on(rim.face, rim.center, rim.axis, found.graph.faces)]
-    guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
-    holes = [*found.rims, *guessed]
+    guessed = _guessed(found, frontier())
     found.wall_rims, found.glimpsed = (
         [
             (rim, own)
             for rim, own in rims
             if _is_on(own, rim.point, rim.normal, found.graph.faces)
-            and not any(_part_of(rim, hole) for hole in holes)
+            and not any(_part_of(rim, hole) for hole in (*found.rims, *guessed))
         ]
         for rims in (found.wall_rims, found.glimpsed)
     )
-    # Holes before walls: a round hole stops strokes, too.
     found.openings = _holes(found, found.rims, guessed, inside)
     through = far_ends(found.openings, frontier().known)
     left = _holes(found, [*found.openings, *through], [], inside)
     found.openings = [rim for rim in left if not any(rim is end for end in through)]
+
+
+def _add_walls(
+    found: Findings,
+    walls: Callable[[], Sequence[Wall]],
+    frontier: Callable[[], LocalFrontier],
+    inside: Floats,
+) -> None:
+    """Walls that several things agree on: edges of one circle, strokes that were stopped, rims on two faces."""
     seen = unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces)
     for lot in round_walls(seen, (now := frontier()).known, now.ends(), inside):
-        _add(found, lot, _BY_CIRCLE, "cylinder")
+        add(found, lot, _BY_CIRCLE, "cylinder")
     rims = [rim for rim, _ in unexplained(found.wall_rims, found.graph.faces)]
     for lot in inferred_walls(walls(), found.graph.faces, rims):
         if not gone_through(lot, inside):
-            _add(found, lot, _BY_STOPS)
+            add(found, lot, _BY_STOPS)
     seen = unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces)
     if lots := rim_walls(seen, found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}
-        _replace(found, lambda face: placed.get(face.id, face))
+        change(found, lambda face: placed.get(face.id, face))
     for lot in lots:
-        _add(found, lot, _BY_RIMS)
+        add(found, lot, _BY_RIMS)
+
+
+def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier]) -> None:
+    """Flat ends of turned faces."""
     for lot in turned_ends(unexplained(found.wall_rims, found.graph.faces), found.graph.faces):
-        _add(found, lot, _BY_TURN)
+        add(found, lot, _BY_TURN)
     for lot in felt_ends((now := frontier()).known, now.ends()):
-        if _home(found.graph.faces, lot, "plane") is None:
-            _add(found, lot, _BY_LAST)
-    looked, beside = (unexplained(rims, found.graph.faces) for rims in (found.wall_rims, found.glimpsed))
-    for lot in upright_walls(looked, found.graph.faces, beside):
-        _add(found, lot, _BY_RIM)
-    guessed = [rim for rim in frontier().openings if not _looked_at(rim, found)]
-    found.openings = _holes(found, [*found.openings, *guessed], [], inside)
-    for slot in slots(frontier().known):
-        _add_slot(found, slot)
-    for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
-        _add(found, riser.contacts, _BY_STEP, riser.kind)
-    found.warnings.extend(rim.told() for rim in found.openings)
+        if home_of(found.graph.faces, lot, "plane") is None:
+            add(found, lot, _BY_LAST)
+
+
+def _guessed(found: Findings, now: LocalFrontier) -> list[RoundRim]:
+    """Openings that nobody has looked at."""
+    return [rim for rim in now.openings if not _looked_at(rim, found)]
 
 
 def _holes(
@@ -118,10 +139,10 @@ def _holes(
     holes, left = holes_of([rim for rim in rims if id(rim) not in ends], inside)
     holes = [_ended(hole, found.graph.faces) for hole in holes]
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led):
-        _replace(found, hole.off)
-        _add(found, hole.wall(), _BY_ENDS, "cylinder")
+        change(found, hole.off)
+        add(found, hole.wall(), _BY_ENDS, "cylinder")
     for step in steps:
-        _set(found, step.contacts, step.why, step.kind)
+        add_own(found, step.contacts, step.why, step.kind)
     return left
 
 
@@ -148,64 +169,11 @@ def _ended(hole: Hole, faces: Sequence[Face]) -> Hole:
 
 def _add_slot(found: Findings, slot: Slot) -> None:
     """Its sides first: where a rim has told where one of them is, its ends are as wide as that leaves."""
-    _replace(found, slot.off)
-    walls = [_add(found, lot, _BY_GAPS) for lot in slot.sides()]
+    change(found, slot.off)
+    walls = [add(found, lot, _BY_GAPS) for lot in slot.sides()]
     planes = [wall.shape for wall in walls if wall is not None and isinstance(wall.shape, Plane)]
     for lot in slot.between(planes).ends() if len(planes) == 2 else ():
-        _add(found, lot, _BY_GAPS, "cylinder")
-
-
-def _add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> Fit | None:
-    """Add a face that is known to be of one `kind`, or join it to the one that it turns out to be; its fit."""
-    home = _home(found.graph.faces, lot, kind)
-    made = fit(kind, lot) if home is None else _widened(home, lot)
-    if home is not None and isinstance(made, Fit):
-        both = Contacts.concatenate([home.contacts, lot])
-        _replace(found, lambda face: Face(face.id, made, both) if face is home else face)
-    elif home is None and isinstance(made, Fit):
-        number = 1 + max((face.id for face in found.graph.faces), default=-1)
-        found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
-    found.warnings.append(why)
-    return made if isinstance(made, Fit) else None
-
-
-def _home(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
-    """The face that inferred contacts lie on and face like: one that was felt, or inferred as of the same kind."""
-    best: tuple[float, Face] | None = None
-    for face in faces:
-        if not isinstance(face.fit, Fit) or not (face.fit.kind == kind or _felt(face)):
-            continue
-        side = 1.0 if face.fit.convex else -1.0
-        facing = side * (face.fit.shape.normals(lot.points) * lot.normals).sum(axis=1)
-        off = np.abs(face.fit.shape.signed_distance(lot.points)) / lot.sigma
-        if float(facing.min()) > _ALIKE and float(off.max()) < min(_OFF, np.inf if best is None else best[0]):
-            best = float(off.max()), face
-    return None if best is None else best[1]
-
-
-def _widened(home: Face, lot: Contacts) -> Fit | NoFit:
-    """The fit of a face with inferred contacts: what was felt says where it is, and they only how far it goes."""
-    if not isinstance(home.fit, Fit):
-        return home.fit
-    if not _felt(home):
-        return fit(home.fit.kind, Contacts.concatenate([home.contacts, lot]))
-    return replace(home.fit, inliers=frozen(np.append(home.fit.inliers, np.zeros(len(lot))), bool))
-
-
-def _felt(face: Face) -> bool:
-    return bool((face.contacts.touch != NOT_FELT).any())
-
-
-def _set(found: Findings, lot: Contacts, why: str, kind: str) -> None:
-    """Add a face of its own, which may be near another that looks its way and is none of it."""
-    made, number = fit(kind, lot), 1 + max((face.id for face in found.graph.faces), default=-1)
-    if isinstance(made, Fit):
-        found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
-        found.warnings.append(why)
-
-
-def _replace(found: Findings, other: Callable[[Face], Face]) -> None:
-    found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
+        add(found, lot, _BY_GAPS, "cylinder")
 
 
 def unexplained(rims: Sequence[SeenRim], faces: Sequence[Face]) -> list[SeenRim]:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from exploration.control.sighting import Sighting
-from exploration.planning.inferring.concluding import _add, _ended, _part_of, conclude, unexplained
+from exploration.planning.inferring.adding import add
+from exploration.planning.inferring.concluding import _ended, _part_of, conclude, unexplained
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.moves.round_holes import Hole
@@ -126,11 +127,11 @@ def test_an_inferred_wall_joins_what_faces_as_it_does_and_moves_nothing_that_was
     found = Findings()
     found.graph, own = found.graph.add_stroke(Contacts.of(at, way, 0.02, 0.02, touch=np.arange(9)))
     felt = found.graph.face(own).fit
-    _add(found, Contacts.of(at + 0.9 * aside, way, 0.5, 0.05, touch=NOT_FELT), "of the same wall")
+    add(found, Contacts.of(at + 0.9 * aside, way, 0.5, 0.05, touch=NOT_FELT), "of the same wall")
     assert len(found.graph.faces) == 1
     assert found.graph.faces[0].fit.shape is felt.shape
     assert len(found.graph.faces[0].fit.inliers) == len(found.graph.faces[0].contacts) == 18
-    _add(found, Contacts.of(at - 1.2 * aside, -way, 0.5, 0.05, touch=NOT_FELT), "of the next, back to back")
+    add(found, Contacts.of(at - 1.2 * aside, -way, 0.5, 0.05, touch=NOT_FELT), "of the next, back to back")
     assert len(found.graph.faces) == 2
 
 

@@ -1,0 +1,74 @@
+"""Adding inferred faces to what was found: as faces of their own, or joined to those that they turn out to be.
+
+What was felt says where a face is; inferred contacts on it say only how far it goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exploration.planning.touching.findings import Findings
+from primitives.arrays import frozen
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import Fit, NoFit, fit
+from primitives.patch_graph import Face
+
+_ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
+_OFF = 3.0  # sigmas of theirs, that they lie off it at most
+
+
+def add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> Fit | None:
+    """Add a face that is known to be of one `kind`, or join it to the one that it turns out to be; its fit."""
+    home = home_of(found.graph.faces, lot, kind)
+    made = fit(kind, lot) if home is None else _widened(home, lot)
+    if home is not None and isinstance(made, Fit):
+        both = Contacts.concatenate([home.contacts, lot])
+        change(found, lambda face: Face(face.id, made, both) if face is home else face)
+    elif home is None and isinstance(made, Fit):
+        number = 1 + max((face.id for face in found.graph.faces), default=-1)
+        found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
+    found.warnings.append(why)
+    return made if isinstance(made, Fit) else None
+
+
+def add_own(found: Findings, lot: Contacts, why: str, kind: str) -> None:
+    """Add a face of its own, which may be near another that looks its way and is none of it."""
+    made, number = fit(kind, lot), 1 + max((face.id for face in found.graph.faces), default=-1)
+    if isinstance(made, Fit):
+        found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
+        found.warnings.append(why)
+
+
+def home_of(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
+    """The face that inferred contacts lie on and face like: one that was felt, or inferred as of the same kind."""
+    best: tuple[float, Face] | None = None
+    for face in faces:
+        if not isinstance(face.fit, Fit) or not (face.fit.kind == kind or _felt(face)):
+            continue
+        side = 1.0 if face.fit.convex else -1.0
+        facing = side * (face.fit.shape.normals(lot.points) * lot.normals).sum(axis=1)
+        off = np.abs(face.fit.shape.signed_distance(lot.points)) / lot.sigma
+        if float(facing.min()) > _ALIKE and float(off.max()) < min(_OFF, np.inf if best is None else best[0]):
+            best = float(off.max()), face
+    return None if best is None else best[1]
+
+
+def change(found: Findings, other: Callable[[Face], Face]) -> None:
+    """Put another face in the place of each."""
+    found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
+
+
+def _widened(home: Face, lot: Contacts) -> Fit | NoFit:
+    """The fit of a face with inferred contacts: what was felt says where it is, and they only how far it goes."""
+    if not isinstance(home.fit, Fit):
+        return home.fit
+    if not _felt(home):
+        return fit(home.fit.kind, Contacts.concatenate([home.contacts, lot]))
+    return replace(home.fit, inliers=frozen(np.append(home.fit.inliers, np.zeros(len(lot))), bool))
+
+
+def _felt(face: Face) -> bool:
+    return bool((face.contacts.touch != NOT_FELT).any())
