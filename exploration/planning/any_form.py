@@ -20,6 +20,7 @@ from exploration.control.procedures.settle import SettleConfig
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.inferring.concluding import conclude
+from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends
 from exploration.planning.moves.entering import Entering
 from exploration.planning.moves.ledges import Ledges
 from exploration.planning.moves.looking import Looking
@@ -153,7 +154,7 @@ class AnyForm:
         if not todo and (move := self._nameless.next()) is not None:
             return move
         if not todo and not self._entering:
-            openings = frontier.openings
+            openings = [*frontier.openings, *far_ends(self.found.rims, frontier.known, WHERE_TO_LOOK)]
             round_ = [opening for opening in openings if not self._refuted(opening)]
             straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in round_)]
             return self._looking.next() or self._holes.next(openings) or self._rim_looks.next(straight)

@@ -29,6 +29,11 @@ class FarEndsConfig:
     beside: float = 12.0  # [mm] round the hole, within which the face was touched
 
 
+WHERE_TO_LOOK = FarEndsConfig(
+    least=0
+)  # for the other rim of a hole: where nobody felt that it does not come out
+
+
 def far_ends(
     rims: Sequence[RoundRim], known: Sequence[KnownFace], config: FarEndsConfig = FarEndsConfig()
 ) -> list[RoundRim]:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from exploration.planning.inferring.far_ends import far_ends
+from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim
@@ -41,3 +41,11 @@ def test_it_is_blind_where_that_face_was_touched_or_looks_the_same_way_or_nobody
     assert far_ends([replace(RIM, measured=False)], [under()]) == []
     full = under((90.0, 0.0))
     assert far_ends([RIM], [replace(full, free=np.array([[5.0, 0.0, 0.5]] * 4))]) == []
+
+
+def test_its_other_rim_is_worth_a_look_where_nobody_was_and_not_where_the_face_goes_on():
+    unknown = replace(under(), free=np.empty((0, 3)))
+    assert far_ends([RIM], [unknown]) == []
+    (end,) = far_ends([RIM], [unknown], WHERE_TO_LOOK)
+    assert np.allclose(end.center, [5.0, 0.0, 0.0], atol=0.05)
+    assert far_ends([RIM], [under((-12.0, 0.0))], WHERE_TO_LOOK) == []
