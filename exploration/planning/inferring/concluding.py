@@ -137,13 +137,19 @@ def _holes(
     steps = stepped_holes(rims, guessed, found.stopped)
     ends = [id(rim) for step in steps for rim in step.rims]
     holes, left = holes_of([rim for rim in rims if id(rim) not in ends], inside)
-    holes = [_ended(hole, found.graph.faces) for hole in holes]
+    holes = [hole if _at_rim(hole, rims) else _ended(hole, found.graph.faces) for hole in holes]
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led):
         change(found, hole.off)
         add(found, hole.wall(), _BY_ENDS, "cylinder")
     for step in steps:
         add_own(found, step.contacts, step.why, step.kind)
     return left
+
+
+def _at_rim(hole: Hole, rims: Sequence[RoundRim]) -> bool:
+    """Whether a hole's far end is where a rim was seen."""
+    far = hole.middle - 0.5 * hole.depth * hole.axis
+    return any(float(np.linalg.norm(rim.center - far)) < _RIM for rim in rims)
 
 
 def _ended(hole: Hole, faces: Sequence[Face]) -> Hole:

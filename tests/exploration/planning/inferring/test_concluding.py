@@ -8,7 +8,7 @@ import pytest
 
 from exploration.control.sighting import Sighting
 from exploration.planning.inferring.adding import add
-from exploration.planning.inferring.concluding import _ended, _part_of, conclude, unexplained
+from exploration.planning.inferring.concluding import _ended, _holes, _part_of, conclude, unexplained
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.moves.round_holes import Hole
@@ -143,6 +143,19 @@ def test_a_hole_ends_at_the_face_that_it_comes_out_of(aside, depth):
     hole = _ended(Hole(-14.0 * Z, Z, 5.0, 40.0, 0.05), [below])
     assert hole.depth == pytest.approx(depth)
     assert hole.middle[2] + 0.5 * hole.depth == pytest.approx(6.0)
+
+
+def test_a_hole_between_two_rims_goes_on_past_a_floor_beside_it():
+    """Through the island in a pocket, whose floor is nearer than its far rim."""
+    turn = np.linspace(0.0, 6.0, 12)
+    floor = np.column_stack([14.0 * np.cos(turn), 14.0 * np.sin(turn), np.full(12, -3.0)])
+    found = Findings()
+    found.graph, own = found.graph.add_stroke(Contacts.of(floor, np.tile(Z, (12, 1))))
+    rims = [RoundRim(8.0 * side * Z, side * Z, 5.9, 0.02, own, True) for side in (-1.0, 1.0)]
+    assert not _holes(found, rims, [], np.empty((0, 3)))
+    wall = found.graph.faces[-1].contacts.points[:, 2]
+    assert wall.min() < -5.0
+    assert wall.max() > 5.0
 
 
 @pytest.mark.parametrize("above", [True, False])
