@@ -153,7 +153,8 @@ def _traced_sections(s: Json) -> str:
 
 
 def _felt_with(s: Json) -> str:
-    return f"felt with {escape(str(s.get('sensor') or 'a tactile array'))}"
+    arrays = str(s.get("sensor") or "a tactile array").split(",")
+    return f"felt with {escape(' and '.join(array.strip() for array in arrays))}"
 
 
 def _rounded(value: Any, digits: int) -> str | None:

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from recognition.report.run_words import words
+from recognition.report.run_words import _felt_with, words
 from recognition.report.tables import pairs, worded
 
 EDGE = {
@@ -45,3 +45,8 @@ def test_a_number_in_a_name_is_read_as_one_and_keeps_its_unit():
     assert worded("speed_mm_s") == "Speed, mm/s"
     assert worded("surface_rms_mm") == "Surface rms, mm"
     assert "None" not in pairs({"why": {"runner_up": None}, "list": [{"a": None, "b": 1.5}, None]})
+
+
+def test_several_arrays_are_said_in_words():
+    assert _felt_with({"sensor": "lts210,fingertip"}) == "felt with lts210 and fingertip"
+    assert _felt_with({}) == "felt with a tactile array"
