@@ -13,6 +13,7 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_poor, flattened
+from exploration.planning.faces.simpler import simpler
 from exploration.planning.inferring.adding import add, add_own, change, home_of
 from exploration.planning.inferring.far_ends import far_ends
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
@@ -55,7 +56,7 @@ def conclude(
     found: Findings, walls: Callable[[], Sequence[Wall]], frontier: Callable[[], LocalFrontier]
 ) -> None:
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
-    found.graph = uprighted(drop_poor(flattened(found.graph)))
+    found.graph = uprighted(drop_poor(flattened(simpler(found.graph))))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     _add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
