@@ -133,13 +133,13 @@ def _holes(
     """Add the walls of the holes that rims are the ends of, the far ends perhaps only guessed; the rims left."""
     hollows = hollows_of(found.graph.faces)
     rims = [rim for rim in rims if not own_rim(rim, hollows)]
-    led = [hole for rim in rims if (hole := led_into(rim, hollows)) is not None]
-    rims = [rim for rim in rims if led_into(rim, hollows) is None]
+    led = {id(rim): hole for rim in rims if (hole := led_into(rim, hollows)) is not None}
+    rims = [rim for rim in rims if id(rim) not in led]
     steps = stepped_holes(rims, guessed, found.stopped)
     ends = [id(rim) for step in steps for rim in step.rims]
     holes, left = holes_of([rim for rim in rims if id(rim) not in ends], inside)
     holes = [hole if _at_rim(hole, rims) else _ended(hole, found.graph.faces) for hole in holes]
-    for hole in (*holes, *(hole for step in steps for hole in step.holes), *led):
+    for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
         change(found, hole.off)
         add(found, hole.wall(), _BY_ENDS, "cylinder")
     for step in steps:

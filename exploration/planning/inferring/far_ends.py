@@ -10,11 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import RoundRim
-from primitives.arrays import Floats
+from exploration.planning.open.round_rims import RoundRim, aside
 
 
 @dataclass(frozen=True)
@@ -29,9 +26,8 @@ class FarEndsConfig:
     beside: float = 12.0  # [mm] round the hole, within which the face was touched
 
 
-WHERE_TO_LOOK = FarEndsConfig(
-    least=0
-)  # for the other rim of a hole: where nobody felt that it does not come out
+# For the other rim of a hole: where nobody felt that it does not come out.
+WHERE_TO_LOOK = FarEndsConfig(least=0)
 
 
 def far_ends(
@@ -52,15 +48,9 @@ def _end(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> RoundRim | Non
         return None
     deep = float((rim.center - own.fit.shape.anchor) @ axis) / slope
     center = rim.center - deep * rim.axis
-    touched, missing = _aside(own.cells, center, axis), _aside(own.free, center, axis)
+    touched, missing = aside(own.cells, center, axis), aside(own.free, center, axis)
     gone = int((missing < config.within * rim.radius).sum()) >= config.least
     bare = config.bare * rim.radius < touched.min() < rim.radius + config.beside
     if not (0.0 < deep < config.deepest and gone and bare):
         return None
     return replace(rim, center=center, axis=-rim.axis, face=own.face.id, measured=False)
-
-
-def _aside(places: Floats, center: Floats, axis: Floats) -> Floats:
-    """(n,) [mm] of (n, 3) places from an axis."""
-    away = places - center
-    return np.asarray(np.linalg.norm(away - np.outer(away @ axis, axis), axis=1))

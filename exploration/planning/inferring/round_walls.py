@@ -19,6 +19,7 @@ import numpy as np
 
 from exploration.planning.inferring.rim_walls import depth_below
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.open.round_rims import around, circle_through
 from exploration.planning.touching.findings import SeenRim
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
@@ -125,10 +126,10 @@ def _circle(
         return None
     turn = frame_along(axis)
     places, ways = at @ turn, (out @ turn)[:, :2]
-    outer = ((places[:, :2] - _kasa(places[:, :2])[0]) * ways).sum(axis=1) > 0.0  # the others are a bore's
+    outer = ((places[:, :2] - _through(places[:, :2])[0]) * ways).sum(axis=1) > 0.0  # the others are a bore's
     places, ways, kept = places[outer], ways[outer], np.ones(int(outer.sum()), dtype=bool)
     while kept.sum() >= max(alike.least, config.share * len(places)):
-        center, radius = _kasa(places[kept, :2])
+        center, radius = _through(places[kept, :2])
         from_middle = places[:, :2] - center
         far = np.linalg.norm(from_middle, axis=1)
         cosine = (from_middle * ways).sum(axis=1) / np.maximum(far, 1e-9)
@@ -137,25 +138,18 @@ def _circle(
         )
         if amiss[kept].max() < 1.0:
             angle = np.sort(np.arctan2(from_middle[kept, 1], from_middle[kept, 0]))
-            if _around(angle) < config.around or any(_of_polygon(angle, n, config) for n in config.sides):
+            if around(angle) < config.around or any(_of_polygon(angle, n, config) for n in config.sides):
                 return None
             return Circle(turn @ np.array([*center, float(places[kept, 2].mean())]), axis, radius)
         kept[np.argmax(np.where(kept, amiss, -1.0))] = False
     return None
 
 
-def _kasa(flat: Floats) -> tuple[Floats, float]:
-    """(2,) center and radius of the circle through (n, 2) places."""
+def _through(flat: Floats) -> tuple[Floats, float]:
+    """(2,) center and radius of the circle nearest to (n, 2) places; a line's is endless."""
     middle = flat.mean(axis=0)
-    local = flat - middle
-    rows = np.column_stack([2.0 * local, np.ones(len(local))])
-    (x, y, rest), *_ = np.linalg.lstsq(rows, (local**2).sum(axis=1), rcond=None)
-    return middle + np.array([x, y]), float(np.sqrt(max(rest + x * x + y * y, 0.0)))
-
-
-def _around(angle: Floats) -> float:
-    """[rad] of the circle that sorted angles span, less its widest gap."""
-    return float(2.0 * np.pi - np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+    found = circle_through(flat - middle)
+    return (middle, np.inf) if found is None else (middle + found[0], found[1])
 
 
 def _of_polygon(angle: Floats, sides: int, config: RoundWallsConfig) -> bool:

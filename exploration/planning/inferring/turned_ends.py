@@ -17,6 +17,7 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.open.round_rims import around
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
@@ -96,13 +97,12 @@ def _height(
 ) -> float | None:
     """[mm] along a (3,) way, of the end of a cylinder felt last at (n, 3) places; None where it is not level."""
     local = (last - shape.anchor) @ shape.frame
-    angle = np.sort(np.arctan2(local[:, 1], local[:, 0]))
-    gap = float(np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+    round_ = around(np.arctan2(local[:, 1], local[:, 0])) > config.around
     heights = last @ way + 0.5 * own.near_free.query(last)[0]
     high = float(np.median(heights))
     level = float(np.median(np.abs(heights - high))) < config.level
     felt = float(np.quantile(own.cells @ way, 0.98)) < high + config.past
-    return high if level and felt and 2.0 * np.pi - gap > config.around else None
+    return high if level and felt and round_ else None
 
 
 def _end(shape: Cylinder, way: Floats, high: float, config: TurnedEndsConfig) -> Contacts:

@@ -10,10 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.open.round_rims import RoundRim, aside
 from primitives.arrays import Floats
 from primitives.shapes import Cylinder
 
@@ -44,9 +42,9 @@ def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfi
                 continue
             along = float(axis @ (end.fit.shape.anchor - shape.anchor)) / slope
             center = shape.anchor + along * shape.direction
-            felt, outer = _aside(end.cells, center, axis), float(shape.radius)
+            felt, outer = aside(end.cells, center, axis), float(shape.radius)
             radius, outside = float(felt.min()), float(felt.max())
-            inside = _aside(end.free, center, axis) < radius - config.inside
+            inside = aside(end.free, center, axis) < radius - config.inside
             if config.least < radius and outside < outer + config.beyond and inside.sum() >= config.free:
                 found.append(RoundRim(center, axis, radius, 1.0, end.face.id, outer=outer))
     return found
@@ -63,9 +61,3 @@ def _ends_at(turned: KnownFace, end: KnownFace, axis: Floats, config: RingEndsCo
     """Whether all that was felt of a turned face lies behind a flat one, and some of it near that."""
     behind = (end.fit.shape.anchor - turned.cells) @ axis
     return bool(behind.min() > -config.beyond and behind.min() < config.beside)
-
-
-def _aside(places: Floats, center: Floats, axis: Floats) -> Floats:
-    """(n,) [mm] of (n, 3) places from an axis."""
-    away = places - center
-    return np.asarray(np.linalg.norm(away - np.outer(away @ axis, axis), axis=1))

@@ -102,23 +102,41 @@ def round_rim(
         return None
     turn, middle = frame_along(axis), points.mean(axis=0)
     flat = (points - middle) @ turn
-    x, y = flat[:, 0], flat[:, 1]
-    rows = np.column_stack([2.0 * x, 2.0 * y, np.ones(len(x))])
-    (cx, cy, rest), _, rank, _ = np.linalg.lstsq(rows, x**2 + y**2, rcond=None)
-    if rank < 3 or rest + cx**2 + cy**2 <= 0.0:
+    circle = circle_through(flat[:, :2])
+    if circle is None:
         return None
-    radius = float(np.sqrt(rest + cx**2 + cy**2))
+    (cx, cy), radius = circle
     away = flat[:, :2] - [cx, cy]
     rms = float(np.sqrt(np.mean((np.linalg.norm(away, axis=1) - radius) ** 2)))
-    angle = np.sort(np.arctan2(away[:, 1], away[:, 0]))
-    gap = float(np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+    felt = around(np.arctan2(away[:, 1], away[:, 0]))
     inward = float(np.mean((((out @ turn)[:, :2] * away).sum(axis=1)) < 0.0))
     if (
         rms > min(config.rms, config.share * radius)
-        or 2.0 * np.pi - gap < config.around
+        or felt < config.around
         or inward < config.inward
         or radius > config.largest
     ):
         return None
     center: Floats = middle + turn @ np.array([cx, cy, float(flat[:, 2].mean())])
     return RoundRim(center, axis, radius, rms / float(np.sqrt(len(points))), face)
+
+
+def circle_through(flat: Floats) -> tuple[Floats, float] | None:
+    """(2,) center and radius of the circle nearest to (n, 2) places round the origin; None where there is none."""
+    x, y = flat[:, 0], flat[:, 1]
+    rows = np.column_stack([2.0 * x, 2.0 * y, np.ones(len(x))])
+    (cx, cy, rest), _, rank, _ = np.linalg.lstsq(rows, x**2 + y**2, rcond=None)
+    squared = float(rest + cx**2 + cy**2)
+    return None if rank < 3 or squared <= 0.0 else (np.array([cx, cy]), float(np.sqrt(squared)))
+
+
+def around(angles: Floats) -> float:
+    """[rad] of a turn that angles lie over: all of it but their widest gap."""
+    angle = np.sort(angles)
+    return float(2.0 * np.pi - np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+
+
+def aside(places: Floats, center: Floats, axis: Floats) -> Floats:
+    """(n,) [mm] of (n, 3) places from an axis."""
+    away = places - center
+    return np.asarray(np.linalg.norm(away - np.outer(away @ axis, axis), axis=1))
