@@ -55,7 +55,7 @@ def segment(
     found: list[Segment] = []
     for k, model in enumerate(models):
         mine = np.flatnonzero(label == k)
-        several = [mine[part] for part in parts(contacts.points[mine], rho, options.parts)]
+        several = [mine[part] for part in parts(model.fit.shape, contacts.points[mine], rho, options.parts)]
         fits = [search.best(rows, [model], ()) for rows in several] if len(several) > 1 else [model]
         if any(made is None for made in fits):
             several, fits = [mine], [model]

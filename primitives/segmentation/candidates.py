@@ -46,14 +46,18 @@ class Candidates:
 
 
 def candidates(
-    felt: Oriented, apart: Floats, rng: np.random.Generator, options: CandidateOptions | None = None
+    felt: Oriented,
+    apart: Floats,
+    among: Ints,
+    rng: np.random.Generator,
+    options: CandidateOptions | None = None,
 ) -> Candidates:
-    """Of all contacts."""
+    """Proposed by the contacts `among` (m,) alone, and compared with all."""
     options = options or CandidateOptions()
     table = felt.contacts
     sigma, turn = float(np.median(table.sigma)), float(np.median(table.normal_sigma))
     kept: list[tuple[Proposals, Floats]] = []
-    for rows in _groups(table.points, apart, rng, options):
+    for rows in (among[g] for g in _groups(table.points[among], apart[among], rng, options)):
         points, normals = table.points[rows], table.normals[rows]
         for made in proposals(points, normals, sigma, turn):
             g = made.group

@@ -25,6 +25,7 @@ from primitives.segmentation.terms import FacesOptions, Model, Terms
 from primitives.shapes import KINDS, Shape
 
 _QUICK = ("plane", "sphere", "cylinder", "cone")
+_FEWEST = 2  # contacts through which a face is looked for
 
 
 class Search(Terms):
@@ -32,7 +33,7 @@ class Search(Terms):
 
     def __init__(self, contacts: Contacts, oriented: Contacts, options: FacesOptions | None = None) -> None:
         super().__init__(contacts, oriented, options)
-        self.found = candidates(self.felt, self.apart, np.random.default_rng(0), self.options.candidates)
+        self.rng = np.random.default_rng(0)
 
     def run(self) -> tuple[list[Model], Ints]:
         """The faces, and the (n,) one of each contact; -1 where it stands alone."""
@@ -55,24 +56,25 @@ class Search(Terms):
         return models, label
 
     def chosen(self, free: Bools) -> list[Model]:
-        """Greedily, the candidates that explain most of the free contacts, until none pays."""
+        """Greedily, the candidates among the free contacts that explain most of them, until none pays."""
         free = free.copy()
-        worth = np.maximum(self.single.astype(np.float32) - np.float32(0.5) * self.found.chi2, 0)
-        prices = np.array([rough_price(kind, self.start) for kind in self.found.kinds])
+        if free.sum() < _FEWEST:
+            return []
+        found = candidates(self.felt, self.apart, np.flatnonzero(free), self.rng, self.options.candidates)
+        worth = np.maximum(self.single.astype(np.float32) - np.float32(0.5) * found.chi2, 0)
+        prices = np.array([rough_price(kind, self.start) for kind in found.kinds])
         models: list[Model] = []
         while free.any() and len(models) < self.options.most and len(worth):
             gains = worth @ free.astype(np.float32) - prices
             order = np.argsort(-gains, kind="stable")[: self.options.tried]
-            tried = [
-                self._followed(*self.found.shape(int(c)), free, self.single) for c in order if gains[c] > 0
-            ]
-            good = [found for found in tried if found is not None and found[0] > 0]
+            tried = [self._followed(*found.shape(int(c)), free, self.single) for c in order if gains[c] > 0]
+            good = [one for one in tried if one is not None and one[0] > 0]
             if not good:
                 worth[order] = 0.0
                 if not len(order) or gains[order[0]] <= 0:
                     break
                 continue
-            _, model, mine = max(good, key=lambda found: found[0])
+            _, model, mine = max(good, key=lambda one: one[0])
             models.append(model)
             free[mine] = False
         return models

@@ -67,3 +67,20 @@ def test_exact_contacts_on_a_ring_are_one_torus():
     found = segment(Contacts.of(20.0 * out + 6.0 * normals, normals, 1e-3, 1e-3))
     assert [one.fit.kind for one in found] == ["torus"]
     assert len(found[0].rows) == 300
+
+
+def test_six_contacts_on_a_small_face_are_one_among_a_thousand_on_large_ones():
+    contacts, _ = cube(1000, np.random.default_rng(4))
+    turn = np.arange(6) * 1.1
+    floor = np.stack([4 * np.cos(turn), 4 * np.sin(turn), np.full(6, 11.0)], axis=1)
+    up = np.tile([0.0, 0.0, 1.0], (6, 1))
+    few = noisy(floor, up, np.random.default_rng(5), sigma=0.3)
+    table = Contacts.of(
+        np.concatenate([contacts.points, few.points]),
+        np.concatenate([contacts.normals, few.normals]),
+        0.3,
+        0.05,
+    )
+    found = segment(table)
+    assert len(found) == 7
+    assert set(found[-1].rows.tolist()) == set(range(1000, 1006))
