@@ -1,7 +1,8 @@
 """Contacts as text: x,y,z[,nx,ny,nz[,sigma]] in mm, one a line, with or without a header.
 
-Commas, semicolons, tabs or blanks part the columns; lines that begin with # are remarks; a field left empty is not
-known.  With a header the columns may stand in any order, and those with other names are passed over.
+Semicolons, commas, tabs or blanks part the columns; between semicolons a comma is a decimal point; lines that
+begin with # are remarks; a field left empty is not known.  With a header the columns may stand in any order, and
+those with other names are passed over; it may say cm or m, as in `x [m]`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from recognition.sources.columns import Columns
 
 _NAMES = ("x", "y", "z", "nx", "ny", "nz", "sigma")
 _FORM = "x,y,z[,nx,ny,nz[,sigma]] in mm"
-_UNIT = re.compile(r"[\s_]*[\[(]?(mm)[\])]?$")
+_UNIT = re.compile(r"(?:[\s_]*[\[(]?(mm)|[\s_]+(cm|m)|[\s_]*[\[(](cm|m))[\])]?$")
+_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+_MARKS = ";,\t"
 
 
 def read_table(path: Path) -> Columns:
@@ -31,17 +34,20 @@ def read_table(path: Path) -> Columns:
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
         raise PalpateError(f"{path.name} holds no contact; give lines of {_FORM}")
-    parted = next((mark for mark in ",;\t" if mark in lines[0]), None)
+    parted = next((mark for mark in _MARKS if mark in lines[0]), None)
     if parted is None and len(lines) > 1:
-        parted = next((mark for mark in ",;\t" if mark in lines[1]), None)
+        parted = next((mark for mark in _MARKS if mark in lines[1]), None)
+    if parted == ";":
+        lines = [line.replace(",", ".") for line in lines]
     first = _fields(lines[0], parted)
-    header = None
+    header, scale = None, np.ones(len(first))
     if not any(_is_number(word) for word in first):
         header, lines = [_plain(word) for word in first], lines[1:]
+        scale = np.array([_mm(word) for word in first])
     if not lines:
         raise PalpateError(f"{path.name} holds a header and no contact; give lines of {_FORM}")
     rows = _numbers(lines, parted, path.name, 1 if header is None else 2)
-    return _named(rows, header, path.name)
+    return _named(rows * scale if rows.shape[1] == len(scale) else rows, header, path.name)
 
 
 def _named(rows: Floats, header: list[str] | None, name: str) -> Columns:
@@ -92,6 +98,12 @@ def _fields(line: str, parted: str | None) -> list[str]:
 
 def _plain(word: str) -> str:
     return _UNIT.sub("", word.strip().strip("\"'").lower()).strip()
+
+
+def _mm(word: str) -> float:
+    """How many mm the unit that stands behind a name is; 1 where none does."""
+    found = _UNIT.search(word.strip().strip("\"'").lower())
+    return 1.0 if found is None else _MM[next(filter(None, found.groups()))]
 
 
 def _is_number(word: str) -> bool:

@@ -32,7 +32,7 @@ _PLACEHOLDER = 0.1  # [mm] sigma of contacts that say none
 _NORMAL_SIGMA = 0.05  # [rad] of normals of which nobody says more: about three degrees
 _KNOWN = "give a run folder, an episode.mcap, or contacts (.csv or .ply: x,y,z[,nx,ny,nz[,sigma]] in mm)"
 _WRITTEN = 1e-3  # [mm] to which a run's table is written
-_WIDEST = 20_000.0  # [mm] no object is wider
+_WIDEST, _NARROWEST = 20_000.0, 0.5  # [mm] no object is wider; none that is narrower was told in mm
 
 
 def read_source(path: str | Path, least: int = 0) -> Source:
@@ -72,8 +72,10 @@ def contacts_of(columns: Columns, name: str) -> tuple[Contacts, bool]:
         raise PalpateError(
             f"{name}: contact {broken[0] + 1} has a coordinate that is not a finite number; remove it"
         )
-    if len(points) and float(np.ptp(points, axis=0).max()) > _WIDEST:
-        raise PalpateError(f"{name}: contacts lie up to {np.ptp(points, axis=0).max():.3g} mm apart; give mm")
+    widest = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    if widest > _WIDEST or 0.0 < widest < _NARROWEST:
+        metres = "" if widest > _WIDEST else ", or a header that says m"
+        raise PalpateError(f"{name}: contacts lie up to {widest:.3g} mm apart; give mm{metres}")
     normals = np.full_like(points, np.nan)
     if columns.normals is not None:
         length = np.linalg.norm(columns.normals, axis=1)

@@ -28,6 +28,24 @@ def test_columns_are_parted_by_any_mark_with_or_without_a_header(tmp_path, mark,
     assert not found.measured_sigma
 
 
+@pytest.mark.parametrize(
+    ("header", "scale"), [("x [m],y [m],z [m]", 1000), ("x_m,y_m,z_m", 1000), ("X (cm),Y (cm),Z (cm)", 10)]
+)
+def test_a_header_may_say_another_unit(tmp_path, header, scale):
+    found = read_source(written(tmp_path, f"{header}\n{rows(POINTS / scale)}"))
+    assert found.contacts.points == pytest.approx(POINTS)
+
+
+def test_between_semicolons_a_comma_is_a_decimal_point(tmp_path):
+    found = read_source(written(tmp_path, "x;y;z\n" + rows(POINTS, ";").replace(".", ",")))
+    assert np.array_equal(found.contacts.points, POINTS)
+
+
+def test_a_cloud_in_metres_that_does_not_say_so_is_told(tmp_path):
+    with pytest.raises(PalpateError, match="give mm, or a header that says m"):
+        read_source(written(tmp_path, rows(POINTS / 1000)))
+
+
 def test_normals_are_made_unit_and_one_of_no_length_is_none(tmp_path):
     found = read_source(written(tmp_path, rows(np.hstack([POINTS, NORMALS]))))
     assert found.contacts.has_normal.tolist() == [True, True, True, False]
