@@ -17,6 +17,7 @@ from recognition.assembly import NotClosed
 from recognition.console import bugs, interrupts
 from recognition.reconstruct import Reconstruction, reconstruct
 from recognition.reconstructing.options import ReconstructSourceOptions
+from recognition.reconstructing.scatter import scatter
 from recognition.reconstructing.surfaces import surfaces
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
@@ -55,7 +56,7 @@ def run(options: ReconstructSourceOptions, watch: Watcher) -> dict[str, Any]:
 def _run(
     options: ReconstructSourceOptions, source: Source, folder: RunFolder, watch: Watcher, began: float
 ) -> dict[str, Any]:
-    felt = source.with_sigma(options.contact_sigma)
+    felt = _with_scatter(source, options)
     sigma = _typical(felt)
     head = toml_lines({"version": version("palpate"), "command": "reconstruct"})
     settings = [*head, "", "[settings]", *toml_lines(options.as_settings())]
@@ -71,6 +72,13 @@ def _run(
         write_report(path, _report(options, summary, made))
     folder.finish(summary)
     return summary
+
+
+def _with_scatter(source: Source, options: ReconstructSourceOptions) -> Source:
+    """With the contacts' sigma as told or measured, else as their faces say."""
+    if options.contact_sigma is None and not source.measured_sigma:
+        return source.with_sigma(scatter(source.contacts))
+    return source.with_sigma(options.contact_sigma)
 
 
 def _made(source: Source) -> Reconstruction:

@@ -1,0 +1,33 @@
+import numpy as np
+import pytest
+
+from primitives.evidence import Contacts
+from recognition.reconstructing.scatter import scatter
+from recognition.sources.noise import estimated_sigma
+
+SIZE = np.array([60.0, 40.0, 12.0])
+
+
+def on_a_block(count, sigma, rng, normals=True):
+    area = np.repeat([SIZE[1] * SIZE[2], SIZE[0] * SIZE[2], SIZE[0] * SIZE[1]], 2)
+    face = rng.choice(6, count, p=area / area.sum())
+    points, out = (rng.random((count, 3)) - 0.5) * SIZE, np.zeros((count, 3))
+    out[np.arange(count), face // 2] = 2.0 * (face % 2) - 1
+    points = np.where(out != 0, 0.5 * out * SIZE, points) + sigma * rng.standard_normal((count, 3))
+    return Contacts.of(points, out if normals else None, 0.1, 0.05)
+
+
+def test_sixty_contacts_scatter_as_their_faces_say_where_neighbors_mislead():
+    contacts = on_a_block(60, 0.2, np.random.default_rng(0))
+    assert estimated_sigma(contacts) > 1.0
+    assert scatter(contacts) == pytest.approx(0.2, rel=0.4)
+
+
+def test_many_contacts_scatter_as_their_neighbors_say():
+    contacts = on_a_block(5000, 0.05, np.random.default_rng(1))
+    assert scatter(contacts) == estimated_sigma(contacts)
+
+
+def test_a_handful_and_contacts_at_one_place_have_a_sigma():
+    assert scatter(on_a_block(5, 0.05, np.random.default_rng(2))) > 0.0
+    assert scatter(Contacts.of(np.zeros((50, 3)))) > 0.0
