@@ -21,12 +21,13 @@ from scipy.special import logsumexp
 from models.library import Entry
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
+from primitives.facing import may_face_in
 from primitives.pose import frame_along, inverse
 from recognition.console.interrupts import checkpoint
 from recognition.matching.belief import UNKNOWN, Belief
 from recognition.matching.contact_pairs import spread
 from recognition.matching.evidence import Evidence, Prior
-from recognition.matching.facing import either, may_face_in, turned
+from recognition.matching.facing import either, turned
 from recognition.matching.flats import flats_of
 from recognition.matching.hypotheses import Begun, Found, SearchConfig, begin, scored, search
 from recognition.matching.likelihood import NoiseConfig, log_each, log_likelihoods, log_scattered
@@ -76,7 +77,7 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
         raise PalpateError(f"the prior of an unknown object must be from 0 to 1, not {unknown}")
     whole = evidence.checked()
     told = _matched(whole, library, prior, unknown, starts, config)
-    if not (config.inward and may_face_in(whole)):
+    if not (config.inward and may_face_in(whole.contacts, whole.scale_known)):
         return told
     other = _matched(turned(whole), library, prior, unknown, starts, config)
     return either(told, other, config.inward)

@@ -16,6 +16,7 @@ from primitives.toml_text import toml_lines
 from recognition.assembly import NotClosed
 from recognition.console import bugs, interrupts
 from recognition.reconstruct import Reconstruction, reconstruct
+from recognition.reconstructing.facing_out import facing_out
 from recognition.reconstructing.options import ReconstructSourceOptions
 from recognition.reconstructing.scatter import scatter
 from recognition.reconstructing.surfaces import surfaces
@@ -56,7 +57,7 @@ def run(options: ReconstructSourceOptions, watch: Watcher) -> dict[str, Any]:
 def _run(
     options: ReconstructSourceOptions, source: Source, folder: RunFolder, watch: Watcher, began: float
 ) -> dict[str, Any]:
-    felt = _with_scatter(source, options)
+    felt = facing_out(_with_scatter(source, options))
     sigma = _typical(felt)
     head = toml_lines({"version": version("palpate"), "command": "reconstruct"})
     settings = [*head, "", "[settings]", *toml_lines(options.as_settings())]
