@@ -19,7 +19,7 @@ def of_one_face(normals: Floats, felt: Bools) -> bool:
 
 
 def spread(contacts: Contacts, count: int) -> Ints:
-    """(m,) rows spread over all: each the farthest from those before, normals counted as distance."""
+    """(m,) rows, each the farthest from those before, normals counted as distance; of no more, all."""
     n = len(contacts)
     if n <= count:
         return np.arange(n)

@@ -81,8 +81,7 @@ def begin(contacts: Contacts, config: SearchConfig, sigma: float, told: bool = T
     """What does not depend on the object."""
     felt = contacts.has_normal
     whole = np.ascontiguousarray(np.where(felt[:, None], contacts.normals, 0.0))
-    order = spread(contacts, config.judged)
-    chosen = order[: config.scored]
+    order, chosen = spread(contacts, config.judged), spread(contacts, config.scored)
     points, normals, shown = np.ascontiguousarray(contacts.points[chosen]), whole[chosen], felt[chosen]
     many = config.pairs if shown.sum() >= 3 else config.turned_pairs
     pairs = telling_pairs(points, normals, shown, many)
