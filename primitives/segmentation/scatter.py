@@ -6,7 +6,8 @@ divided by, minus the logarithm of the evidence of n contacts is (type II maximu
     -ln p(contacts | sigma) = energy(sigma) + n ln sigma.
 
 Too small a sigma leaves contacts on faces of their own, too large a one pays ln sigma for every contact.  Between
-sigmas that are tried, each half the one before, it is taken to be a parabola of ln sigma.
+sigmas that are tried, each half the one before, it is taken to be a parabola of ln sigma.  Contacts so few that
+faces go through all of them say nothing of small sigmas: the largest that is as good as the likeliest is said.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ class ScatterOptions:
     step: float = 2.0  # factor between sigmas that are tried
     worse: int = 2  # sigmas in a row that are worse than the best, after which no smaller one is tried
     most: int = 12  # sigmas
+    doubt: float = 2.0  # [nats] by which one may be less likely than the likeliest, and as good
     faces: FacesOptions = field(default_factory=FacesOptions)
 
 
@@ -42,10 +44,12 @@ def likeliest_sigma(
     while len(tried) < options.most and len(costs) - 1 - int(np.argmin(costs)) < options.worse:
         tried.append(tried[-1] / options.step)
         costs.append(_cost(contacts, tried[-1], among, options))
-    best = int(np.argmin(costs))
+    best = int(np.argmax(np.array(costs) <= min(costs) + options.doubt))
     if not 0 < best < len(costs) - 1:
         return tried[best]
     before, here, after = costs[best - 1 : best + 2]
+    if after < here:
+        return tried[best]
     return float(tried[best] * options.step ** (0.5 * (after - before) / (before - 2 * here + after)))
 
 

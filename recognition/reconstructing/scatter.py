@@ -21,7 +21,7 @@ class CloudScatterOptions:
 
     many: int = 3000  # contacts whose neighbors tell it
     sounded: int = 300  # contacts whose faces are asked
-    fewest: int = 20  # that have faces to ask
+    fewest: int = 8  # that have faces to ask
     largest: float = 0.01  # of the contacts' extent: nobody feels less surely
     least: float = 1e-5  # of it, below which no sigma is believed
 
@@ -30,12 +30,13 @@ def scatter(contacts: Contacts, options: CloudScatterOptions | None = None) -> f
     """[mm] one standard deviation along the normal."""
     options = options or CloudScatterOptions()
     near = estimated_sigma(contacts)
-    if not options.fewest <= len(contacts) <= options.many:
+    extent = float(np.linalg.norm(np.ptp(contacts.points, axis=0))) if len(contacts) else 0.0
+    if len(contacts) > options.many or extent <= 0.0:
         return near
-    extent = float(np.linalg.norm(np.ptp(contacts.points, axis=0)))
-    if extent <= 0.0:
-        return near
+    largest = min(near, options.largest * extent)
+    if len(contacts) < options.fewest:
+        return largest
     order = np.random.default_rng(0).permutation(len(contacts))
     few = contacts.select(order[: options.sounded])
-    sigma = likeliest_sigma(few, min(near, options.largest * extent), contacts.points[order])
+    sigma = likeliest_sigma(few, largest, contacts.points[order])
     return max(sigma, options.least * extent)
