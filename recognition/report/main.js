@@ -35,6 +35,7 @@ function start() {
 
   function measure() {
     for (const place of document.querySelectorAll("[data-belief]")) place.hidden = !data.belief;
+    for (const place of document.querySelectorAll("[data-frames]")) place.hidden = !frames.count;
     slider.max = Math.max(0, frames.count - 1);
     for (const id of ["moment", "play", "speed"]) element(id).disabled = !frames.count;
   }

@@ -34,6 +34,13 @@ def words(summary: Json) -> Words:
 
 def figures(summary: Json) -> str:
     """The large numbers under the title: what it cost, and what came of it."""
+    if _of_a_cloud(summary):
+        sigma = _rounded(summary.get("contact_sigma_mm"), 4)
+        given: list[tuple[str, Any, str]] = [
+            ("Contacts", summary.get("contacts"), ""),
+            ("Scatter, 1 sigma", sigma, "mm"),
+        ]
+        return tables.figure_cells([*given, *words(summary).figures(summary)])
     cost = [
         ("Touches", summary.get("touches"), ""),
         ("Strokes", summary.get("strokes"), ""),
@@ -152,7 +159,14 @@ def _traced_sections(s: Json) -> str:
     )
 
 
+def _of_a_cloud(s: Json) -> bool:
+    """Whether all that there was were contacts, and no run."""
+    return s.get("command") == "reconstruct" and not s.get("frames")
+
+
 def _felt_with(s: Json) -> str:
+    if _of_a_cloud(s):
+        return f"from {_many(int(s.get('contacts') or 0), 'contact')}"
     arrays = str(s.get("sensor") or "a tactile array").split(",")
     return f"felt with {escape(' and '.join(array.strip() for array in arrays))}"
 

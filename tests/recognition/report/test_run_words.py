@@ -5,7 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from recognition.report.run_words import _felt_with, words
+from recognition.report.run_words import _felt_with, figures, words
+from recognition.report.shell import _resource
 from recognition.report.tables import pairs, worded
 
 EDGE = {
@@ -50,3 +51,17 @@ def test_a_number_in_a_name_is_read_as_one_and_keeps_its_unit():
 def test_several_arrays_are_said_in_words():
     assert _felt_with({"sensor": "lts210,fingertip"}) == "felt with lts210 and fingertip"
     assert _felt_with({}) == "felt with a tactile array"
+
+
+def test_a_cloud_is_told_by_its_contacts_and_not_by_a_run_that_never_was():
+    told = {"command": "reconstruct", "frames": 0, "touches": 0, "contacts": 120, "contact_sigma_mm": 0.0512}
+    assert "from 120 contacts" in words(told).lede(told)
+    assert "0.0512" in figures(told)
+    assert "Touches" not in figures(told)
+    assert "Touches" in figures(told | {"frames": 40})
+
+
+def test_what_only_frames_fill_is_marked_so():
+    page = _resource("run_stage.html")
+    assert page.index("data-frames") < page.index("Taxels")
+    assert '"timeline" data-frames' in page
