@@ -115,21 +115,17 @@ class Vocabulary:
         planes = [i for i, s in enumerate(self.shapes) if isinstance(s, Plane)]
         if not planes:
             return None
-        agree = self.outside[:, planes] == self.outside[cell, planes]
+        beyond = self.outside[:, planes] != self.outside[cell, planes]
         kept = np.ones(len(planes), dtype=bool)
-        missing = (~agree).sum(axis=1)
-        total = float(worth[missing == 0].sum())
+        missing = beyond.sum(axis=1)
         while kept.sum() > 1:
-            alone = missing == 1
-            gains = np.array(
-                [float(worth[alone & ~agree[:, k]].sum()) if kept[k] else -np.inf for k in range(len(planes))]
-            )
+            alone = np.flatnonzero(missing == 1)
+            gains = np.where(kept, np.round(worth[alone] @ beyond[alone], 9), -np.inf)
             k = int(np.argmax(gains))
-            if gains[k] < -1e-9:
+            if gains[k] < 0.0:
                 break
             kept[k] = False
-            total += float(gains[k])
-            missing = missing - ~agree[:, k]
+            missing = missing - beyond[:, k]
         sides = tuple((planes[k], bool(self.outside[cell, planes[k]])) for k in np.flatnonzero(kept))
         return Candidate("prism", sides=sides)
 
