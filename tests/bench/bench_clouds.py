@@ -103,7 +103,10 @@ def _dense_rows(wanted: tuple[str, ...]) -> Iterator[dict[str, Any]]:
     overlaps, leaves, seconds = [], [], []
     for name, solid, scale in builtin_parts(wanted):
         exact = sampled(solid, DENSE, np.random.default_rng(1), 0.0, 0.0, scale=scale).contacts
-        cloud = Contacts.of(exact.points, exact.normals, estimated_sigma(exact), _NORMAL_SIGMA)
+        each = np.arange(len(exact))
+        cloud = Contacts.of(
+            exact.points, exact.normals, estimated_sigma(exact), _NORMAL_SIGMA, touch=each, stroke=each
+        )
         began = time.process_time()
         made = reconstruct(surfaces(cloud), [], box_around(cloud)).assembly
         seconds.append(time.process_time() - began)

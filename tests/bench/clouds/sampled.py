@@ -66,7 +66,10 @@ def sampled(
     noise -= (noise * outward).sum(axis=1, keepdims=True) * outward
     outward = outward + noise
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    contacts = Contacts.of(points, outward if normals else None, max(sigma, _UNKNOWN), max(tilt, 1e-4))
+    each = np.arange(count)  # a touch of its own, as in a table that is read
+    contacts = Contacts.of(
+        points, outward if normals else None, max(sigma, _UNKNOWN), max(tilt, 1e-4), touch=each, stroke=each
+    )
     return Cloud(contacts, of_triangle[picked], tuple(face.kind for face in brep.faces))
 
 
