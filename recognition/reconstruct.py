@@ -47,6 +47,7 @@ class ReconstructOptions:
     inferred: float = 0.1  # share of the surface on faces that nobody touched, from which that is told
     named: int = 12  # of those faces, that are named
     past: float = 15.0  # [mm] past all contacts, from which it is told how far the body reaches
+    run_on: float = 15.0  # [mm] the same, from which it is cut off where no face ends it
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def reconstruct(
     options = options or ReconstructOptions()
     shaped = [FeltFace(face.fit, face.contacts) for face in graph.faces if isinstance(face.fit, Fit)]
     loose = [face.contacts for face in graph.faces if not isinstance(face.fit, Fit)]
-    body = best_body(shaped, box, free, options.past, Contacts.concatenate(loose))
+    body = best_body(shaped, box, free, options.run_on, Contacts.concatenate(loose))
     assembly, felt = body.assembly, body.felt
     loose += [face.contacts for face in body.left_out]
     contacts = Contacts.concatenate([*(face.contacts for face in felt), *loose])

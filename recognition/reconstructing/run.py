@@ -15,7 +15,7 @@ from primitives.evidence import Contacts
 from primitives.toml_text import toml_lines
 from recognition.assembly import NotClosed
 from recognition.console import bugs, interrupts
-from recognition.reconstruct import Reconstruction, reconstruct
+from recognition.reconstruct import Reconstruction, ReconstructOptions, reconstruct
 from recognition.reconstructing.facing_out import facing_out
 from recognition.reconstructing.options import ReconstructSourceOptions
 from recognition.reconstructing.scatter import scatter
@@ -86,7 +86,18 @@ def _made(source: Source) -> Reconstruction:
     """From what an exploration made of its contacts, where there was one; else from the contacts alone."""
     if (told := source.explored) is not None:
         return reconstruct(told.graph, told.traces, told.box, free=told.free)
-    return reconstruct(surfaces(source.contacts), [], box_around(source.contacts))
+    graph, box = surfaces(source.contacts), box_around(source.contacts)
+    made = reconstruct(graph, [], box)
+    # a scan shows its sides to their ends, so what no face ends is cut off where contacts end, however near
+    return reconstruct(graph, [], box, ReconstructOptions(run_on=0.0)) if _open_ended(made) else made
+
+
+def _open_ended(made: Reconstruction) -> bool:
+    """Whether a primitive that was added has a side that no face ends."""
+    if isinstance(made.assembly, NotClosed):
+        return False
+    added = (piece for piece in made.assembly.pieces if piece.operation == "add" and piece.kind != "cone")
+    return any(None in ends for piece in added for ends in piece.ends)
 
 
 def box_around(contacts: Contacts) -> Floats:

@@ -41,6 +41,28 @@ def test_a_cloud_becomes_a_run_folder_with_one_cube(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_step_of_which_nobody_felt_the_bottom_ends_where_contacts_do(tmp_path):
+    # an L of 60 x 40 x 12 with an upright leg of 20 x 40 x 28: corner, two sides, and the way each face looks
+    faces = [
+        ((-30, -20, 0), (0, 40, 0), (0, 0, 40), (-1, 0, 0)), ((30, -20, 0), (0, 40, 0), (0, 0, 12), (1, 0, 0)),
+        ((-10, -20, 12), (0, 40, 0), (0, 0, 28), (1, 0, 0)), ((-30, -20, 40), (20, 0, 0), (0, 40, 0), (0, 0, 1)),
+        ((-10, -20, 12), (40, 0, 0), (0, 40, 0), (0, 0, 1)), ((-30, -20, 0), (60, 0, 0), (0, 0, 12), (0, -1, 0)),
+        ((-30, 20, 0), (60, 0, 0), (0, 0, 12), (0, 1, 0)), ((-30, -20, 12), (20, 0, 0), (0, 0, 28), (0, -1, 0)),
+        ((-30, 20, 12), (20, 0, 0), (0, 0, 28), (0, 1, 0)),
+    ]  # fmt: skip
+    rng = np.random.default_rng(0)
+    each = [
+        np.array(c) + rng.random((200, 1)) * np.array(a) + rng.random((200, 1)) * b for c, a, b, _ in faces
+    ]
+    table = np.hstack([np.concatenate(each), np.repeat([n for *_, n in faces], 200, axis=0)])
+    np.savetxt(tmp_path / "c.csv", table, delimiter=",")
+    told = run(ReconstructSourceOptions(tmp_path / "c.csv", 0.01, out=tmp_path / "run"), lambda _: None)
+    assert told["volume_mm3"] == pytest.approx(60 * 40 * 12 + 20 * 40 * 28, rel=0.01)
+    assert not told["closed"]
+    assert any("cut off where contact ended" in warning for warning in told["warnings"])
+
+
+@pytest.mark.slow
 def test_a_cloud_without_normals_knows_its_faces_and_their_sides():
     points, normals = on_a_block(500)
     rng = np.random.default_rng(1)
