@@ -23,6 +23,7 @@ from recognition.matching.round_face import round_face
 
 ALIKE = 0.1  # share of the error's variance that contacts of one touch have in common
 WIDE = 200.0  # [mm] of a prior round contacts, where nobody told it
+_FREE = 6  # numbers of a pose
 BESIDE = 6.0  # [mm] over which the surface's own departure from the model is much the same
 
 
@@ -44,7 +45,7 @@ class Evidence:
     covers: tuple[FreeSpace, ...] = ()  # bodies in the way: what touched them says nothing of the object
 
     def checked(self) -> Evidence:
-        """Itself without broken rows; raises where nothing is left to match."""
+        """Itself without broken rows, its noise taken for told where it cannot be; raises if nothing is left."""
         c = self.contacts
         whole = np.isfinite(c.points).all(axis=1) & np.isfinite(c.sigma) & (c.sigma > 0)
         for cover in self.covers:
@@ -53,7 +54,12 @@ class Evidence:
             raise PalpateError(
                 "there is no contact to match; give at least one row x,y,z of finite numbers in mm"
             )
-        return self if whole.all() else replace(self, contacts=c.select(whole))
+        kept = self if whole.all() else replace(self, contacts=c.select(whole))
+        return kept if kept._tells_noise() else replace(kept, scale_known=True, normal_scale_known=True)
+
+    def _tells_noise(self) -> bool:
+        """Whether more numbers were felt than a pose has: no more fit some pose exactly, whatever their noise."""
+        return len(self.contacts) + 2 * int(self.contacts.has_normal.sum()) > _FREE
 
     def with_contacts(self, more: Contacts) -> Evidence:
         """After further contacts."""

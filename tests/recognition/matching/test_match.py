@@ -159,3 +159,12 @@ def test_ten_thousand_contacts_are_thinned_and_answered(library):
     belief = match(Evidence(felt(library["bracket"], world, 10_000, rng)), library)
     assert belief.decision == "bracket"
     assert pose_error(library["bracket"].symmetry, belief.best("bracket").pose, world).distance < 0.5
+
+
+def test_too_few_contacts_to_tell_their_noise_leave_the_library_likely(library):
+    """Estimated from two contacts, noise seemed least where one of them is astray, and all objects unlike."""
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        entry = library[NAMES[seed]]
+        few = Evidence(felt(entry, somewhere(rng), 2, rng), scale_known=False, normal_scale_known=False)
+        assert match(few, library).probabilities["unknown"] < 0.5
