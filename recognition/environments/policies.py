@@ -50,7 +50,7 @@ class InformationPolicy:
         found = None
         told = [bool(len(t.contacts)) for t in me.touches[-self.misses :]]
         if me.belief is not None and any(told):
-            found = choose(me.belief, me.library, hand.here, ball, hand.pad, hand.limits, self._rng)
+            found = choose(me.belief, me.library, hand.here, ball, hand.pad, hand.pace, self._rng)
         places = np.array([t.pose[:3, 3] if t.met else t.approach.start[:3, 3] for t in me.touches])
         approach = (
             found.approach if isinstance(found, Choice) else gap_touch(ball, places, len(places), self._rng)

@@ -10,9 +10,9 @@ import numpy as np
 
 from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, Cost, Guard, OverPress
-from exploration.devices.protocols import StageLimits
 from exploration.planning.known.told import Told
 from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocked, touch_once
+from exploration.planning.touching.pace import Pace
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
 from exploration.planning.ways.search import sweeps
 from primitives.arrays import Floats
@@ -37,8 +37,8 @@ class Hand(Protocol):
         ...
 
     @property
-    def limits(self) -> StageLimits:
-        """Of the stage."""
+    def pace(self) -> Pace:
+        """What touching takes."""
         ...
 
     def find(self, box: Floats) -> Iterator[LoneTouch]:
@@ -84,9 +84,9 @@ class GuardedHand:
         return self.guard.sensor.array.size
 
     @property
-    def limits(self) -> StageLimits:
-        """Of the stage."""
-        return self.guard.stage.limits
+    def pace(self) -> Pace:
+        """Of the array in use."""
+        return Pace.of(self.guard)
 
     def find(self, box: Floats) -> Iterator[LoneTouch]:
         """Sweep until the pad meets something."""

@@ -219,8 +219,8 @@ class Identifier:
         met = sum(t.met for t in self.touches)
         if self.belief is not None and met >= self.config.blind and self._missed() < self.config.misses:
             found = choose(
-                self.belief, self.library, self.hand.here, ball, self.hand.pad, self.hand.limits, self.rng,
-                reachable=self.hand.reachable, known=self._known(),
+                self.belief, self.library, self.hand.here, ball, self.hand.pad, self.hand.pace, self.rng,
+                reachable=self.hand.reachable, known=self._known(), made=[t.pose for t in self.touches if t.met],
             )  # fmt: skip
             if isinstance(found, Choice):
                 self._idle = 0

@@ -104,7 +104,7 @@ def _separating(identifier: Identifier) -> Choice | None:
         return None
     hand = identifier.hand
     try:
-        around = hand.here, identifier.ball(), hand.pad, hand.limits, identifier.rng
+        around = hand.here, identifier.ball(), hand.pad, hand.pace, identifier.rng
         found = separating(identifier.belief, identifier.library, *around)
     except PalpateError:
         return None

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from exploration.devices.protocols import StageLimits
+from exploration.planning.touching.pace import Pace
 from exploration.sensing.spec import load_sensor
 from models.formats.units import Units
 from models.library import Entry, Library
@@ -158,7 +158,7 @@ def _would_tell(belief: Belief, evidence: Evidence, library: Library, seed: int)
     here = pose(np.diag([1.0, -1.0, -1.0]), above)
     rng = np.random.default_rng(seed)
     known = sampled(belief, likely, evidence, rng)
-    found = separating(belief, likely, here, around, pad, StageLimits(), rng, known=known)
+    found = separating(belief, likely, here, around, pad, Pace(), rng, known=known)
     return found if isinstance(found, Choice) else None
 
 

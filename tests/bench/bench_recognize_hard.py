@@ -18,8 +18,8 @@ from recognizing.ray_hand import RayHand
 from recognizing.trials import NOISE, TURN, Trial, add_s, on_surface
 
 from exploration.devices.guard import Cost
-from exploration.devices.protocols import StageLimits
 from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.touching.pace import Pace
 from exploration.planning.ways.round_ball import Ball
 from models.library import Library
 from models.solid import Solid
@@ -103,9 +103,9 @@ def _separated(belief: Belief, t: Trial, known: Library, seed: int) -> bool:
     """Whether the pad of the touch proposed would feel unlike on the true one and on where the other would be."""
     middle = transform_points(t.world, np.asarray(known[t.name].samples.points)).mean(axis=0)
     here = pose(np.diag([1.0, -1.0, -1.0]), [*middle[:2], middle[2] + 150.0])
-    limits, rng = StageLimits(), np.random.default_rng(seed)
+    pace, rng = Pace(), np.random.default_rng(seed)
     may_be = sampled(belief, known, Evidence(t.contacts), rng)
-    found = separating(belief, known, here, Ball(middle, 90.0), PAD, limits, rng, known=may_be)
+    found = separating(belief, known, here, Ball(middle, 90.0), PAD, pace, rng, known=may_be)
     if not isinstance(found, Choice):
         return False
     rival = next(name for name in known if name != t.name)
@@ -132,7 +132,7 @@ def _named_after(t: Trial, known: Library, seed: int) -> float:
             return float(count) if belief.decision == t.name else np.inf
         ball = believed_ball(evidence.contacts, MOST, belief, known, PAD)
         may_be = sampled(belief, known, evidence, rng)
-        found = separating(belief, known, hand.here, ball, PAD, hand.limits, rng, known=may_be)
+        found = separating(belief, known, hand.here, ball, PAD, hand.pace, rng, known=may_be)
         if not isinstance(found, Choice):
             return np.inf
         touches.append(hand.touch(found.approach, ball))

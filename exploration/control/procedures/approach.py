@@ -69,7 +69,7 @@ def advance(
 ) -> Observation | None:
     """Move at most `distance` [mm] along a (3,) world direction, attitude held; the observation that touched."""
     start = guard.world_from_sensor[:3, 3]
-    speed = min(speed, config.tick / guard.period, soft_speed(guard, speed > config.speed, config))
+    speed = felt_speed(guard, speed, config)
     while float((guard.world_from_sensor[:3, 3] - start) @ direction) < distance:
         if touched(_tick(guard, direction, speed).image, config):
             return guard.hold()
@@ -145,6 +145,11 @@ def _peak(image: TactileImage) -> float:
     """[mm] mean of the two deepest taxels."""
     depth = np.where(np.isfinite(image.sigma), image.depth, 0.0)
     return float(np.sort(depth, axis=None)[-2:].mean())
+
+
+def felt_speed(guard: Guard, speed: float, config: ApproachConfig = ApproachConfig()) -> float:
+    """[mm/s] of an advance that was told `speed`: as slow as its array has to be moved, to stop in time."""
+    return min(speed, config.tick / guard.period, soft_speed(guard, speed > config.speed, config))
 
 
 def soft_speed(guard: Guard, searching: bool = False, config: ApproachConfig = ApproachConfig()) -> float:

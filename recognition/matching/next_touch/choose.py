@@ -2,27 +2,28 @@
 
     worth = (bits about the name + share * bits about the pose) * (1 - risk) / seconds
 
-with the seconds of the way there, the advance, settling, and what a failed landing costs (our derivation).  The
-utility is a callable, so that a planner can be handed another.
+with the seconds of the way there and back, the advance, settling, and what a failed landing costs (our derivation;
+`Pace` has them).  The utility is a callable, so that a planner can be handed another.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
-from exploration.devices.protocols import StageLimits
 from exploration.planning.touching.lone_touch import Approach
-from exploration.planning.ways.round_ball import Ball, length_of, way_round
+from exploration.planning.touching.pace import Pace
+from exploration.planning.ways.round_ball import Ball, way_round
 from models.library import Library
 from primitives.arrays import Floats
 from recognition.matching.next_touch.candidates import CandidateConfig, candidates
 from recognition.matching.next_touch.flight import FlightConfig, flown, foreseen_flight, least_turned
 from recognition.matching.next_touch.held import Believed, Held, held
 from recognition.matching.next_touch.information import TouchNoise, information
+from recognition.matching.next_touch.novelty import novelty
 from recognition.matching.next_touch.outcomes import Outcomes, foresee
 from recognition.matching.next_touch.placing import doubt, placing
 
@@ -31,12 +32,8 @@ Utility = Callable[[Outcomes, Held], Floats]  # (c,) bits of each approach
 
 @dataclass(frozen=True)
 class ChooseConfig:
-    """What a touch costs, and what its bits are worth."""
+    """What bits are worth."""
 
-    speed: float = 50.0  # [mm/s] of an advance
-    settling: float = 1.8  # [s] of a touch, beside its ways
-    failed: float = 5.0  # [s] more, of one that does not settle
-    missed: float = 0.5  # [s] saved where nothing is met
     pose_share: float = 0.4  # of a bit about the name, that one about its pose is worth
     flight: FlightConfig = field(default_factory=FlightConfig)
     least: float = 0.01  # [bits] below which a touch tells nothing
@@ -79,16 +76,17 @@ def choose(
     here: Floats,
     ball: Ball,
     pad: tuple[float, float],
-    limits: StageLimits,
+    pace: Pace,
     rng: np.random.Generator,
     config: ChooseConfig | None = None,
     utility: Utility | None = None,
     reachable: Callable[[Approach], bool] = lambda approach: True,
     known: Held | None = None,
+    made: Sequence[Floats] = (),
 ) -> Choice | NoChoice:
     """From the pose (4, 4) `here`, outside a ball that holds the object.
 
-    `known` is what stands for the belief; without it that is its modes.
+    `known` is what stands for the belief; without it that is its modes.  `made` are (4, 4) where the pad lay.
     """
     config = config or ChooseConfig()
     known = held(belief, library) if known is None else known
@@ -101,16 +99,17 @@ def choose(
     outcomes = foresee(offered, known.solids, pad)
     names, poses = information(outcomes, known, config.noise)
     bits = names + config.pose_share * poses if utility is None else utility(outcomes, known)
+    bits *= novelty(_lying(offered, outcomes, known), made, pad)
     share = known.weights / max(float(known.weights.sum()), 1e-12)
     risk = outcomes.risk @ share
     hits = outcomes.hit @ share
     length = np.array([a.length for a in offered])
     advance = outcomes.depth @ share + (1.0 - hits) * length
     ways = [way_round(here, a.start, ball) for a in offered]
-    travel = np.array([travel_seconds(here, way, limits) for way in ways])
+    travel = np.array([pace.travel(here, way) for way in ways])
     flight = foreseen_flight(np.where(outcomes.hit, outcomes.depth, np.inf), known, config.flight)
-    advancing = (advance - flight) / config.speed + flight / limits.speed
-    seconds = travel + advancing + config.settling * hits + config.failed * risk
+    seconds = travel + pace.approach(flight, advance - flight) + pace.back(advance)
+    seconds += pace.settling * hits + pace.failing * risk
     worth = bits * (1.0 - risk)
     best = int(np.argmax(worth / seconds if config.hurried else worth))
     if worth[best] < config.least:
@@ -124,13 +123,22 @@ def choose(
     )
 
 
+def _lying(offered: list[Approach], outcomes: Outcomes, known: Held) -> Floats:
+    """(c, 4, 4) where pads would come to lie, in the mean of those hypotheses that they meet."""
+    weights = outcomes.hit * known.weights
+    depth = (outcomes.depth * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-12)
+    lying = np.stack([a.start for a in offered])
+    lying[:, :3, 3] += depth[:, None] * lying[:, :3, 2]
+    return lying
+
+
 def separating(
     belief: Believed,
     library: Library,
     here: Floats,
     ball: Ball,
     pad: tuple[float, float],
-    limits: StageLimits,
+    pace: Pace,
     rng: np.random.Generator,
     reachable: Callable[[Approach], bool] = lambda approach: True,
     known: Held | None = None,
@@ -140,7 +148,7 @@ def separating(
     Where none does while the pose is open, it is the one that settles the pose, and its bits about the name are 0.
     """
     config = replace(ChooseConfig(), pose_share=0.0, hurried=False)
-    found = choose(belief, library, here, ball, pad, limits, rng, config, reachable=reachable, known=known)
+    found = choose(belief, library, here, ball, pad, pace, rng, config, reachable=reachable, known=known)
     best = max(belief.hypotheses, key=lambda h: h.log_weight, default=None)
     if isinstance(found, Choice) or best is None or doubt(best, library[best.name]) <= config.open:
         return found
@@ -148,16 +156,5 @@ def separating(
     if settling is None:
         return found
     way = way_round(here, settling.start, ball)
-    seconds = travel_seconds(here, way, limits) + settling.length / config.speed + config.settling
+    seconds = pace.travel(here, way) + float(pace.approach(0.0, 0.5 * settling.length)) + pace.settling
     return Choice(settling, tuple(way), 0.0, 0.0, seconds)
-
-
-def travel_seconds(here: Floats, way: list[Floats], limits: StageLimits) -> float:
-    """[s] of straight moves between stops; turning goes on while moving."""
-    total = 0.0
-    for stop in way:
-        travel, turning = length_of(here, [stop])
-        moved = travel / limits.speed + limits.speed / limits.acceleration
-        turned = turning / limits.turn_speed + limits.turn_speed / limits.turn_acceleration
-        total, here = total + max(moved, turned), stop
-    return total

@@ -27,6 +27,8 @@ _ASLANT = 0.25  # [rad] between pad and face, from which it meets the face's edg
 _FOLD = 0.5  # [rad] between the normals beside an edge
 _BESIDE = 8.0  # [mm] by which the same face may lie deeper beside the first contact
 _HIGHER = 0.6  # [mm] above the plane of contact, to which the rubber does not give way
+_UNSETTLED = 0.1  # chance that a pad that meets a face squarely does not settle at once,
+_LEANING = 0.75  # [1/rad] and what leaning adds: the rim is crushed to the housing before outer taxels feel
 _SKIN = 0.9  # of the skin's sides, that rays cover
 
 
@@ -89,9 +91,9 @@ def foresee(approaches: list[Approach], solids: tuple[Solid, ...], size: tuple[f
         beyond = reached > reached[rows, first][:, None] + _BESIDE
         sharp[:, j] = met & (along < np.cos(_ASLANT)) & (beside[first] & (folded | beyond)).any(axis=1)
         propped[:, j] = met & (below < -_HIGHER).any(axis=1, where=felt)
-        steep = along < 0.5
+        lean = np.arccos(np.clip(along, 0.0, 1.0))
         blocked = (below < -2.0).any(axis=1, where=felt)
-        risk[:, j] = np.where(met, 0.15 + 0.35 * steep + 0.4 * blocked, 0.0)
+        risk[:, j] = np.where(met, np.minimum(_UNSETTLED + _LEANING * lean + 0.4 * blocked, 0.9), 0.0)
     return Outcomes(frozen(hit, bool), frozen(depth), frozen(normal), frozen(gaps), frozen(risk),
                     frozen(sharp, bool), cell, frozen(propped, bool))  # fmt: skip
 

@@ -14,15 +14,14 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from exploration.devices.guard import Cost
-from exploration.devices.protocols import StageLimits
 from exploration.planning.touching.lone_touch import Approach, LoneTouch
+from exploration.planning.touching.pace import Pace
 from exploration.planning.ways.round_ball import Ball, length_of, way_out, way_round
 from exploration.planning.ways.search import sweeps
 from models.solid import Solid
 from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import Contacts, FreeSpace, Imprint
 from primitives.pose import pose, rotation_exp
-from recognition.matching.next_touch.choose import travel_seconds
 
 ROWS, COLUMNS, PITCH = 10, 16, 1.8
 PRESS = 0.6  # [mm]
@@ -40,7 +39,8 @@ class RayNoise:
     each: float = 0.02  # [mm] of a contact, besides
     flat: float = 0.04  # [mm] a patch that departs less from a plane counts as flat
     taxel: float = 0.01  # [mm] of what one taxel feels
-    steep: float = 0.35  # cosine of the lean beyond which the housing meets the object first
+    aslant: float = 0.75  # cosine of the lean beyond which the housing meets the object first,
+    steep: float = 0.35  # and beyond which coming again does not help
 
 
 @dataclass
@@ -53,7 +53,7 @@ class RayHand:
     cost: Cost = field(default_factory=Cost)
     here: Floats = field(default_factory=lambda: pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 300.0]))
     pad: tuple[float, float] = (COLUMNS * PITCH, ROWS * PITCH)
-    limits: StageLimits = field(default_factory=StageLimits)
+    pace: Pace = field(default_factory=Pace)
     _back: Floats | None = None
 
     def find(self, box: Floats) -> Iterator[LoneTouch]:
@@ -83,7 +83,7 @@ class RayHand:
         return True
 
     def _go(self, way: list[Floats]) -> None:
-        self.cost.seconds += travel_seconds(self.here, way, self.limits)
+        self.cost.seconds += self.pace.travel(self.here, way)
         self.cost.travel += length_of(self.here, way)[0]
         self.here = way[-1]
 
@@ -96,14 +96,16 @@ class RayHand:
         depth = float(cast.distance[k]) if met else approach.length
         if approach.flown:
             self._go([approach.felt.start])
-        self.cost.seconds += max(depth - approach.flown, 0.0) / 50.0 + (1.8 if met else 0.3)
-        self.cost.travel += max(depth - approach.flown, 0.0)
+        felt = max(depth - approach.flown, 0.0)
+        self.cost.seconds += float(self.pace.approach(0.0, felt)) + self.pace.settling * met
+        self.cost.travel += felt
         lying = approach.start @ pose(np.eye(3), [0.0, 0.0, depth])
-        swept = _box(lying, max(depth - approach.flown, 0.0))
+        swept = _box(lying, felt)
         normal = cast.normals[k] if met else np.zeros(3)
         self.here = lying
-        if not met or float(-normal @ lying[:3, 2]) < self.noise.steep:
-            self.cost.seconds += 3.0 * met
+        facing = float(-normal @ lying[:3, 2])
+        self.cost.seconds += self.pace.failing * (met and facing < self.noise.aslant)
+        if not met or facing < self.noise.steep:
             note = "the housing was in the way" if met else "nothing"
             return LoneTouch(number, approach, Contacts.of([]), (), swept, False, note, lying)
         self.cost.strokes += 1

@@ -51,7 +51,7 @@ def test_after_two_that_were_blocked_belief_is_not_asked_where_to_touch(monkeypa
         cost=Cost(touches=1),
         here=AWAY,
         pad=(20.0, 20.0),
-        limits=None,
+        pace=None,
         reachable=None,
         leave=lambda ball: None,
     )

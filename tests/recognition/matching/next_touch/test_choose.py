@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from exploration.devices.protocols import StageLimits
+from exploration.planning.touching.pace import Pace
 from exploration.planning.ways.round_ball import Ball
 from models.csg import Csg, Cube, Cylinder
 from models.library import Library
@@ -45,7 +45,7 @@ def _chosen(library: Library, seed: int = 0) -> Choice | NoChoice:
     belief = _Belief(hypotheses, dict.fromkeys(library, 0.5))
     here = se3.pose(np.diag([1.0, -1.0, -1.0]), pose[:3, 3] + [0.0, 0.0, 150.0])
     ball = Ball(pose[:3, 3], 80.0)
-    return choose(belief, library, here, ball, (28.8, 18.0), StageLimits(), rng)
+    return choose(belief, library, here, ball, (28.8, 18.0), Pace(), rng)
 
 
 def test_the_touch_for_near_duplicates_hits_what_differs() -> None:
@@ -70,7 +70,7 @@ def test_where_no_touch_tells_the_name_the_pose_is_settled_first() -> None:
         along_x = np.diag([open_by, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8])
         hypotheses = tuple(_Posed(name, np.eye(4), np.log(0.5), along_x) for name in library)
         belief = _Belief(hypotheses, dict.fromkeys(library, 0.5))
-        found = separating(belief, library, here, ball, pad, StageLimits(), np.random.default_rng(0))
+        found = separating(belief, library, here, ball, pad, Pace(), np.random.default_rng(0))
         assert isinstance(found, NoChoice) == settled
     assert isinstance(found, Choice)
     assert found.name_bits == 0.0
@@ -90,7 +90,7 @@ def test_a_planner_may_bring_its_own_utility() -> None:
     belief = _Belief((_Posed("plain", np.eye(4), 0.0),), {"plain": 1.0})
     here = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 150.0])
     found = choose(
-        belief, library, here, Ball(np.zeros(3), 80.0), (28.8, 18.0), StageLimits(), rng,
+        belief, library, here, Ball(np.zeros(3), 80.0), (28.8, 18.0), Pace(), rng,
         utility=lambda outcomes, known: 1.0 * outcomes.hit[:, 0],
     )  # fmt: skip
     assert isinstance(found, Choice)
