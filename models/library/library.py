@@ -23,7 +23,7 @@ from models.library.stored_table import load_table
 from models.solid import Solid
 from primitives.errors import NotWritten, PalpateError
 
-_AT_HAND = 2048  # entries kept with what was asked of them; the least used is forgotten first
+_AT_HAND = 512  # entries kept with what was asked of them, up to 2 MB each; the least used is forgotten first
 
 
 class Library(Mapping[str, Entry]):
