@@ -59,6 +59,7 @@ class TrustConfig:
         2.0,
     )  # [spreads] along a contact's end, that a patch of any outline leaves out
     unseen: float = 2.5  # [spreads] from the pad's end, beyond which edges that it does not see bend nothing
+    turned: float = 0.12  # [rad] of a normal, beyond which a frame lies on an edge and tells of no surface
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
 
@@ -92,7 +93,7 @@ def keep(
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
         found = _patch(seen, where, trust)
-    if len(found):
+    if len(found) and float(found.normal_sigma.max()) < trust.turned:
         sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
         kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
 

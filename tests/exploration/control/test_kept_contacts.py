@@ -59,12 +59,12 @@ def test_a_face_hardly_larger_than_the_pad_is_felt_flat():
 
 
 @pytest.mark.parametrize("lean", [0.0, 0.1, 0.2])
-def test_a_blunt_edge_is_hardly_trusted_as_a_narrow_face(lean):
+def test_a_blunt_edge_is_hardly_or_not_trusted_as_a_narrow_face(lean):
     """A pad on an edge of 135 degrees, where it is balanced, or has not settled yet."""
     gable = ((-30.0, -40.0), (30.0, -40.0), (30.0, -12.43), (0.0, 0.0), (-30.0, -12.43))
     roof = Prism(gable, 60.0).turned("x", np.pi / 2).turned("z", np.pi / 2).turned("x", lean)
     off, sigma, _ = errors(roof, 0.0, 8)
-    assert np.sqrt(np.mean((off / sigma) ** 2)) < 1.3
+    assert np.sqrt(((off / sigma) ** 2).sum()) < 1.3 * np.sqrt(len(off)) + 1e-9
 
 
 def test_the_crown_of_a_ring_yields_contacts_on_the_ring_and_not_inside_its_bend():
@@ -83,3 +83,21 @@ def test_the_crown_of_a_ring_yields_contacts_on_the_ring_and_not_inside_its_bend
     assert len(off) >= 8
     assert np.abs(off).max() < 0.12
     assert np.sqrt(np.mean(np.square(off) / np.square(sigma))) < 1.5
+
+
+def test_a_pad_that_lies_on_the_edge_of_a_thin_wall_tells_nothing_far_beside_it():
+    """What such a frame shows of a slope is noise; drawn out over the pad it would be faces in the open."""
+    spec = load_sensor("lts210")
+    spec = replace(spec, electronics=replace(spec.electronics, noise=0.05))
+    wall, rng = Solid.from_csg(Cube((5.0, 60.0, 40.0))), np.random.default_rng(5)
+    far = []
+    for lean in np.linspace(0.2, 0.9, 24):
+        turn = se3.rotation_exp([0.0, lean, 0.0]) @ DOWN
+        start = se3.pose(
+            turn, np.array([rng.uniform(1.5, 2.5), rng.uniform(-9.0, 9.0), 20.0]) + 0.4 * turn[:, 2]
+        )
+        stage, arrays = simulate(wall, [spec], rng, start_pose=start)
+        kept = []
+        keep(dwell(Guard(stage, arrays, [Calibration.nominal(spec)]), 2), 1, 1, kept)
+        far += [np.abs(wall.signed_distance(contacts.points)).max() for contacts in kept]
+    assert max(far, default=0.0) < 1.0
