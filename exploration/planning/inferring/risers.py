@@ -16,6 +16,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from exploration.planning.inferring.inferred_walls import Stop
+from exploration.planning.inferring.patch import Patch
 from exploration.planning.known.surface_map import clusters
 from exploration.planning.open.known_face import KnownFace
 from primitives.arrays import Floats
@@ -84,33 +85,6 @@ def risers(
                     else [ring]
                 )
     return out
-
-
-@dataclass(frozen=True)
-class Patch:
-    """Touched places of a face that hang together."""
-
-    own: KnownFace
-    cells: Floats  # (n, 3)
-    normal: Floats  # (3,) outward
-
-    @property
-    def middle(self) -> Floats:
-        """(3,) [mm]."""
-        return np.asarray(self.cells.mean(axis=0))
-
-    def edge(self, way: Floats) -> float:
-        """[mm] along `way` of its farthest place."""
-        return float((self.cells @ way).max())
-
-    def ahead(self, points: Floats, way: Floats, config: RiserConfig) -> Floats:
-        """(m,) how far along `way` those of (n, 3) points are that lie straight ahead of its middle."""
-        if not len(points):
-            return np.empty(0)
-        along = np.cross(self.normal, way)
-        low, high = np.quantile(self.cells @ along, [config.side, 1.0 - config.side])
-        where, far = points @ along, points @ way
-        return np.asarray(far[(where > low) & (where < high) & (far > float(self.middle @ way))])
 
 
 def _four(normal: Floats, first: Floats) -> Iterator[Floats]:
@@ -193,14 +167,14 @@ def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserC
     begins, or the patch's own goes on before.
     """
     edge = patch.edge(way) - config.behind
-    begins = patch.ahead(other.cells, way, config)
+    begins = patch.ahead(other.cells, way, config.side)
     begins = begins[begins > edge]
-    more = patch.ahead(patch.own.cells, way, config)
+    more = patch.ahead(patch.own.cells, way, config.side)
     more = more[more > edge + config.behind + config.cluster]
     if not len(begins) or (len(more) and float(more.min()) < float(np.quantile(begins, config.wrong))):
         return np.inf, 0.0
     lower, here = (other, patch.cells @ way) if up else (patch.own, patch.cells @ way)
-    free = patch.ahead(lower.free, way, config)
+    free = patch.ahead(lower.free, way, config.side)
     here, there = (
         (np.concatenate([here, free]), begins) if up else (here, np.concatenate([begins, free[free > edge]]))
     )
@@ -218,7 +192,12 @@ def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserC
 def _stands(
     known: Sequence[KnownFace], patch: Patch, way: Floats, at: float, step: float, config: RiserConfig
 ) -> bool:
-    """Whether a known face is crossed on the way, half way up or down: into it going up, out of it going down."""
+    """Whether a known face is crossed on the way, half way up or down: into it going up, out of it going down.
+
+    Who goes up from the floor of a round hole comes to its wall, wherever the face above begins.
+    """
+    if step > 0.0 and patch.in_round_hole(known):
+        return True
     start = patch.middle + 0.5 * step * patch.normal - float(patch.middle @ way) * way
     steps = start + np.linspace(at - config.past, at + config.behind, 40)[:, None] * way
     for own in known:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.risers import Patch, RiserConfig, _ring, _Wall, risers
+from exploration.planning.inferring.patch import Patch
+from exploration.planning.inferring.risers import RiserConfig, _ring, _Wall, risers
 from exploration.planning.open.known_face import KnownFace
 from primitives.evidence import Contacts
 from primitives.fit import fit
@@ -97,3 +98,16 @@ def test_a_row_of_places_with_walls_as_far_all_round_is_no_round_island():
     patch = Patch(flat(0, places(TOP, lambda x, y: x < 0.0), [0.0, 0.0, 1.0]), cells, np.eye(3)[2])
     ways = (np.eye(3)[0], -np.eye(3)[0], np.eye(3)[1], -np.eye(3)[1])
     assert _ring(patch, [_Wall(way, 9.0, 0.5, FLOOR) for way in ways], RiserConfig()) is None
+
+
+def test_a_floor_in_a_round_hole_has_no_straight_walls():
+    """Its wall was made out from the rim; where the face above begins does not move it."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    ways = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(24)])
+    places_ = np.concatenate([40.0 * ways + [0.0, 0.0, z] for z in (-9.0, -2.0)])
+    contacts = Contacts.of(places_, np.tile(-ways, (2, 1)), sigma=0.01, normal_sigma=0.01, touch=9)
+    found = fit("cylinder", contacts)
+    round_wall = KnownFace(Face(9, found, contacts), found, -1.0, places_, np.empty((0, 3)))
+    known = plate(island=lambda x, y: np.zeros_like(x, dtype=bool))
+    assert len(risers(known)) == 4
+    assert risers([*known, round_wall]) == []
