@@ -60,7 +60,7 @@ class AnyFormConfig:
 
 
 _NAMELESS = NoFit("contacts that named no face")
-LATER = AnyFormConfig(wall_tries=1, rim_tries=1)  # of what other arrays have tried before
+LATER = AnyFormConfig(rim_tries=1)  # of what other arrays have tried before
 
 
 class AnyForm:
@@ -141,7 +141,11 @@ class AnyForm:
         if self._ledges and (move := self._ledges.next(frontier.openings)) is not None:
             return move
         todo: list[tuple[float, Callable[[], Done]]] = []
-        standing = [wall for wall in walls if not self._walls.given_up(wall.point)]
+        standing = [
+            wall
+            for wall in walls
+            if self._walls.count(wall.point) < min(len(wall.readings()), self.own.wall_tries)
+        ]
         standing = standing if self._vain < self.own.vain else []
         todo += [(_away(wall.point, here), partial(self._face_wall, wall)) for wall in standing]
         leading = [
@@ -154,10 +158,12 @@ class AnyForm:
         if not todo and (move := self._nameless.next()) is not None:
             return move
         if not todo and not self._entering:
-            openings = [*frontier.openings, *far_ends(self.found.rims, frontier.known, WHERE_TO_LOOK)]
+            seen, known = self.found.rims, frontier.known
+            openings = [*frontier.openings, *far_ends(seen, known, WHERE_TO_LOOK)]
             round_ = [opening for opening in openings if not self._refuted(opening)]
             straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in round_)]
-            return self._looking.next() or self._holes.next(openings) or self._rim_looks.next(straight)
+            looks = self._holes.next(openings)
+            return self._looking.next() or looks or self._rim_looks.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None
 
     def _own_faces(self) -> list[int]:
@@ -194,10 +200,15 @@ class AnyForm:
         left = [wall for wall, told in zip(walls, stands, strict=True) if not told]
         return [wall for wall in left if not self._overhung.holds(wall, self.reach.felt, self.pad.tool)]
 
+    def _unread(self, wall: Wall) -> list[Wall]:
+        """What it may be, and was not tried for yet."""
+        return wall.readings()[self._walls.count(wall.point) : self.own.wall_tries]
+
     def _face_wall(self, wall: Wall) -> Done:
         """Turn to face what a stroke met, just above the face that the pad lay on."""
+        reading = self._unread(wall)[0]
         self._walls.note(wall.point)
-        done, note = face_wall(self.study, self.reach, wall)
+        done, note = face_wall(self.study, self.reach, reading)
         self._vain = max(0, self._vain - self.own.worth) if done is not None else self._vain + self.reach.led
         return done, note
 

@@ -22,6 +22,7 @@ from exploration.planning.touching.pad import Pad
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 
+_SLANT, _STRAIGHT = 0.25, 0.98  # cosine from and up to which a stroke goes slanting to a side of the housing
 _WORTH_CENTERING = 4.0  # [mm] of a stroke, after which the pad goes back to the middle
 
 
@@ -35,6 +36,18 @@ class Wall:
     pose: Floats  # (4, 4) world_from_sensor where the pad was stopped
     half: Floats  # (2,) [mm] half the width of the housing that was stopped, along the pad's x and y
     stopped: bool = True  # by force or by the housing; else it was only seen to rise ahead
+
+    def readings(self) -> list[Wall]:
+        """What it may be: across the stroke; of one that went slanting, along a side of the housing instead."""
+        sides = [way for axis in self.pose[:3, :2].T for way in (axis, -axis)]
+        ahead = [way for way in sides if _SLANT < way @ self.heading < _STRAIGHT]
+        ahead.sort(key=lambda way: -float(way @ self.heading))
+        return [self._across(way) for way in ahead] or [self]
+
+    def _across(self, way: Floats) -> Wall:
+        """Across another (3,) way, at the end of the housing there."""
+        far = float(np.abs(self.pose[:3, :2].T @ way) @ self.half)
+        return replace(self, point=self.pose[:3, 3] + far * way, heading=way)
 
 
 class Study:

@@ -6,7 +6,7 @@ import numpy as np
 
 from exploration.planning.faces.attribution import AttributionConfig
 from exploration.planning.touching.findings import Findings
-from exploration.planning.touching.study import Study
+from exploration.planning.touching.study import Study, Wall
 from primitives.evidence import Contacts
 
 
@@ -26,3 +26,14 @@ def test_a_narrow_step_held_against_a_convex_object_is_a_face_of_a_hollow_one():
     heights = sorted(float(face.contacts.points[:, 2].mean()) for face in study.found.graph.faces)
     np.testing.assert_allclose(heights, [0.0, 20.0], atol=0.01)
     assert not len(study.loose)
+
+
+def test_a_wall_met_slanting_may_stand_along_either_side_of_the_housing_that_went_ahead():
+    laid, half = np.diag([1.0, -1.0, -1.0, 1.0]), np.array([9.0, 14.0])
+    way = np.array([0.6, 0.8, 0.0])
+    along_y, along_x = Wall(12.0 * way, way, np.eye(3)[2], laid, half).readings()
+    np.testing.assert_allclose(along_y.heading, [0.0, 1.0, 0.0])
+    np.testing.assert_allclose(along_y.point, [0.0, 14.0, 0.0])
+    np.testing.assert_allclose(along_x.point, [9.0, 0.0, 0.0])
+    straight = Wall(np.array([9.0, 0.0, 0.0]), np.eye(3)[0], np.eye(3)[2], laid, half)
+    assert straight.readings() == [straight]
