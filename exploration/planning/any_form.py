@@ -20,7 +20,7 @@ from exploration.control.procedures.settle import SettleConfig
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.inferring.concluding import conclude
-from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends
+from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
 from exploration.planning.moves.entering import Entering
 from exploration.planning.moves.ledges import Ledges
 from exploration.planning.moves.looking import Looking
@@ -162,7 +162,7 @@ class AnyForm:
             openings = [*frontier.openings, *far_ends(seen, known, WHERE_TO_LOOK)]
             round_ = [opening for opening in openings if not self._refuted(opening)]
             straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in round_)]
-            looks = self._holes.next(openings)
+            looks = self._holes.next([*openings, *narrower_ends(seen, known)])
             return self._looking.next() or looks or self._rim_looks.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None
 

@@ -15,7 +15,7 @@ from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.inferring.adding import add, add_own, change, home_of
-from exploration.planning.inferring.far_ends import far_ends
+from exploration.planning.inferring.far_ends import far_ends, shut
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
@@ -26,6 +26,7 @@ from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
 from exploration.planning.inferring.uprighted import uprighted
 from exploration.planning.moves.round_holes import Hole, holes_of
+from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
@@ -64,7 +65,9 @@ def conclude(
     looked, beside = (unexplained(rims, found.graph.faces) for rims in (found.wall_rims, found.glimpsed))
     for lot in upright_walls(looked, found.graph.faces, beside):
         add(found, lot, _BY_RIM)
-    found.openings = _holes(found, [*found.openings, *_guessed(found, frontier())], [], inside)
+    found.openings = _holes(
+        found, [*found.openings, *_guessed(found, frontier())], [], inside, frontier().known
+    )
     for slot in slots(frontier().known):
         _add_slot(found, slot)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
@@ -85,9 +88,9 @@ def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: F
         ]
         for rims in (found.wall_rims, found.glimpsed)
     )
-    found.openings = _holes(found, found.rims, guessed, inside)
-    through = far_ends(found.openings, frontier().known)
-    left = _holes(found, [*found.openings, *through], [], inside)
+    found.openings = _holes(found, found.rims, guessed, inside, frontier().known)
+    through = far_ends(found.openings, known := frontier().known)
+    left = _holes(found, [*found.openings, *through], [], inside, known)
     found.openings = [rim for rim in left if not any(rim is end for end in through)]
 
 
@@ -128,7 +131,11 @@ def _guessed(found: Findings, now: LocalFrontier) -> list[RoundRim]:
 
 
 def _holes(
-    found: Findings, rims: Sequence[RoundRim], guessed: Sequence[RoundRim], inside: Floats
+    found: Findings,
+    rims: Sequence[RoundRim],
+    guessed: Sequence[RoundRim],
+    inside: Floats,
+    known: Sequence[KnownFace],
 ) -> list[RoundRim]:
     """Add the walls of the holes that rims are the ends of, the far ends perhaps only guessed; the rims left."""
     hollows = hollows_of(found.graph.faces)
@@ -137,7 +144,8 @@ def _holes(
     rims = [rim for rim in rims if id(rim) not in led]
     steps = stepped_holes(rims, guessed, found.stopped)
     ends = [id(rim) for step in steps for rim in step.rims]
-    holes, left = holes_of([rim for rim in rims if id(rim) not in ends], inside)
+    single = [rim for rim in rims if id(rim) not in ends]
+    holes, left = holes_of(single, inside, lambda rim: shut(rim, known))
     holes = [hole if _at_rim(hole, rims) else _ended(hole, found.graph.faces) for hole in holes]
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
         change(found, hole.off)

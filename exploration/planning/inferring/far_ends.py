@@ -2,7 +2,8 @@
 
 A look at a hole's rim tells its radius and axis.  Where the flat face that lies behind, and looks the other way,
 was found to be missing just where the hole would come out, the hole goes through: that its other rim was not made
-out says less than that (our derivation).
+out says less than that.  Where that face was touched across the hole, it is shut there, or comes out narrower, as
+a counterbore does; skin bridges a narrow hole, so that only a look tells (our derivation).
 """
 
 from __future__ import annotations
@@ -10,8 +11,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim, aside
+from primitives.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,7 @@ class FarEndsConfig:
     least: int = 3  # such places
     bare: float = 0.5  # of the radius round the axis, where it was touched nowhere
     beside: float = 12.0  # [mm] round the hole, within which the face was touched
+    narrower: tuple[float, float] = (2.0, 0.6)  # [mm], and of the radius, that a narrower end has
 
 
 # For the other rim of a hole: where nobody felt that it does not come out.
@@ -41,16 +46,55 @@ def far_ends(
     return found
 
 
+def narrower_ends(
+    rims: Sequence[RoundRim], known: Sequence[KnownFace], config: FarEndsConfig = FarEndsConfig()
+) -> list[RoundRim]:
+    """Where holes may come out narrower, whose rims were looked at: in the first face touched across each."""
+    found: list[RoundRim] = []
+    least, share = config.narrower
+    for rim in (rim for rim in rims if rim.measured and share * rim.radius > least):
+        across = [(deep, own, touched) for own in known for deep, touched in _across(rim, own, config)]
+        for deep, own, touched in sorted(across, key=lambda item: item[0])[:1]:
+            radius = float(np.clip(touched, least, share * rim.radius))
+            found.append(_opposite(rim, deep, own, radius))
+    return found
+
+
+def shut(rim: RoundRim, known: Sequence[KnownFace], config: FarEndsConfig = FarEndsConfig()) -> float:
+    """[mm] behind a rim, where a flat face was touched across its hole, which does not come out there as wide."""
+    return min((deep for own in known for deep, _ in _across(rim, own, config)), default=np.inf)
+
+
 def _end(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> RoundRim | None:
-    axis = own.side * own.fit.shape.direction if own.fit.kind == "plane" else rim.axis
-    slope = float(axis @ rim.axis)
-    if slope > -config.upright or not len(own.cells):
+    deep = _deep(rim, own, config)
+    if deep is None:
         return None
-    deep = float((rim.center - own.fit.shape.anchor) @ axis) / slope
     center = rim.center - deep * rim.axis
-    touched, missing = aside(own.cells, center, axis), aside(own.free, center, axis)
+    touched, missing = (aside(places, center, rim.axis) for places in (own.cells, own.free))
     gone = int((missing < config.within * rim.radius).sum()) >= config.least
     bare = config.bare * rim.radius < touched.min() < rim.radius + config.beside
-    if not (0.0 < deep < config.deepest and gone and bare):
+    return _opposite(rim, deep, own, rim.radius) if gone and bare else None
+
+
+def _across(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> list[tuple[float, float]]:
+    """[mm] behind a rim and from its axis, where a face was touched across its hole; empty where it was not."""
+    deep = _deep(rim, own, config)
+    if deep is None:
+        return []
+    touched = float(aside(own.cells, rim.center, rim.axis).min())
+    return [(deep, touched)] if touched < config.bare * rim.radius else []
+
+
+def _deep(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> float | None:
+    """[mm] behind a rim, where its axis comes out of a flat face; None where it does not."""
+    if own.fit.kind != "plane" or not len(own.cells):
         return None
-    return replace(rim, center=center, axis=-rim.axis, face=own.face.id, measured=False)
+    axis = own.side * own.fit.shape.direction
+    slope = float(axis @ rim.axis)
+    deep = float((rim.center - own.fit.shape.anchor) @ axis) / slope if slope < -config.upright else 0.0
+    return deep if 0.0 < deep < config.deepest else None
+
+
+def _opposite(rim: RoundRim, deep: float, own: KnownFace, radius: float) -> RoundRim:
+    center: Floats = rim.center - deep * rim.axis
+    return replace(rim, center=center, axis=-rim.axis, radius=radius, face=own.face.id, measured=False)

@@ -148,18 +148,22 @@ class Hole:
 
 
 def holes_of(
-    rims: Sequence[RoundRim], inside: Floats, config: RoundHolesConfig = RoundHolesConfig()
+    rims: Sequence[RoundRim],
+    inside: Floats,
+    shut: Callable[[RoundRim], float] = lambda _: np.inf,
+    config: RoundHolesConfig = RoundHolesConfig(),
 ) -> tuple[list[Hole], list[RoundRim]]:
     """Each hole that is taken for known, and the rims that are left.
 
-    Of the two rims of a hole one at least was looked at.  An array was at (n, 3) places `inside`.
+    Of the two rims of a hole one at least was looked at.  An array was at (n, 3) places `inside`; behind a rim it
+    is `shut` so many [mm] down, and who is there did not go through.
     """
     left, out = [_doubted(rim, config) for rim in rims], list[Hole]()
     while (pair := _nearest_ends(left, config)) is not None:
         left = [rim for rim in left if rim is not pair[0] and rim is not pair[1]]
         out.append(_between(*pair))
     for rim in list(left):
-        depth = _gone_in(rim, inside, config)
+        depth = _gone_in(rim, inside, shut(rim), config)
         if depth > config.least_depth:
             left = [other for other in left if other is not rim]
             out.append(_between(rim, replace(rim, center=rim.center - depth * rim.axis, axis=-rim.axis)))
@@ -190,11 +194,11 @@ def _ends_of_one(a: RoundRim, b: RoundRim, config: RoundHolesConfig) -> bool:
     )
 
 
-def _gone_in(rim: RoundRim, inside: Floats, config: RoundHolesConfig) -> float:
-    """[mm] behind a rim, down to which (n, 3) places where an array was follow each other in its hole."""
+def _gone_in(rim: RoundRim, inside: Floats, most: float, config: RoundHolesConfig) -> float:
+    """[mm] behind a rim, `most` at most, down to which (n, 3) places that an array was in follow each other."""
     deep = (rim.center - inside) @ rim.axis
     aside = np.linalg.norm(inside - rim.center + deep[:, None] * rim.axis, axis=1)
-    row = np.sort(deep[(aside < rim.radius) & (deep > 0.0)])
+    row = np.sort(deep[(aside < rim.radius) & (deep > 0.0) & (deep < most)])
     breaks = np.flatnonzero(np.diff(row, prepend=0.0) > config.row)
     return float(row[: breaks[0] if len(breaks) else len(row)].max(initial=0.0))
 

@@ -152,7 +152,7 @@ def test_a_hole_between_two_rims_goes_on_past_a_floor_beside_it():
     found = Findings()
     found.graph, own = found.graph.add_stroke(Contacts.of(floor, np.tile(Z, (12, 1))))
     rims = [RoundRim(8.0 * side * Z, side * Z, 5.9, 0.02, own, True) for side in (-1.0, 1.0)]
-    assert not _holes(found, rims, [], np.empty((0, 3)))
+    assert not _holes(found, rims, [], np.empty((0, 3)), [])
     wall = found.graph.faces[-1].contacts.points[:, 2]
     assert wall.min() < -5.0
     assert wall.max() > 5.0

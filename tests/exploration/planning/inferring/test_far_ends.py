@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends
+from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends, shut
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim
@@ -49,3 +50,23 @@ def test_its_other_rim_is_worth_a_look_where_nobody_was_and_not_where_the_face_g
     (end,) = far_ends([RIM], [unknown], WHERE_TO_LOOK)
     assert np.allclose(end.center, [5.0, 0.0, 0.0], atol=0.05)
     assert far_ends([RIM], [under((-12.0, 0.0))], WHERE_TO_LOOK) == []
+
+
+def test_a_wide_rim_may_come_out_narrower_where_the_face_behind_was_touched_across_it():
+    wide, unknown = replace(RIM, radius=9.0), replace(under(), free=np.empty((0, 3)))
+    touched = KnownFace(unknown.face, unknown.fit, unknown.side, unknown.cells, unknown.free)
+    (end,) = narrower_ends([wide], [touched])
+    assert np.allclose(end.center, [5.0, 0.0, 0.0], atol=0.05)
+    assert end.axis @ Z < -0.999
+    assert end.radius == pytest.approx(4.0, abs=0.5)
+    assert not end.measured
+    assert far_ends([wide], [touched], WHERE_TO_LOOK) == []
+    assert narrower_ends([replace(RIM, radius=3.0)], [under((90.0, 0.0))]) == []  # too narrow for a ledge
+    assert narrower_ends([RIM], [under()]) == []  # as wide there
+
+
+def test_a_hole_is_shut_by_the_first_face_touched_across_it():
+    across = under((90.0, 0.0))
+    assert shut(RIM, [under((90.0, 0.0), height=-15.0), across]) == pytest.approx(10.0)
+    assert shut(RIM, [under()]) == np.inf
+    assert shut(RIM, [under((90.0, 0.0), up=1.0)]) == np.inf

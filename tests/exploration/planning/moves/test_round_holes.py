@@ -114,3 +114,11 @@ def test_contacts_in_the_mouth_of_a_hole_are_no_places_of_its_face():
     kept = hole.off(face)
     assert len(kept.contacts) == len(kept.fit.inliers) == 3
     assert kept.fit.shape is face.fit.shape
+
+
+def test_who_was_behind_a_face_touched_across_a_hole_did_not_go_through_it():
+    went = np.column_stack([np.zeros((4, 2)), [4.0, 2.0, -3.5, -9.0]])
+    (through,), _ = holes_of([rim(5.0)], went)
+    assert through.depth == 14.0
+    (hole,), _ = holes_of([rim(5.0)], went, lambda _: 8.0)
+    assert hole.depth == 3.0
