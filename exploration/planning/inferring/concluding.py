@@ -15,6 +15,7 @@ from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.inferring.adding import add, add_own, change, home_of
+from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.far_ends import far_ends, shut
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
@@ -62,7 +63,16 @@ def conclude(
     _add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     _add_ends(found, frontier)
-    looked, beside = (unexplained(rims, found.graph.faces) for rims in (found.wall_rims, found.glimpsed))
+    through = slots(known := frontier().known)
+    looked, beside = (
+        [
+            (rim, own)
+            for rim, own in unexplained(rims, found.graph.faces)
+            if not dead_end(rim, own, known)
+            and not any(slot.rounds(rim.point, rim.outward) for slot in through)
+        ]
+        for rims in (found.wall_rims, found.glimpsed)
+    )
     for lot in upright_walls(looked, found.graph.faces, beside):
         add(found, lot, _BY_RIM)
     found.openings = _holes(

@@ -46,6 +46,8 @@ class SlotConfig:
     parts: int = 6  # of its length,
     seen: float = 0.6  # share of them in which the face behind is known not to be
     mouth: float = 1.0  # [mm] before it, that is its mouth
+    lip: float = 2.5  # [mm] from its round ends, where what looks like a straight edge is a part of them
+    slant: float = 0.3  # sine from its axes, from which an edge there is none of a straight end
     sigma: float = 0.5  # [mm] at least
     normal_sigma: float = 0.05  # [rad]
 
@@ -119,6 +121,16 @@ class Slot:
         return np.asarray(
             (aside < 0.5 * self.width) & (np.abs(away @ self.axis) < 0.5 * self.depth + config.mouth)
         )
+
+    def rounds(self, point: Floats, outward: Floats, config: SlotConfig = SlotConfig()) -> bool:
+        """Whether an edge at a (3,) point that leads (3,) `outward` from its face is a part of a round end."""
+        away = point - self.center
+        past = abs(float(away @ self.along)) - 0.5 * (self.length - self.width)
+        aside = np.hypot(past, float(away @ np.cross(self.axis, self.along)))
+        at_end = past > 0.0 and abs(aside - 0.5 * self.width) < config.lip
+        level = abs(float(away @ self.axis)) < 0.5 * self.depth + config.mouth
+        slanting = config.slant < abs(float(outward @ self.along)) < np.sqrt(1.0 - config.slant**2)
+        return bool(at_end and level and slanting)
 
     def _contacts(self, places: Floats, looks: Floats, config: SlotConfig) -> Contacts:
         normals = np.broadcast_to(looks, places.shape)

@@ -74,3 +74,13 @@ def test_the_walls_look_into_the_slot_and_are_where_measured_ones_say():
         toward[:, 2] = 0.0
         assert (lot.touch < 0).all()
         assert (toward * lot.normals).sum(axis=1) == pytest.approx(4.8)
+
+
+def test_a_slanting_edge_at_a_round_end_is_a_part_of_it():
+    x, _, z = np.eye(3)
+    slot = Slot(np.zeros(3), z, x, LONG, WIDE, THICK, 0.5)
+    end = 0.5 * (LONG - WIDE) * x + 0.5 * WIDE * np.array([0.6, 0.8, 0.0]) + 0.5 * THICK * z
+    assert slot.rounds(end, np.array([0.6, 0.8, 0.0]))
+    assert not slot.rounds(end, x)  # of a straight end
+    assert not slot.rounds(end - 20.0 * x, np.array([0.6, 0.8, 0.0]))  # beside its straight part
+    assert not slot.rounds(end + 9.0 * z, np.array([0.6, 0.8, 0.0]))
