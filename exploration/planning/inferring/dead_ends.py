@@ -24,7 +24,7 @@ class DeadEndsConfig:
     upright: float = 0.98  # least cosine between the two faces' normals, but for their sign
     near: float = 16.0  # [mm] aside, within which the face below was felt
     past: tuple[float, float] = (1.0, 6.0)  # [mm] out from the wall, where it must not have been touched
-    along: float = 3.0  # [mm] to either side of the rim's middle, at least, where that is looked at
+    along: float = 3.0  # [mm] to either side of the rim's middle, where that is looked at
     least: int = 2  # places
 
 
@@ -47,5 +47,5 @@ def dead_end(
     _, facing, away = min(below, key=lambda item: item[0])
     out, along = away @ rim.outward, np.abs(away @ rim.tangent)
     low, high = config.past
-    there = (out > low) & (out < high) & (along < max(0.5 * rim.length, config.along))
+    there = (out > low) & (out < high) & (along < config.along)
     return facing < 0.0 and int(there.sum()) >= config.least

@@ -1,5 +1,7 @@
 """Rims of pockets in a plate, and of its outline, over the face behind."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from exploration.control.sighting import Sighting
@@ -32,3 +34,10 @@ def test_a_face_behind_that_ends_with_the_rim_lets_a_wall_come_down_to_it():
 
 def test_a_floor_before_it_takes_the_wall():
     assert not dead_end(RIM, 0, [face(1, 0.0, -1.0, -20.0, 20.0), face(2, 6.0, 1.0, 3.0, 20.0)])
+
+
+def test_what_lies_behind_the_ends_of_a_rim_tells_nothing_of_its_middle():
+    """As of a neck between a base and a barrel, both wider than it."""
+    behind = face(1, 0.0, -1.0, -20.0, 20.0)
+    beside = behind.cells[(behind.cells[:, 0] < 0.5) | (np.abs(behind.cells[:, 1]) > 3.5)]
+    assert not dead_end(RIM, 0, [replace(behind, cells=beside)])
