@@ -141,12 +141,7 @@ class AnyForm:
         if self._ledges and (move := self._ledges.next(frontier.openings)) is not None:
             return move
         todo: list[tuple[float, Callable[[], Done]]] = []
-        standing = [
-            wall
-            for wall in walls
-            if self._walls.count(wall.point) < min(len(wall.readings()), self.own.wall_tries)
-        ]
-        standing = standing if self._vain < self.own.vain else []
+        standing = [wall for wall in walls if self._unread(wall)] if self._vain < self.own.vain else []
         todo += [(_away(wall.point, here), partial(self._face_wall, wall)) for wall in standing]
         leading = [
             rim for rim, _ in rims if not self._rims.given_up(rim.point) and not self.reach.at_lid(rim.point)

@@ -53,8 +53,7 @@ def test_its_other_rim_is_worth_a_look_where_nobody_was_and_not_where_the_face_g
 
 
 def test_a_wide_rim_may_come_out_narrower_where_the_face_behind_was_touched_across_it():
-    wide, unknown = replace(RIM, radius=9.0), replace(under(), free=np.empty((0, 3)))
-    touched = KnownFace(unknown.face, unknown.fit, unknown.side, unknown.cells, unknown.free)
+    wide, touched = replace(RIM, radius=9.0), replace(under(), free=np.empty((0, 3)))
     (end,) = narrower_ends([wide], [touched])
     assert np.allclose(end.center, [5.0, 0.0, 0.0], atol=0.05)
     assert end.axis @ Z < -0.999
