@@ -113,10 +113,22 @@ def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
         have = "1 contact has" if evidence.lacking == 1 else f"{evidence.lacking} contacts have"
         said.append(f"{have} no normal; with normals far fewer contacts are enough")
     said += facing_of(belief)
+    said += _taken_scatter(belief, evidence)
     if belief.confidence < 0.95:
         said += _of_one_face(evidence)
         said.append(f"not sure: {belief.decision} has {_percent(belief.confidence)}; {_advice(belief)}")
     return said
+
+
+def _taken_scatter(belief: Belief, evidence: Evidence) -> list[str]:
+    """What was taken for noise that nobody told, where nothing fits within it."""
+    if belief.decision != UNKNOWN or evidence.scale_known:
+        return []
+    taken = float(np.median(evidence.contacts.sigma))
+    return [
+        f"the file does not say how far its contacts scatter, and about {taken:.2g} mm was taken; if it is more, "
+        "say how much (--contact-sigma)"
+    ]
 
 
 def _of_one_face(evidence: Evidence) -> list[str]:

@@ -16,6 +16,7 @@ from exploration.sensing.spec import load_sensor
 from models.formats.units import Units
 from models.library import Entry, Library
 from primitives.errors import PalpateError
+from primitives.evidence import Contacts
 from primitives.pose import pose
 from recognition.builtin import part_library
 from recognition.config import ExploreOptions, parse_numbers
@@ -31,7 +32,9 @@ from recognition.recognizing.answer import facing_of, modes, objects, other_unit
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.truth import truth_of
 from recognition.reconstructing.options import require_sigma
+from recognition.reconstructing.scatter import scatter
 from recognition.sources import read_source
+from recognition.sources.noise import estimated_sigma
 from recognition.sources.source import Source
 
 _SURE = 0.95  # confidence from which on nothing is left to tell
@@ -67,10 +70,17 @@ def parse_center(text: str | None) -> tuple[float, ...] | None:
     return None if text is None else parse_numbers(text, 3, "--prior-center", "X,Y,Z in mm")
 
 
-def evidence_of(asked: Asked, source: Source) -> Evidence:
-    """The contacts of a source and what it swept, their noise as told or to be estimated."""
+def evidence_of(
+    asked: Asked, source: Source, guess: Callable[[Contacts], float] = estimated_sigma
+) -> Evidence:
+    """The contacts of a source and what it swept, their noise as told or to be estimated.
+
+    The estimate begins with a `guess`, near which the search looks.  Of one model that is known to be there a wide
+    one misses nothing; of many objects it would let most of them fit.
+    """
     told = source.measured_sigma or asked.sigma is not None
-    contacts = source.with_sigma(asked.sigma).contacts
+    guessed = asked.sigma if told else guess(source.contacts)
+    contacts = source.with_sigma(guessed).contacts
     sigma = np.hypot(contacts.sigma, _MADE)
     contacts = replace(contacts, sigma=sigma, normal_sigma=np.full(len(contacts), _NORMAL_SIGMA))
     free = None if source.sweep is None else source.sweep()
@@ -119,7 +129,7 @@ def locate(
 def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> dict[str, Any]:
     """Which object of a library (the built-in parts, without a folder) was touched, and where it is."""
     source = read_source(asked.source)
-    evidence = evidence_of(asked, source)
+    evidence = evidence_of(asked, source, scatter)
     library = part_library() if folder is None else Library.open(folder, units, scale)
     began = time.perf_counter()
     belief = match(evidence, library, prior_of(asked, evidence), config=asked.matching)

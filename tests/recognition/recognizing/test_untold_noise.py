@@ -1,0 +1,57 @@
+"""A table of few contacts that does not say their noise: it tells which object, and that it is none of these."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models import parts
+from models.formats.openscad.writer import write
+from models.library import Library
+from models.solid import Solid
+from primitives.pose import pose, random_rotation, rotate, transform_points
+from recognition.recognizing.run import Asked, recognize
+
+NAMES = ("bracket", "wedge", "block", "flange", "v_block")
+
+
+@pytest.fixture(scope="module")
+def library() -> Library:
+    return Library.of({name: Solid.from_csg(parts.build(name)) for name in NAMES})
+
+
+def _table(path: Path, library: Library, name: str, seed: int) -> str:
+    """Of 30 contacts 0.3 mm and 2 degrees off, edges between most neighbors."""
+    rng, samples = np.random.default_rng(seed), library[name].samples
+    rows = rng.integers(len(samples), size=30)
+    world = pose(random_rotation(rng), rng.uniform(-40.0, 40.0, 3))
+    points = transform_points(world, samples.points[rows]) + 0.3 * rng.standard_normal((30, 3))
+    normals = rotate(world, samples.normals[rows]) + 0.035 * rng.standard_normal((30, 3))
+    table = np.hstack([points, normals])
+    np.savetxt(path, table, delimiter=",", header="x,y,z,nx,ny,nz", comments="")
+    return str(path)
+
+
+def _folder(path: Path, names: list[str]) -> Path:
+    path.mkdir()
+    for name in names:
+        write(parts.build(name), path / f"{name}.csg")
+    return path
+
+
+@pytest.mark.parametrize("name", ["bracket", "flange", "v_block"])
+def test_an_object_that_is_not_there_is_unknown(library: Library, tmp_path: Path, name: str) -> None:
+    others = _folder(tmp_path / "others", [other for other in NAMES if other != name])
+    felt = _table(tmp_path / "felt.csv", library, name, 7)
+    answer = recognize(Asked(felt), others, "mm", 1.0)
+    assert answer["decision"] == "unknown"
+    assert any("--contact-sigma" in warning for warning in answer["warnings"])
+    told = recognize(Asked(felt, sigma=0.3), others, "mm", 1.0)
+    assert not any("--contact-sigma" in warning for warning in told["warnings"])
+
+
+def test_one_that_is_there_is_named(library: Library, tmp_path: Path) -> None:
+    folder = _folder(tmp_path / "parts", list(NAMES))
+    for seed, name in enumerate(("bracket", "flange", "v_block")):
+        answer = recognize(Asked(_table(tmp_path / "felt.csv", library, name, seed)), folder, "mm", 1.0)
+        assert (answer["decision"], answer["confidence"] > 0.95) == (name, True)
