@@ -13,6 +13,7 @@ from exploration.devices.guard import Collision, Cost, Guard, OverPress
 from exploration.planning.known.told import Told
 from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocked, touch_once
 from exploration.planning.touching.pace import Pace
+from exploration.planning.touching.within_reach import begun_within, kept_within
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
 from exploration.planning.ways.search import sweeps
 from primitives.arrays import Floats
@@ -107,9 +108,10 @@ class GuardedHand:
 
     def touch(self, approach: Approach, ball: Ball) -> LoneTouch:
         """One guarded approach."""
+        approach = begun_within(approach, self._reach)
         try:
             for stop in way_round(self.here, approach.start, ball):
-                self.guard.go_to(stop)
+                self.guard.go_to(kept_within(stop, self._reach))
             if approach.flown:
                 self.guard.go_to(approach.felt.start)
             self._last = self._touched(approach)
@@ -128,6 +130,7 @@ class GuardedHand:
             retreat(self.guard, 8.0)
             if ball is not None:
                 start = way_out(self.here, start, ball)
+            start = kept_within(start, self._reach)
             self.guard.go_to(start)
         except (OverPress, Collision) as error:
             self.warnings.append(str(error))
@@ -135,10 +138,15 @@ class GuardedHand:
 
     def reachable(self, approach: Approach) -> bool:
         """Within the guard's box."""
-        low, high = np.array(self.guard.limits.reach[:3]), np.array(self.guard.limits.reach[3:])
+        low, high = self._reach[:3], self._reach[3:]
         at = approach.start[:3, 3]
         within = bool((at > low).all() and (at < high).all())
         return within and (self.told is None or self.told.leads_past(approach.start))
+
+    @property
+    def _reach(self) -> Floats:
+        """(6,) [mm] of the stage."""
+        return np.array(self.guard.limits.reach)
 
     def _touched(self, approach: Approach) -> LoneTouch:
         """One touch; what it felt of other bodies is left out."""

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from exploration.devices.guard import Collision, Cost
+from exploration.devices.guard import Collision, Cost, GuardLimits
 from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocked, joined
 from exploration.planning.ways.round_ball import Ball
 from models.csg import Cube
@@ -26,9 +26,11 @@ class _InTheWay:
     """A guard that meets something wherever it is sent."""
 
     def __init__(self):
-        self.cost, self.world_from_sensor = Cost(), AWAY
+        self.cost, self.world_from_sensor, self.limits = Cost(), AWAY, GuardLimits()
+        self.asked = []
 
     def go_to(self, where):
+        self.asked.append(where[:3, 3])
         raise Collision("collision of lts210 by 0.13 mm")
 
 
@@ -39,6 +41,17 @@ def test_an_approach_that_is_blocked_on_its_way_is_a_touch_that_tells_nothing():
     assert not made.told
     assert made.touch == hand.cost.touches == 1
     assert hand.warnings == ["collision of lts210 by 0.13 mm"]
+
+
+def test_round_an_object_larger_than_its_travel_the_stage_is_not_asked_to_leave_it():
+    guard = _InTheWay()
+    hand = GuardedHand(guard)
+    for ways in (np.eye(3), -np.eye(3)):
+        for way in ways:
+            begin = pose(translation=-900.0 * way) @ pose(np.column_stack([ways[1], ways[2], way]))
+            hand.touch(Approach(begin, 1500.0), Ball(np.zeros(3), 900.0))
+    assert guard.asked
+    assert np.abs(guard.asked).max() < 600.0
 
 
 def test_after_two_that_were_blocked_belief_is_not_asked_where_to_touch(monkeypatch):
