@@ -8,11 +8,13 @@ be a flat strip as well as a round flank.  The floors were measured on simulated
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import binary_erosion
+from scipy.spatial import KDTree
 
 from exploration.control.feel import FeelConfig, Felt, NotTouching, feel
 from exploration.devices.guard import Observation
 from exploration.sensing.contacts import contacts_of, slid
-from exploration.sensing.frame import TactileImage
+from exploration.sensing.frame import TactileImage, TaxelArray
 from exploration.sensing.surfaces.domed_patch import domed_patch
 from exploration.sensing.surfaces.flat_patch import flat_patch
 from exploration.sensing.surfaces.local_surface import LocalSurface
@@ -60,6 +62,10 @@ class TrustConfig:
     )  # [spreads] along a contact's end, that a patch of any outline leaves out
     unseen: float = 2.5  # [spreads] from the pad's end, beyond which edges that it does not see bend nothing
     turned: float = 0.12  # [rad] of a normal, beyond which a frame lies on an edge and tells of no surface
+    whole: float = (
+        0.9  # of the pad, that a hollow surface fills: one that ends within is a step that is spanned
+    )
+    wide: float = 0.03  # [mm] of a contact's own error, beyond which the same
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
 
@@ -89,13 +95,40 @@ def keep(
             middle = Midline.of(surface.mask, seen.image.array)
             bends = middle.drawn_in < trust.straight
             found = _along(middle, found, seen.world_from_sensor) if bends else found
+            found = _on(surface.mask, seen, found)
             if _width(surface, seen.image) < (trust.crown if bends else trust.slender):
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
         found = _patch(seen, where, trust)
-    if len(found) and float(found.normal_sigma.max()) < trust.turned:
+    told = (
+        len(found)
+        and float(found.normal_sigma.max()) < trust.turned
+        and float(found.sigma.max()) < trust.wide
+    )
+    if told:
         sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
         kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
+
+
+def _on(mask: Bools, seen: Observation, contacts: Contacts) -> Contacts:
+    """Contacts of a flat (rows, columns) mask, those that lie off its taxels moved to the nearest well within.
+
+    Points spread by the mask's covariance lie where nothing was touched, where it is a ring or a corner.
+    """
+    if not len(contacts):
+        return contacts
+    array, pose = seen.image.array, seen.world_from_sensor
+    places = se3.transform_points(se3.inverse(pose), contacts.points)[:, :2]
+    off = np.asarray(KDTree(_taxels(mask, array)).query(places)[0]) > 0.5 * max(array.pitch)
+    within = np.asarray(binary_erosion(mask, border_value=1), dtype=bool)
+    inner = _taxels(within if within.any() else mask, array)
+    to = np.where(off[:, None], inner[KDTree(inner).query(places)[1]], places)
+    return slid(contacts, to, pose) if off.any() else contacts
+
+
+def _taxels(mask: Bools, array: TaxelArray) -> Floats:
+    rows, columns = np.nonzero(mask)
+    return np.column_stack([array.x[columns], array.y[rows]])
 
 
 def _along(middle: Midline, contacts: Contacts, pose: Floats) -> Contacts:
@@ -110,13 +143,14 @@ def _patch(seen: Observation, where: tuple[Floats, int, int, int], trust: TrustC
     felt: Felt | NotTouching = NotTouching()
     for rim in trust.rims:
         felt = feel(seen.image, FeelConfig(rim=rim))
-        found = flat_patch(seen.image, felt.inner, *where) if felt else found
+        found = _on(felt.inner, seen, flat_patch(seen.image, felt.inner, *where)) if felt else found
         if felt and not len(found):
             found = domed_patch(seen.image, felt.inner, *where)
         if len(found):
             break
     if felt and not len(found):
-        found = flat_patch(seen.image, felt.inner & _off_border(seen.image, trust.unseen), *where)
+        inner = felt.inner & _off_border(seen.image, trust.unseen)
+        found = _on(inner, seen, flat_patch(seen.image, inner, *where))
     return found
 
 
@@ -145,11 +179,18 @@ def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> 
         px, py = image.array.pitch
         room = np.array([image.array.x[-1] - trust.border * px, image.array.y[-1] - trust.border * py])
         inside = bool((np.abs(surface.point[:2]) < room).all())
+        if _hollow(surface) and float(surface.mask.mean()) < trust.whole:
+            return False
         return inside and not sharp and _misfit(surface) < trust.curved_misfit and area >= trust.area
     if _misfit(surface) >= trust.misfit or area < trust.flat_area:
         return False
     tilt, slender = trust.slanting
     return float(np.hypot(*surface.normal[:2])) <= tilt or _width(surface, image) >= slender
+
+
+def _hollow(surface: LocalSurface) -> bool:
+    least, most = np.sort(surface.principal[0])
+    return bool(-least > most)
 
 
 def _width(surface: LocalSurface, image: TactileImage) -> float:

@@ -7,7 +7,7 @@ import pytest
 
 from exploration.control.dwell import dwell
 from exploration.control.kept_contacts import keep
-from exploration.devices.guard import Guard
+from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.devices.simulated import simulate
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
@@ -101,3 +101,44 @@ def test_a_pad_that_lies_on_the_edge_of_a_thin_wall_tells_nothing_far_beside_it(
         keep(dwell(Guard(stage, arrays, [Calibration.nominal(spec)]), 2), 1, 1, kept)
         far += [np.abs(wall.signed_distance(contacts.points)).max() for contacts in kept]
     assert max(far, default=0.0) < 1.0
+
+
+def presses(tree: Csg, poses, noise=0.05, force=4.0):
+    """(n,) greatest distance of each kept frame's contacts from the solid [mm]; the pad is let down on it."""
+    spec = load_sensor("lts210")
+    spec = replace(spec, electronics=replace(spec.electronics, noise=noise))
+    solid, rng, off = Solid.from_csg(tree), np.random.default_rng(3), []
+    for turn, x, y in poses:
+        for height in np.arange(2.0, -3.0, -0.2):
+            start = se3.pose(turn, [x, y, height])
+            stage, arrays = simulate(solid, [spec], rng, start_pose=start)
+            try:
+                seen = dwell(Guard(stage, arrays, [Calibration.nominal(spec)]), 4)
+            except (Collision, OverPress):
+                break
+            kept = []
+            if seen.force > force:
+                keep(seen, 1, 1, kept)
+                break
+        off.extend(float(np.abs(solid.signed_distance(contacts.points)).max()) for contacts in kept)
+    return np.array(off)
+
+
+def test_contacts_of_the_ring_round_a_hole_lie_on_the_ring():
+    ring = Cylinder(14.0, 10.0).at(0, 0, -5.0) - Cylinder(9.0, 12.0).at(0, 0, -5.0)
+    turns = [se3.rotation_exp([0.0, 0.0, turn]) @ DOWN for turn in np.linspace(0.0, np.pi, 5)]
+    off = presses(ring, [(turn, x, 0.0) for turn in turns for x in (6.0, 11.0)])
+    assert len(off) > 4
+    assert off.max() < 1.8  # a pitch
+
+
+def test_a_step_that_the_skin_spans_is_not_taken_for_a_hollow_face():
+    recess = Cube((80.0, 60.0, 20.0)).at(0, 0, -10.0) - Cube((54.0, 45.0, 10.0)).at(0, 0, 2.6)
+    rng, poses = np.random.default_rng(5), []
+    for _ in range(40):
+        lean, turn = rng.uniform(0.05, 0.22), rng.choice([0.0, np.pi / 2]) + rng.normal(0.0, 0.05)
+        turned = se3.rotation_exp([0.0, lean, 0.0]) @ se3.rotation_exp([0.0, 0.0, turn]) @ DOWN
+        poses.append((turned, rng.uniform(-24.0, -12.0), rng.uniform(-8.0, 8.0)))
+    off = presses(recess, poses)
+    assert len(off) > 5
+    assert off.max() < 0.4
