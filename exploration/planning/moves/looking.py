@@ -43,6 +43,7 @@ class Looking:
     def __init__(self, study: Study, reach: Reach, config: LookingConfig = LookingConfig()) -> None:
         self.study, self.reach, self.config = study, reach, config
         self._left, self._failed = config.most, Attempts(1, config.same)
+        self._looked = Attempts(1, config.same)
 
     def next(self) -> Callable[[], Done] | None:
         """The approach that sees most; None where none is worth it."""
@@ -69,8 +70,11 @@ class Looking:
             if pad.come_down(guard.world_from_sensor[:3, 2], self.config.beside):
                 return self.study.face_here(), "met something on the way round"
             return None, "met something on the way round, and lost it"
-        pad.swept.set_aside(view.unseen)  # seen, or behind what will be met
-        if not pad.come_down(way, 2.0 * far, ApproachConfig().search_speed):
+        met = pad.come_down(way, 2.0 * far, ApproachConfig().search_speed)
+        if not met or self._looked.given_up(start[:3, 3]):
+            pad.swept.set_aside(view.unseen)  # seen, or behind what is not felt well enough to end the view
+        self._looked.note(start[:3, 3])
+        if not met:
             guard.go_to(start)
             return None, "looked from afar and met nothing"
         return self.study.face_here(), "looked from afar and met something"

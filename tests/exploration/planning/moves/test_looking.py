@@ -1,9 +1,13 @@
 """Which way an object lies, for looking at it from afar."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from exploration.planning.moves.looking import own_axes
+from exploration.planning.moves.looking import Looking, own_axes
+from exploration.planning.open.views import View
+from primitives import pose as se3
 from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face
@@ -29,3 +33,42 @@ def test_the_first_is_that_of_a_flat_face_or_else_of_a_round_one(shapes, along):
     assert np.allclose(axes.T @ axes, np.eye(3))
     if along is not None:
         assert np.abs(axes.T @ along).max() == pytest.approx(1.0, abs=1e-3)
+
+
+class Space:
+    """Of which cells were set aside."""
+
+    def __init__(self):
+        self.aside = []
+
+    def set_aside(self, places):
+        self.aside.append(places)
+
+
+def looking(meets):
+    """A look from afar at a ring, which meets something or nothing, and what it sets aside."""
+    swept = Space()
+    guard = SimpleNamespace(world_from_sensor=np.eye(4), go_to=lambda pose: None)
+    pad = SimpleNamespace(swept=swept, guard=guard, come_down=lambda *how: meets)
+    felt = SimpleNamespace(points=RING.project(np.random.default_rng(0).uniform(-30, 30, (40, 3))))
+    reach = SimpleNamespace(felt=felt, led=True, come_out=lambda: None)
+    reach.go = lambda start: guard.__setattr__("world_from_sensor", start) or True
+    study = SimpleNamespace(pad=pad, face_here=lambda: 1)
+    return Looking(study, reach), swept
+
+
+VIEW = View(se3.pose(translation=[0.0, 0.0, 0.0]), np.zeros((5, 3)))
+
+
+def test_what_lies_behind_something_that_was_met_may_be_looked_at_from_another_side():
+    look, swept = looking(meets=True)
+    look._look(VIEW)
+    assert not swept.aside
+    look._look(VIEW)  # met again where nothing felt ends the view
+    assert len(swept.aside) == 1
+
+
+def test_what_was_looked_at_and_met_nothing_is_done_with():
+    look, swept = looking(meets=False)
+    look._look(VIEW)
+    assert len(swept.aside) == 1
