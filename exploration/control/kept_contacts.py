@@ -119,7 +119,7 @@ def _on(mask: Bools, seen: Observation, contacts: Contacts) -> Contacts:
         return contacts
     array, pose = seen.image.array, seen.world_from_sensor
     places = se3.transform_points(se3.inverse(pose), contacts.points)[:, :2]
-    off = np.asarray(KDTree(_taxels(mask, array)).query(places)[0]) > 0.5 * max(array.pitch)
+    off = np.asarray(KDTree(_taxels(mask, array)).query(places)[0]) > 0.5 * float(np.hypot(*array.pitch))
     within = np.asarray(binary_erosion(mask, border_value=1), dtype=bool)
     inner = _taxels(within if within.any() else mask, array)
     to = np.where(off[:, None], inner[KDTree(inner).query(places)[1]], places)
