@@ -62,10 +62,8 @@ class TrustConfig:
     )  # [spreads] along a contact's end, that a patch of any outline leaves out
     unseen: float = 2.5  # [spreads] from the pad's end, beyond which edges that it does not see bend nothing
     turned: float = 0.12  # [rad] of a normal, beyond which a frame lies on an edge and tells of no surface
-    whole: float = (
-        0.9  # of the pad, that a hollow surface fills: one that ends within is a step that is spanned
-    )
     wide: float = 0.03  # [mm] of a contact's own error, beyond which the same
+    whole: float = 0.9  # of the pad, which a hollow surface fills; less of one is a step that the skin spans
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
 
