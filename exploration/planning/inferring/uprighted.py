@@ -18,7 +18,7 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit, squares
 from primitives.patch_graph import Face, PatchGraph
-from primitives.shapes import Cylinder
+from primitives.shapes import Cylinder, Shape
 
 _FEW = 30  # contacts, from which a face tells its own direction
 _BAND = 0.5  # of a cylinder's radius, along which it was felt at least where it tells its own direction
@@ -47,8 +47,10 @@ def _directions(graph: PatchGraph) -> Iterator[Floats]:
     """(3,) normals and axes of the faces that tell theirs, each once."""
     found: list[Floats] = []
     for face in graph.faces:
-        direction = getattr(face.fit.shape, "direction", None) if isinstance(face.fit, Fit) else None
-        if direction is None or len(face.contacts) < _FEW or _narrow(face):
+        if not isinstance(own := face.fit, Fit):
+            continue
+        direction = getattr(own.shape, "direction", None)
+        if direction is None or len(face.contacts) < _FEW or _narrow(face, own.shape, direction):
             continue
         if all(abs(direction @ other) < _SAME for other in found):
             found.append(direction)
@@ -58,8 +60,6 @@ def _directions(graph: PatchGraph) -> Iterator[Floats]:
 def _upright(face: Face, ways: list[Floats]) -> Fit | None:
     """The cylinder along the direction that its contacts like best; None where its own fit explains more."""
     if not isinstance(face.fit, Fit) or face.fit.kind == "plane":
-        return None
-    if len(face.contacts) >= _FEW and not _narrow(face):
         return None
     felt = face.contacts.select(face.fit.inliers)
     if not len(felt) or (felt.touch == NOT_FELT).any() or not np.isfinite(felt.normals).all():
@@ -74,7 +74,7 @@ def _upright(face: Face, ways: list[Floats]) -> Fit | None:
             continue
         told = _bent(felt) if float(np.ptp(felt.points @ way)) < _LOW else felt
         made = fit("cylinder", _drawn_out(told, way))
-        if not isinstance(made, Fit):
+        if not isinstance(made, Fit) or (len(face.contacts) >= _FEW and not _narrow(face, made.shape, way)):
             continue
         own, chi2 = squares(face.fit, told).sum(), squares(made, told).sum()
         gain = float(own - chi2) / _SLACK + (len(face.fit.sigma) - _PARAMETERS) * paid
@@ -90,12 +90,13 @@ def _bent(felt: Contacts) -> Contacts:
     return replace(felt, sigma=sigma, normal_sigma=normal_sigma)
 
 
-def _narrow(face: Face) -> bool:
-    """Whether a cylinder was felt on so narrow a band that its own blur turns its axis, as of a flange's rim."""
-    shape = face.fit.shape if isinstance(face.fit, Fit) else None
+def _narrow(face: Face, shape: Shape, way: Floats) -> bool:
+    """Whether a cylinder along a (3,) way was felt on so narrow a band, as of a flange's rim, that its own blur
+    turns its axis or bends it into a piece of a sphere.
+    """
     if not isinstance(shape, Cylinder):
         return False
-    return float(np.ptp(face.contacts.points @ shape.axis)) < _BAND * shape.radius
+    return float(np.ptp(face.contacts.points @ way)) < _BAND * shape.radius
 
 
 def _drawn_out(felt: Contacts, way: Floats) -> Contacts:

@@ -5,7 +5,8 @@ import pytest
 
 from exploration.planning.inferring.uprighted import uprighted
 from primitives.evidence import Contacts
-from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
+from primitives.fit import fit
+from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
 from primitives.shapes import Cone, Cylinder, Sphere
 
 Z = np.eye(3)[2]
@@ -82,3 +83,29 @@ def test_the_low_rim_of_a_flange_is_no_sphere_though_the_skin_bends_over_both_it
     assert end.kind == "cylinder"
     assert end.shape.radius == pytest.approx(24.0, abs=0.1)
     assert uprighted(PatchGraph((plate(rng), high), ())).faces[1] is high
+
+
+def test_a_low_rim_of_many_contacts_that_fit_a_ball_better_stands_upright():
+    """Of a plate of radius 40, 4 mm of its side: the skin bends it by some hundredths of a millimeter."""
+    rng = np.random.default_rng(4)
+    turn, up = rng.uniform(0.0, 4.0, 52), rng.uniform(-2.0, 2.0, 52)
+    bend = np.cos(turn), np.sin(turn), 0.015 * up
+    normals = np.column_stack(bend) / np.linalg.norm(np.column_stack(bend), axis=1, keepdims=True)
+    out = 40.0 - 0.01 * up**2 + 0.02 * rng.standard_normal(52)
+    points = np.column_stack([out * np.cos(turn), out * np.sin(turn), up])
+    contacts = Contacts.of(points, normals, 0.04, 0.03)
+    ball = Face(1, fit("sphere", contacts), contacts)
+    low = uprighted(PatchGraph((plate(rng), ball), ())).faces[1].fit
+    assert low.kind == "cylinder"
+    assert low.shape.radius == pytest.approx(40.0, abs=0.05)
+
+
+def test_a_dome_of_many_contacts_stays_one():
+    rng, ball = np.random.default_rng(5), Sphere([0, 0, 0.0], 40.0)
+    turn, up = rng.uniform(0.0, 4.0, 52), rng.uniform(5.0, 30.0, 52)
+    away = np.column_stack(
+        [np.sqrt(1600.0 - up**2) * np.cos(turn), np.sqrt(1600.0 - up**2) * np.sin(turn), up]
+    )
+    dome = face(1, Contacts.of(away, ball.normals(away), 0.03, 0.03))
+    assert dome.fit.kind == "sphere"
+    assert uprighted(PatchGraph((plate(rng), dome), ())).faces[1] is dome
