@@ -15,8 +15,9 @@ from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocke
 from exploration.planning.touching.pace import Pace
 from exploration.planning.touching.within_reach import begun_within, kept_within
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
-from exploration.planning.ways.search import sweeps
+from exploration.planning.ways.search import deepening_sweeps, sweeps
 from primitives.arrays import Floats
+from primitives.pose import pose
 
 
 class Hand(Protocol):
@@ -91,10 +92,14 @@ class GuardedHand:
 
     def find(self, box: Floats) -> Iterator[LoneTouch]:
         """Sweep until the pad meets something."""
-        floor = box[2] if self.told is None else max(box[2], self.told.floor)
-        for start, end in sweeps(np.array([*box[:2], floor, *box[3:]]), self.pad, self.feature):
+        if self.told is None:
+            ways = deepening_sweeps(box, self.pad, self.feature)
+        else:  # what lies on a table is at the bottom
+            floor = max(box[2], self.told.floor)
+            ways = sweeps(np.array([*box[:2], floor, *box[3:]]), self.pad, self.feature)
+        for start, end in ways:
             try:
-                self.guard.go_to(start)
+                self._come_from_above(start, box[5])
                 length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
                 made = self._last = self._touched(Approach(start, length))
             except (OverPress, Collision) as error:
@@ -105,6 +110,12 @@ class GuardedHand:
             if made.met and len(made.contacts):
                 return
             self.leave()
+
+    def _come_from_above(self, start: Floats, top: float) -> None:
+        """Straight up to a height [mm], over the (4, 4) start of a sweep, and down to it where all is free."""
+        for x, y in (self.here[:2, 3], start[:2, 3]):
+            self.guard.go_to(pose(start[:3, :3], [x, y, max(top, self.here[2, 3])]))
+        self.guard.go_to(start)
 
     def touch(self, approach: Approach, ball: Ball) -> LoneTouch:
         """One guarded approach."""

@@ -19,9 +19,32 @@ def sweeps(box: Floats, pad: tuple[float, float], feature: float = 10.0) -> Iter
     count = np.maximum(np.ceil((high[:2] - low[:2]) / spacing / 2).astype(int), 0)
     steps = [np.arange(-n, n + 1) * d for n, d in zip(count, spacing, strict=True)]
     grid = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 2)
-    facing_down = np.diag([1.0, -1.0, -1.0])
     for x, y in middle[:2] + grid[np.argsort(np.linalg.norm(grid, axis=1), kind="stable")]:
-        yield (
-            se3.pose(facing_down, [x, y, high[2]]),
-            se3.pose(facing_down, [x, y, low[2]]),
-        )
+        yield _down(x, y, high[2]), _down(x, y, low[2])
+
+
+def deepening_sweeps(
+    box: Floats, pad: tuple[float, float], feature: float = 10.0
+) -> Iterator[tuple[Floats, Floats]]:
+    """The same sweeps, those near the middle first and no deeper than they are far out: box in box in box.
+
+    The inner ones have a quarter and half of the (6,) `box`'s sides [mm] and its middle; all come from the top of
+    the whole.  A later sweep at the same place begins where the one before it ended: above that it is free.
+    Our derivation: an object stands nearer to the middle of its workspace than to the bottom.
+    """
+    lines = list(sweeps(box, pad, feature))
+    middle = (box[:3] + box[3:]) / 2
+    reached = [float(box[5])] * len(lines)
+    for share in (0.25, 0.5, 1.0):
+        bottom = middle[2] - share * (middle[2] - box[2])
+        within = share * (box[3:5] - box[:2]) / 2 + np.asarray(pad) / 2
+        for k, (start, _) in enumerate(lines):
+            x, y = start[:2, 3]
+            if share == 1.0 or (np.abs([x, y] - middle[:2]) <= within).all():
+                yield _down(x, y, reached[k]), _down(x, y, bottom)
+                reached[k] = bottom
+
+
+def _down(x: float, y: float, z: float) -> Floats:
+    """(4, 4) pose of a pad that faces down."""
+    return se3.pose(np.diag([1.0, -1.0, -1.0]), [x, y, z])

@@ -1,6 +1,6 @@
 import numpy as np
 
-from exploration.planning.ways.search import sweeps
+from exploration.planning.ways.search import deepening_sweeps, sweeps
 
 BOX = np.array([-300.0, -300.0, -300.0, 300.0, 300.0, 300.0])
 
@@ -20,3 +20,21 @@ def test_every_sweep_goes_from_the_top_of_the_box_to_its_bottom_facing_down():
     for start, end in list(sweeps(BOX, (8.0, 8.0)))[:20]:
         assert (start[2, 3], end[2, 3]) == (300.0, -300.0)
         np.testing.assert_allclose(start[:3, 2], [0.0, 0.0, -1.0])
+
+
+def test_deepening_sweeps_cover_what_sweeps_do_each_going_on_where_the_one_before_it_ended():
+    pad, reached = (28.8, 18.0), {}
+    for start, end in deepening_sweeps(BOX, pad):
+        at = tuple(start[:2, 3])
+        assert start[2, 3] == reached.get(at, 300.0)
+        assert end[2, 3] < start[2, 3]
+        assert tuple(end[:2, 3]) == at
+        reached[at] = end[2, 3]
+    assert set(reached.values()) == {-300.0}
+    assert set(reached) == {tuple(start[:2, 3]) for start, _ in sweeps(BOX, pad)}
+
+
+def test_deepening_sweeps_stay_shallow_near_the_middle_at_first():
+    depths = [end[2, 3] for _, end in deepening_sweeps(BOX, (28.8, 18.0))]
+    assert sorted(depths, reverse=True) == depths
+    assert depths[0] == -75.0
