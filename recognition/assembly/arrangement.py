@@ -25,6 +25,8 @@ class ArrangementOptions:
     grid: int = 32_768  # points over the box
     passed: float = 2.5  # [mm] round a place that something went through, that is as large as a swept cell
     on: float = 3.0  # times that, from a surface, within which a contact lies on it
+    outvoted: int = 3  # felt contacts, against which those that nobody felt count no more than
+    hearsay: float = 2.0  # of them
     aside: float = 1e-3  # of the box's diagonal: how far beside a contact its two sides are looked at
 
 
@@ -56,9 +58,11 @@ def arrange(
     room: Floats,
     options: ArrangementOptions | None = None,
     inferred: Bools | None = None,
+    heard: Bools | None = None,
 ) -> Arrangement:
     """Of contacts at (n, 3) points with outward (n, 3) normals, and (k, 3) places known to be free.
 
+    Of the m surfaces some may be `inferred` (m,), and of the contacts some only `heard` of (n,), and never felt.
     `room` (2, 3) holds the contacts with some space round them.
     """
     options = options or ArrangementOptions()
@@ -91,12 +95,16 @@ def arrange(
     seen = np.bincount(of_grid, passed, minlength=count)
     keys, which = np.unique(sides[:s] * count + sides[s:], return_inverse=True)
     volume = float(np.prod(span)) / g
+    told = np.zeros(n, dtype=bool) if heard is None else heard
+    (felt_solid, heard_solid), (felt_free, heard_free) = (
+        [np.bincount(side[rows], minlength=count) for rows in (~told, told)] for side in (behind, before)
+    )
     return Arrangement(
         frozen(found, bool),
         frozen(held * volume),
         frozen(gone / np.maximum(held, 1)),
-        frozen(np.bincount(behind, minlength=count).astype(float)),
-        frozen(np.bincount(before, minlength=count).astype(float)),
+        frozen(_votes(felt_solid, heard_solid, felt_free, options)),
+        frozen(_votes(felt_free, heard_free, felt_solid, options)),
         frozen(np.bincount(went, minlength=count).astype(float)),
         frozen(seen / np.maximum(held, 1)),
         frozen(np.stack([keys // count, keys % count], axis=1), np.int64),
@@ -104,6 +112,12 @@ def arrange(
         frozen((np.abs(_distances(shapes, points)) < options.on * aside).sum(axis=0).astype(float)),
         frozen(np.zeros(len(shapes)) if inferred is None else inferred, bool),
     )
+
+
+def _votes(felt: Ints, heard: Ints, against: Ints, options: ArrangementOptions) -> Floats:
+    """(c,) votes for one label; hearsay does not outvote (c,) felt contacts that are `against` it."""
+    believed = np.where(against < options.outvoted, heard, np.minimum(heard, options.hearsay))
+    return np.asarray(felt + believed, dtype=float)
 
 
 def _even(count: int) -> Floats:

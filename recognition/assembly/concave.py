@@ -57,13 +57,14 @@ def concave_pieces(
     nowhere = np.empty((0, 3)) if free is None else free
     measured, whole = len(shapes), [*shapes, *separators(shapes)]
     told = [False] * measured if inferred is None else list(inferred)
-    found = _listed(whole, points, normals, nowhere, room, told)
+    heard = np.repeat(told, [len(p) for p, _ in touched])
+    found = _listed(whole, points, normals, nowhere, room, told, heard)
     if (
         not isinstance(found, NotClosed)
         and found.state.wrong + found.against > _ENDS
         and (more := stops(whole))
     ):
-        again = _listed([*whole, *more], points, normals, nowhere, room, told)
+        again = _listed([*whole, *more], points, normals, nowhere, room, told, heard)
         if not isinstance(again, NotClosed) and again.cost < found.cost:
             found = again
     if isinstance(found, NotClosed):
@@ -97,11 +98,12 @@ def _listed(
     free: Floats,
     room: Floats,
     inferred: Sequence[bool],
+    heard: Bools,
 ) -> _Listed | NotClosed:
     """The shortest list that the cells between the surfaces ask for, of which the first may be `inferred`."""
     nobody = np.zeros(len(shapes), dtype=bool)
     nobody[: len(inferred)] = inferred
-    found = arrange(shapes, points, normals, free, room, inferred=nobody)
+    found = arrange(shapes, points, normals, free, room, inferred=nobody, heard=heard)
     solid = solid_cells(found)
     if not solid.any():
         return NotClosed("the contacts' normals leave no cell solid")

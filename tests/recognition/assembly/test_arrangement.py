@@ -1,0 +1,35 @@
+"""What touch says of a cell: what was felt there, before what was only inferred."""
+
+import numpy as np
+import pytest
+
+from primitives.shapes import Plane
+from recognition.assembly.arrangement import arrange
+
+TOP, WALL = Plane([0.0, 0.0, 0.0], [0.0, 0.0, 1.0]), Plane([0.0, 0.0, 0.0], [1.0, 0.0, 0.0])
+ROOM = np.array([[-20.0, -20.0, -20.0], [20.0, 20.0, 20.0]])
+HEARD = 40
+
+
+def votes_under_the_top(felt):
+    """For solid and for free, where `felt` contacts of the top lie before a wall that is inferred to end it."""
+    spread = np.linspace(-10.0, 10.0, HEARD)
+    top = np.column_stack([np.full(felt, 8.0), spread[:felt], np.zeros(felt)])
+    wall = np.column_stack([np.zeros(HEARD), spread, np.full(HEARD, -5.0)])
+    points = np.concatenate([top, wall])
+    normals = np.concatenate([np.tile(TOP.normal, (felt, 1)), np.tile(WALL.normal, (HEARD, 1))])
+    heard = np.arange(len(points)) >= felt
+    inferred = np.array([False, True])
+    found = arrange([TOP, WALL], points, normals, np.empty((0, 3)), ROOM, inferred=inferred, heard=heard)
+    cell = np.flatnonzero((found.outside == [False, True]).all(axis=1))[0]
+    return found.solid_votes[cell], found.free_votes[cell]
+
+
+@pytest.mark.parametrize("felt", [3, 10])
+def test_what_was_felt_is_not_outvoted_by_what_was_inferred(felt):
+    assert votes_under_the_top(felt) == (felt, 2.0)
+
+
+@pytest.mark.parametrize("felt", [0, 2])
+def test_a_stray_contact_or_two_do_not_outvote_it(felt):
+    assert votes_under_the_top(felt) == (felt, HEARD)
