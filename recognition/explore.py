@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -26,6 +27,7 @@ from primitives.errors import NotWritten, PalpateError
 from recognition.assembly import NotClosed
 from recognition.config import ExploreOptions, settings, to_toml
 from recognition.console import bugs, interrupts
+from recognition.draft import draft
 from recognition.live import so_far
 from recognition.reconstruct import Reconstruction, reconstruct
 from recognition.report.against import drawn_truth, off_truth
@@ -119,7 +121,9 @@ def _explored(
         seed=options.seed,
     )
     told = beside(world, options)
-    explorer = Explorer(guard, world.box.ravel(), config, logbook.announce, tools(world), told)
+    explorer = Explorer(
+        guard, world.box.ravel(), config, logbook.announce, tools(world), told, partial(draft, box=world.box)
+    )
     found, patience = explorer.found, Patience()
     evidence = EvidenceLog(logbook.announce, world.box)
     try:

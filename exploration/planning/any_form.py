@@ -9,8 +9,8 @@ times is given up, and left unknown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import product
 
@@ -21,6 +21,8 @@ from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.inferring.concluding import conclude
 from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
+from exploration.planning.moves.climbing import Climbing
+from exploration.planning.moves.drafted import Drafted
 from exploration.planning.moves.entering import Entering
 from exploration.planning.moves.ledges import Ledges
 from exploration.planning.moves.looking import Looking
@@ -30,9 +32,10 @@ from exploration.planning.moves.rim_looks import RimLooks
 from exploration.planning.moves.round_holes import RoundHoles
 from exploration.planning.moves.slipped import Slipped
 from exploration.planning.moves.wall_facing import face_wall
+from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
-from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, outward_normal
+from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, Findings, outward_normal
 from exploration.planning.touching.overhung import Overhung
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
@@ -50,6 +53,8 @@ class AnyFormConfig:
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
     overlap: float = 0.22  # of the pad's shorter side, that stays over the rim
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
+    lain: float = 1.0  # [mm] between a pad that lies on a face and that, and
+    flush: float = 0.97  # least cosine between the two
     wall_tries: int = 2
     vain: int = 12  # looks at walls that were not there, from which no more of them are believed
     worth: int = 3  # of those, that a wall found makes up for
@@ -67,7 +72,12 @@ class AnyForm:
     """Carries on where the object has turned out not to be convex."""
 
     def __init__(
-        self, study: Study, config: ExplorerConfig, own: AnyFormConfig | None = None, later: bool = False
+        self,
+        study: Study,
+        config: ExplorerConfig,
+        own: AnyFormConfig | None = None,
+        later: bool = False,
+        draft: Callable[[Findings], Predicted] | None = None,
     ) -> None:
         self.study, self.config, self.own = study, config, own or AnyFormConfig()
         self.pad, self.found = study.pad, study.found
@@ -80,8 +90,11 @@ class AnyForm:
         self._ledges = Ledges(study, self.reach) if later else None
         self._holes, self._rim_looks = RoundHoles(study, self.reach), RimLooks(study, self.reach)
         self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
-        self._vain = 0
+        self._climbing, self._vain = Climbing(study, self.reach), 0
         self._looking = Looking(study, self.reach)
+        self._drafted: Drafted | None = None
+        if draft is not None:
+            self._drafted = Drafted(study, self.reach, partial(self._drafted_by, draft), self._open.alongs)
         self._last: tuple[tuple[int, ...], PatchGraph, LocalFrontier] | None = None
         study.reconsider()
 
@@ -112,6 +125,19 @@ class AnyForm:
             rest = Face(1 + max((f.id for f in graph.faces), default=-1), _NAMELESS, self.study.loose)
             self.found.graph = replace(graph, faces=(*graph.faces, rest))
 
+    def _drafted_by(self, draft: Callable[[Findings], Predicted]) -> Predicted:
+        """The surface of what would be concluded now; nothing of it is kept."""
+        found = self.found
+        kept = {field.name: getattr(found, field.name) for field in fields(found)}
+        try:
+            for name, value in kept.items():
+                setattr(found, name, list(value) if isinstance(value, list) else value)
+            self.conclude()
+            return draft(found)
+        finally:
+            for name, value in kept.items():
+                setattr(found, name, value)
+
     def _frontier(self) -> LocalFrontier:
         """Of this moment: the last one, where nothing was felt since."""
         graph, felt, free = self.found.graph, self.reach.felt, self.pad.free.points
@@ -140,26 +166,43 @@ class AnyForm:
             return move
         if self._ledges and (move := self._ledges.next(frontier.openings)) is not None:
             return move
-        todo: list[tuple[float, Callable[[], Done]]] = []
+        lain = [wall for wall in walls if self._on_a_face(wall)]
+        return (
+            self._nearest(lain, [rim for rim, _ in rims])
+            or self._climbing.next(lain)
+            or self._come_down(left)
+            or self._nameless.next()
+            or (None if self._entering else self._look(frontier))
+            or (self._drafted.next() if self._drafted else None)
+        )
+
+    def _nearest(self, walls: Sequence[Wall], rims: Sequence[Sighting]) -> Callable[[], Done] | None:
+        """To the wall that may be faced, or the rim that may be rolled over, that is nearest to here."""
+        here = self.pad.guard.world_from_sensor[:3, 3]
         standing = [wall for wall in walls if self._unread(wall)] if self._vain < self.own.vain else []
-        todo += [(_away(wall.point, here), partial(self._face_wall, wall)) for wall in standing]
+        todo = [(_away(wall.point, here), partial(self._face_wall, wall)) for wall in standing]
         leading = [
-            rim for rim, _ in rims if not self._rims.given_up(rim.point) and not self.reach.at_lid(rim.point)
+            rim for rim in rims if not self._rims.given_up(rim.point) and not self.reach.at_lid(rim.point)
         ]
         todo += [(_away(rim.point, here), partial(self._cross, rim)) for rim in leading]
-        if not todo and len(left.points):
-            nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
-            return lambda: self._open.come_down(left, nearest)
-        if not todo and (move := self._nameless.next()) is not None:
-            return move
-        if not todo and not self._entering:
-            seen, known = self.found.rims, frontier.known
-            openings = [*frontier.openings, *far_ends(seen, known, WHERE_TO_LOOK)]
-            round_ = [opening for opening in openings if not self._refuted(opening)]
-            straight = [rim for rim in rims if not any(o.holds(rim[0].point) for o in round_)]
-            looks = self._holes.next([*openings, *narrower_ends(seen, known)])
-            return self._looking.next() or looks or self._rim_looks.next(straight)
         return min(todo, key=lambda item: item[0])[1] if todo else None
+
+    def _come_down(self, left: Predicted) -> Callable[[], Done] | None:
+        """On the nearest open surface."""
+        if not len(left.points):
+            return None
+        here = self.pad.guard.world_from_sensor[:3, 3]
+        nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
+        return partial(self._open.come_down, left, nearest)
+
+    def _look(self, frontier: LocalFrontier) -> Callable[[], Done] | None:
+        """From afar where nobody was, and at the rims of what has no room for an array."""
+        seen, known = self.found.rims, frontier.known
+        openings = [*frontier.openings, *far_ends(seen, known, WHERE_TO_LOOK)]
+        round_ = [opening for opening in openings if not self._refuted(opening)]
+        straight = [rim for rim in frontier.rims if not any(o.holds(rim[0].point) for o in round_)]
+        looks = self._holes.next([*openings, *narrower_ends(seen, known)])
+        return self._looking.next() or looks or self._rim_looks.next(straight)
 
     def _own_faces(self) -> list[int]:
         """Those that the array in use felt, and no other: the floors of what it alone has room in."""
@@ -194,6 +237,17 @@ class AnyForm:
                 stands |= near & (side * (face.fit.shape.normals(at) * ways).sum(axis=1) < -0.3)
         left = [wall for wall, told in zip(walls, stands, strict=True) if not told]
         return [wall for wall in left if not self._overhung.holds(wall, self.reach.felt, self.pad.tool)]
+
+    def _on_a_face(self, wall: Wall) -> bool:
+        """Whether the pad lay on a known face when it was stopped: on an edge nobody knows which way it leans."""
+        for face in self.found.graph.faces:
+            if isinstance(face.fit, Fit):
+                at = wall.pose[None, :3, 3]
+                near = abs(float(face.fit.shape.signed_distance(at)[0])) < self.own.lain
+                side = 1.0 if face.fit.convex else -1.0
+                if near and side * float(face.fit.shape.normals(at)[0] @ wall.normal) > self.own.flush:
+                    return True
+        return False
 
     def _unread(self, wall: Wall) -> list[Wall]:
         """What it may be, and was not tried for yet."""

@@ -53,13 +53,14 @@ class Explorer:
         announce: Announce = lambda kind, detail: None,
         tools: Sequence[Tool] = (),
         told: Told | None = None,
+        draft: Callable[[Findings], Predicted] | None = None,
     ) -> None:
         config = config or ExplorerConfig()
         box = np.array(box, dtype=float)
         if told is not None and told.table is not None:
             box[2] = told.table - _UNDER
         self.guard, self.box, self.config, self.announce, self.told = guard, box, config, announce, told
-        self.found = Findings()
+        self.found, self._draft = Findings(), draft
         self.pad = Pad(guard, box, announce, told=told, tools=tools)
         self._felt = SurfaceMap()
         self._frontier: LocalFrontier | None = None
@@ -137,7 +138,9 @@ class Explorer:
                 self._unless_met(partial(retreat, self.guard, self.config.change))
                 self.guard.use(sensor)
                 self.announce("array", {"name": array.array.name})
-            form = AnyForm(self._study, self.config, LATER if sensor else None, bool(sensor))
+            last = sensor == len(self.guard.sensors) - 1
+            draft = self._draft if last else None
+            form = AnyForm(self._study, self.config, LATER if sensor else None, bool(sensor), draft)
             yield from form.run()
             self._unless_met(form.reach.come_out)
         form.conclude()

@@ -72,7 +72,7 @@ class Reach:
 
     def touch(self, target: Floats, give: bool = False, settling: SettleConfig | None = None) -> bool:
         """Go round what is known to before a (4, 4) target, and touch it; may it `give`, from farther off."""
-        off = self._off(target) if give else 0.0
+        off = self.off(target, self.config.give) if give else 0.0
         target = target @ se3.pose(translation=[0.0, 0.0, -off])
         under = self._under_lid(target)
         standoff = self.config.standoff + under
@@ -82,9 +82,15 @@ class Reach:
             self._inside = (target[:3, 3] - standoff * target[:3, 2], -target[:3, 2])
         return self.pad.touch(target, standoff, self.config.overtravel + off, settling)
 
-    def _off(self, target: Floats) -> float:
-        """[mm] before a (4, 4) target, at which nothing known is in its way; 0 where that is too far."""
-        tried = np.arange(0.0, self.config.give, self.config.step)
+    def descend(self, target: Floats, high: float) -> bool:
+        """Come down to a (4, 4) target from over `high` mm before it, until something is touched."""
+        if not self._before(target, self.config.standoff + high):
+            return False
+        return self.pad.touch(target, self.config.standoff + high, self.config.overtravel)
+
+    def off(self, target: Floats, most: float) -> float:
+        """[mm] before a (4, 4) target, at which nothing known is in its way; 0 where that is `most` or more."""
+        tried = np.arange(0.0, most, self.config.step)
         poses = target @ se3.pose(translation=np.outer(tried, [0.0, 0.0, -1.0]))
         room = self.pad.tool.clear(poses, self._obstacles(), self.config.room, -1.0)
         return float(tried[np.argmax(room)])

@@ -1,0 +1,114 @@
+"""Touching the object where a draft of it says that there is surface, and nothing was felt.
+
+Once nothing that is known leads on, all of it makes a body, with walls and ends that were only inferred.  Where
+that is wrong, it is wrong where nobody was.  The array lies down on what it has not felt there, if it has room:
+what it meets elsewhere, or does not meet, is known when the next draft is drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from exploration.planning.open.frontier import Predicted
+from exploration.planning.open.lying import lying_places
+from exploration.planning.touching.findings import Attempts, Done
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from primitives.arrays import Bools, Floats
+
+SPACING = 3.0  # [mm] between the places that stand for a draft's surface, about
+Draft = Callable[[], Predicted]  # such places of what all that is known makes
+
+
+@dataclass(frozen=True)
+class DraftedConfig:
+    """What of a draft is touched, and how often one is drawn."""
+
+    drafts: int = 3
+    each: int = 10  # touches for one of them
+    known: float = 6.0  # [mm] from a felt place that faces alike, within which surface is known
+    facing: float = 0.5  # least cosine of that
+    beside: int = 8  # felt places that are looked at for one
+    share: float = 0.3  # of the array, at least, that untouched surface must be under
+    flush: float = 0.9  # least cosine between the array's normal and that of what it covers
+    off: float = 2.0  # [mm] of that from the array's plane
+    same: float = 4.0  # [mm] between touches that are one
+    tries: int = 6  # ways to lie on a place, the best first
+
+
+class Drafted:
+    """The touches of one array."""
+
+    def __init__(
+        self,
+        study: Study,
+        reach: Reach,
+        draft: Draft,
+        alongs: Callable[[Floats], list[Floats]],
+        config: DraftedConfig = DraftedConfig(),
+    ) -> None:
+        self.study, self.reach, self.draft, self.alongs, self.config = study, reach, draft, alongs, config
+        self._goals: list[Floats] = []
+        self._left, self._felt = config.drafts, -1
+        self._tried = Attempts(1, config.same)
+
+    def next(self) -> Callable[[], Done] | None:
+        """A touch of what the last draft has untouched; None where another would have no more to say."""
+        felt = len(self.reach.felt.points)
+        if not self._goals and self._left > 0 and felt != self._felt:
+            self._left, self._felt = self._left - 1, felt
+            self._goals = self._untouched(self.draft())
+        if not self._goals:
+            return None
+        here = self.study.pad.guard.world_from_sensor[:3, 3]
+        nearest = int(np.argmin([np.linalg.norm(goal[:3, 3] - here) for goal in self._goals]))
+        return partial(self._touch, self._goals.pop(nearest))
+
+    def _untouched(self, surface: Predicted) -> list[Floats]:
+        """(4, 4) poses at which the array lies on much that was not felt, and has room."""
+        left, size = _of(surface, ~self._known(surface)), self.study.pad.size
+        least = self.config.share * size[0] * size[1] / SPACING**2
+        goals: list[Floats] = []
+        waiting = self._tried.counts(left.points) == 0
+        while waiting.any() and len(goals) < self.config.each:
+            one = int(np.argmax(waiting))
+            waiting[one] = False
+            places = lying_places(left, one, self.alongs(left.normals[one]), size)[: self.config.tries]
+            told = [pose for pose in places if self._under(left, pose).sum() > least]
+            if told and (room := self.reach.with_room(told)):
+                goals.append(room[0])
+                waiting &= ~self._under(left, room[0])
+        return goals
+
+    def _known(self, surface: Predicted) -> Bools:
+        """(n,) what of a surface was felt."""
+        felt = self.reach.felt
+        near = min(self.config.beside, len(felt.points))
+        away, which = KDTree(felt.points).query(surface.points, k=[*range(1, near + 1)])
+        facing = np.einsum("ijk,ik->ij", felt.facing[which], surface.normals)
+        return np.asarray(((away < self.config.known) & (facing > self.config.facing)).any(axis=1))
+
+    def _under(self, surface: Predicted, pose: Floats) -> Bools:
+        """(n,) what of a surface the array covers at a (4, 4) pose."""
+        local = np.abs((surface.points - pose[:3, 3]) @ pose[:3, :3])
+        half = 0.5 * np.asarray(self.study.pad.size)
+        facing = surface.normals @ -pose[:3, 2] > self.config.flush
+        return np.asarray((local < [*half, self.config.off]).all(axis=1) & facing)
+
+    def _touch(self, goal: Floats) -> Done:
+        self._tried.note(goal[:3, 3])
+        if self.reach.touch(goal):
+            return self.study.face_here(), "touched what a draft of the object has"
+        return (
+            None,
+            "a draft of the object is wrong there" if self.reach.led else "no way led to what a draft has",
+        )
+
+
+def _of(surface: Predicted, rows: Bools) -> Predicted:
+    return Predicted(surface.points[rows], surface.normals[rows], surface.face[rows])

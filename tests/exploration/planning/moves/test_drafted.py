@@ -1,0 +1,81 @@
+"""What a draft of the object has, and nobody felt, is touched where it is."""
+
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.faces.attribution import AttributionConfig
+from exploration.planning.moves.drafted import SPACING, Drafted, DraftedConfig
+from exploration.planning.open.frontier import Predicted
+from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.pad import Pad
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.routes import Tool
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.csg import Cube
+from models.solid import Solid
+from primitives import pose as se3
+
+UP, ALONG = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+SPEC = load_sensor("lts210")
+BOX = np.array([-120.0, -120.0, -60.0, 120.0, 120.0, 120.0])
+
+
+@pytest.fixture
+def study():
+    """Over a block whose top is at 0, touched once in a corner."""
+    solid = Solid.from_csg(Cube((120.0, 90.0, 20.0)).at(0.0, 0.0, -10.0))
+    high = se3.pose(se3.frame_along(-UP), [-40.0, -30.0, 60.0])
+    stage, arrays = simulate(solid, [SPEC], np.random.default_rng(0), start_pose=high)
+    guard = Guard(stage, arrays, [Calibration.nominal(SPEC)])
+    tools = Tool.each([SPEC], [array.flange_from_sensor for array in arrays])
+    pad = Pad(guard, BOX, lambda kind, detail: None, tools=tools)
+    assert pad.touch(se3.pose(pad.attitude(UP, ALONG), [-40.0, -30.0, 0.0]), 10.0, 10.0)
+    pad.feel()
+    return Study(pad, Findings(hollow=True), AttributionConfig(convex=False))
+
+
+def level(z, wide=(60.0, 45.0)):
+    """A draft whose surface is flat, at a height."""
+    x, y = (np.arange(-half + 1.0, half, SPACING) for half in wide)
+    points = np.stack(np.meshgrid(x, y, [z]), axis=-1).reshape(-1, 3)
+    return Predicted(points, np.tile(UP, (len(points), 1)), np.zeros(len(points), dtype=np.int64))
+
+
+def moves_of(study, surface):
+    """What all touches of one draft did."""
+    drafted = Drafted(study, Reach(study.pad), lambda: surface, lambda normal: [ALONG])
+    notes = []
+    while (move := drafted.next()) is not None:
+        notes.append(move()[1])
+    return notes
+
+
+def test_all_of_a_draft_that_is_there_is_felt(study):
+    notes = moves_of(study, level(0.0))
+    assert set(notes) == {"touched what a draft of the object has"}
+    felt = np.concatenate([points for points, _ in study.pad.felt])
+    assert np.abs(felt[:, 2]).max() < 0.6
+    far = np.abs(level(0.0, (50.0, 35.0)).points[:, None, :2] - felt[None, :, :2]).max(axis=2).min(axis=1)
+    assert far.max() < 10.0
+
+
+def test_what_is_not_there_is_told_and_free_afterwards(study):
+    notes = moves_of(study, level(30.0, (20.0, 12.0)))
+    assert notes
+    assert set(notes) == {"a draft of the object is wrong there"}
+    assert study.pad.swept.holds(np.array([[0.0, 0.0, 34.0]])).all()
+
+
+def test_what_was_felt_is_not_touched_again(study):
+    known = level(0.0, (7.0, 5.0))
+    moved = Predicted(known.points + [-40.0, -30.0, 0.0], known.normals, known.face)
+    assert moves_of(study, moved) == []
+
+
+def test_no_more_is_touched_than_the_drafts_allow(study):
+    config = DraftedConfig()
+    assert len(moves_of(study, level(0.0))) <= config.drafts * config.each
