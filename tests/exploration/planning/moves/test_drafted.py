@@ -72,7 +72,7 @@ def test_what_is_not_there_is_told_and_free_afterwards(study):
 
 def test_what_was_felt_is_not_touched_again(study):
     known = level(0.0, (7.0, 5.0))
-    moved = Predicted(known.points + [-40.0, -30.0, 0.0], known.normals, known.face)
+    moved = Predicted(known.points + np.array([-40.0, -30.0, 0.0]), known.normals, known.face)
     assert moves_of(study, moved) == []
 
 
