@@ -239,10 +239,14 @@ def _frames(directions: list[Direction]) -> Iterator[tuple[int | None, int | Non
 
 
 def frame_of(directions: Sequence[Direction], axes: tuple[int | None, int | None, int | None]) -> Floats:
-    """(3, 3) rotation whose columns are the directions of a box's frame."""
+    """(3, 3) rotation whose columns are the directions of a box's frame.
+
+    Directions that are upright only nearly are turned no farther than they must (Schonemann 1966).
+    """
     first = directions[axes[0]].axis if axes[0] is not None else np.eye(3)[2]
     if axes[1] is None:
         turned = frame_along(first)
         return np.stack([turned[:, 2], turned[:, 0], turned[:, 1]], axis=1)
     second = directions[axes[1]].axis
-    return np.stack([first, second, np.cross(first, second)], axis=1)
+    left, _, right = np.linalg.svd(np.stack([first, second, np.cross(first, second)], axis=1))
+    return np.asarray(left @ right)

@@ -6,7 +6,7 @@ import pytest
 from primitives.shapes import Cylinder, Plane
 from recognition.assembly.exchange import exchanged
 from recognition.assembly.search import SearchOptions, Step, _steps, replayed, shortest
-from recognition.assembly.vocabulary import Candidate, Vocabulary
+from recognition.assembly.vocabulary import Candidate, Direction, Vocabulary, frame_of
 
 Z = np.eye(3)[2]
 HEIGHTS, RADII = (0.0, 6.0, 25.0, 41.0), (10.0, 13.0, 16.0, 24.0)
@@ -42,3 +42,14 @@ def test_a_counterbore_taken_to_go_through_ends_at_its_ledge_and_leaves_the_bore
     stuck = replayed(through, vocabulary, bushing, weight, options)
     assert stuck.wrong > options.leaf
     assert (exchanged(stuck, vocabulary, bushing, weight, options).held == bushing).all()
+
+
+def test_a_frame_of_nearly_upright_directions_is_a_rotation():
+    nearly = np.array([5e-4, np.sqrt(1.0 - 25e-8), 0.0])
+    none = np.empty(0, dtype=np.int64)
+    directions = [Direction(axis, (), none) for axis in (np.array([1.0, 0.0, 0.0]), nearly)]
+    frame = frame_of(directions, (0, 1, None))
+    assert np.allclose(frame.T @ frame, np.eye(3), atol=1e-12)
+    assert np.linalg.det(frame) > 0.0
+    for column, direction in zip(frame.T, directions, strict=False):
+        assert np.linalg.norm(column - direction.axis) < 5e-4
