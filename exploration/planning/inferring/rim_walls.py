@@ -3,7 +3,9 @@
 A wall ends at a rim on each face that it meets, and lies in the plane of both: across t1 x t2 where the rims are
 not parallel, else across t x (p2 - p1).  Two rims are of one wall where that plane holds both, runs as the
 object's other faces do or stands upright on two that are parallel, and both faces are open to the same side of
-it.  That is likely and not measured, so the wall is marked as inferred (our derivation).
+it.  Rims on opposite faces that would make a gap many times as deep as it is wide are those of two shallow ones,
+as of letters engraved on both.  That is likely and not measured, so the wall is marked as inferred (our
+derivation).
 """
 
 from __future__ import annotations
@@ -34,6 +36,8 @@ class RimWallsConfig:
     known: float = 0.998  # least cosine between a wall's direction and one that the object has
     faces: float = 0.9  # most cosine between the faces of the two rims
     same: float = 0.6  # [mm] between walls that are one
+    slender: float = 8.0  # times as deep as it is wide, from which a gap is none that reaches through
+    looks_back: float = 0.9  # least cosine between the ways out of its two rims on one face, reversed
     most: int = 16  # walls of one rim each
     opposite: float = 0.99  # least cosine between the way that a wall looks and the one back
     likely: float = 0.93  # least cosine between the way out of such a rim and one that the object has
@@ -52,10 +56,32 @@ def rim_walls(
     found: list[Wall] = []
     for k, (a, face) in enumerate(rims):
         for b, other in rims[k + 1 :]:
-            if face != other and (normal := _across(a, b, ways, config)) is not None:
+            normal = None if face == other else _across(a, b, ways, config)
+            if normal is not None and not _too_slender((a, face), (b, other), rims, config):
                 _join(found, (_between(_along(a), _along(b)), normal), config)
     found += [side for floor in list(found) for side in _sides(rims, floor, ways, config)]
     return _contacts(found, config)
+
+
+def _too_slender(a: SeenRim, b: SeenRim, rims: Sequence[SeenRim], config: RimWallsConfig) -> bool:
+    """Whether a gap that reaches from a rim to one on an opposite face would be far deeper than it is wide."""
+    if float(a[0].normal @ b[0].normal) > -config.known:
+        return False
+    deep = abs(float((b[0].point - a[0].point) @ a[0].normal))
+    return deep > config.slender * max(_width(rim, rims, config) for rim in (a, b))
+
+
+def _width(seen: SeenRim, rims: Sequence[SeenRim], config: RimWallsConfig) -> float:
+    """[mm] from a rim to the nearest on its face that looks back at it; without end where none does."""
+    rim, face = seen
+    across = [
+        float((other.point - rim.point) @ rim.outward)
+        for other, own in rims
+        if own == face
+        and float(other.outward @ rim.outward) < -config.looks_back
+        and abs(float((other.point - rim.point) @ rim.tangent)) < 0.5 * (rim.length + other.length)
+    ]
+    return min((gap for gap in across if gap > 0.0), default=np.inf)
 
 
 def _once(rims: Sequence[SeenRim], config: RimWallsConfig) -> list[SeenRim]:

@@ -125,3 +125,13 @@ def test_an_edge_seen_of_a_round_face_makes_no_upright_wall():
     edge = rim([12.0, 0.0, 3.0], Z, Y, X)
     assert upright_walls([(edge, 7)], [*FACES, barrel]) == []
     assert len(upright_walls([(edge, 3)], FACES)) == 1
+
+
+def test_narrow_letters_on_opposite_faces_are_no_slot_right_through():
+    def letter(wide):
+        sides = [(x, out) for x, out in ((0.0, X), (wide, -X))]
+        near = [(rim([x, 25.0, 8.0], Z, out, Y), 1) for x, out in sides]
+        return [*near, *((rim([x, -25.0, 8.0], Z, out, -Y), 2) for x, out in sides)]
+
+    assert rim_walls(letter(4.0), FACES) == []
+    assert len(rim_walls(letter(10.0), FACES)) == 2
