@@ -39,7 +39,9 @@ class AttributionConfig:
     turned: float = 0.06  # [rad] as long as its normal is no farther off
     unsure: float = 1.0  # [mm] at most, that a face may be off where it is not known well
     misfit: float = 8.0  # chi2 per degree of freedom of a face that is none
-    least_contacts: int = 5  # that make a new face
+    least_contacts: int = 5  # that make a new face, or
+    least_clean: int = 4  # of one frame that shows nothing but surface,
+    clean: float = 0.0125  # [mm] if none of them errs by more
     poor: float = 0.04  # [mm] median deviation from which contacts must be of two touches to make a face
     least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one at once
     pool: float = 20.0  # [mm] within which the unexplained contacts of several visits are put together
@@ -93,7 +95,7 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
     alone = (rest, _beside(rest, rest, config)) if enough else ()
     about = _about(loose, rest, config)
     for lot in (*alone, _beside(loose, rest, config), about):
-        if len(lot) < config.least_contacts or _hearsay(lot, config):
+        if not _enough(lot, config) or _hearsay(lot, config):
             continue
         grown, opened = graph.add_stroke(lot)
         accepted = _sound(grown, opened, config)
@@ -165,6 +167,12 @@ def _owners(graph: PatchGraph, contacts: Contacts, config: AttributionConfig) ->
             closer = off < best
             owner[closer], best[closer] = face.id, off[closer]
     return owner
+
+
+def _enough(lot: Contacts, config: AttributionConfig) -> bool:
+    """Whether contacts may make a face: on a narrow land a pad that lies flush is all that there is."""
+    clean = not config.convex and len(lot) >= config.least_clean and float(lot.sigma.max()) < config.clean
+    return clean or len(lot) >= config.least_contacts
 
 
 def _hearsay(lot: Contacts, config: AttributionConfig) -> bool:

@@ -1,5 +1,7 @@
 """Which face contacts belong to, and when they make a new one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -184,3 +186,11 @@ def test_a_ring_felt_here_and_there_is_known_once_all_that_is_loose_is_seen_toge
     assert face.fit.kind == "torus"
     assert face.fit.shape.sizes == pytest.approx((22.0, 6.0), abs=0.1)
     assert len(taken.loose) == 8
+
+
+@pytest.mark.parametrize(("sigma", "faces"), [(0.011, 3), (0.017, 2)])
+def test_one_flush_frame_makes_a_narrow_face_where_it_shows_nothing_else(corner, sigma, faces):
+    flush = replace(side(1, 1.0, n=4, seed=5, reach=2.0), sigma=np.full(4, sigma))
+    taken = take_in(corner, NONE, flush, AttributionConfig(convex=False))
+    assert len(taken.graph.faces) == faces
+    assert len(taken.loose) == (0 if faces == 3 else 4)
