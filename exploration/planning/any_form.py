@@ -2,7 +2,8 @@
 
 Three kinds of things are open.  A wall that ended a stroke, and no known face explains: the pad turns to face it.
 A rim that no known face explains: the pad rolls over it.  Surface that goes on where nothing was felt: the pad
-strokes toward it, or comes down on it.  What was met and belongs to no face is followed until it makes one.
+strokes toward it, or comes down on it.  What stopped a stroke and cannot be faced is climbed; what was met and
+belongs to no face is followed until it makes one.  Last comes what a draft of the object has and nobody felt.
 Inside edges are where two touched faces meet, because no taxel looks sideways.  What was tried in vain a few
 times is given up, and left unknown.
 """
