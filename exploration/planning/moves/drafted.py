@@ -33,6 +33,7 @@ class DraftedConfig:
     each: int = 10  # touches for one of them
     known: float = 6.0  # [mm] from a felt place that faces alike, within which surface is known
     facing: float = 0.5  # least cosine of that
+    behind: float = 2.0  # [mm] a surface, where no array can have been
     beside: int = 8  # felt places that are looked at for one
     share: float = 0.3  # of the array, at least, that untouched surface must be under
     flush: float = 0.9  # least cosine between the array's normal and that of what it covers
@@ -63,6 +64,9 @@ class Drafted:
         if not self._goals and self._left > 0 and felt != self._felt:
             self._left, self._felt = self._left - 1, felt
             self._goals = self._untouched(self.draft())
+        waiting = np.array(self._goals).reshape(-1, 4, 4)
+        gone = self._gone_through(waiting[:, :3, 3], -waiting[:, :3, 2])
+        self._goals = [goal for goal, free in zip(self._goals, gone, strict=True) if not free]
         if not self._goals:
             return None
         here = self.study.pad.guard.world_from_sensor[:3, 3]
@@ -71,7 +75,8 @@ class Drafted:
 
     def _untouched(self, surface: Predicted) -> list[Floats]:
         """(4, 4) poses at which the array lies on much that was not felt, and has room."""
-        left, size = _of(surface, ~self._known(surface)), self.study.pad.size
+        known = self._known(surface) | self._gone_through(surface.points, surface.normals)
+        left, size = _of(surface, ~known), self.study.pad.size
         least = self.config.share * size[0] * size[1] / SPACING**2
         goals: list[Floats] = []
         waiting = self._tried.counts(left.points) == 0
@@ -92,6 +97,10 @@ class Drafted:
         away, which = KDTree(felt.points).query(surface.points, k=[*range(1, near + 1)])
         facing = np.einsum("ijk,ik->ij", felt.facing[which], surface.normals)
         return np.asarray(((away < self.config.known) & (facing > self.config.facing)).any(axis=1))
+
+    def _gone_through(self, points: Floats, normals: Floats) -> Bools:
+        """(n,) whether an array was where the material behind (n, 3) points would be."""
+        return self.study.pad.swept.holds(points - self.config.behind * normals)
 
     def _under(self, surface: Predicted, pose: Floats) -> Bools:
         """(n,) what of a surface the array covers at a (4, 4) pose."""
