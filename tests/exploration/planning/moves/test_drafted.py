@@ -79,3 +79,7 @@ def test_what_was_felt_is_not_touched_again(study):
 def test_no_more_is_touched_than_the_drafts_allow(study):
     config = DraftedConfig()
     assert len(moves_of(study, level(0.0))) <= config.drafts * config.each
+
+
+def test_a_draft_that_makes_no_body_asks_for_nothing(study):
+    assert moves_of(study, Predicted(np.empty((0, 3)), np.empty((0, 3)), np.empty(0, dtype=np.int64))) == []
