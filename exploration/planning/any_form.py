@@ -95,7 +95,8 @@ class AnyForm:
         self._looking = Looking(study, self.reach)
         self._drafted: Drafted | None = None
         if draft is not None:
-            self._drafted = Drafted(study, self.reach, partial(self._drafted_by, draft), self._open.alongs)
+            drawn = partial(self._drafted_by, draft)
+            self._drafted = Drafted(study, self.reach, drawn, self._open.alongs, self._looking)
         self._last: tuple[tuple[int, ...], PatchGraph, LocalFrontier] | None = None
         study.reconsider()
 

@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from scipy.spatial import KDTree
 
+from exploration.planning.moves.looking import Looking
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.lying import lying_places
 from exploration.planning.touching.findings import Attempts, Done
@@ -39,7 +40,7 @@ class DraftedConfig:
     flush: float = 0.9  # least cosine between the array's normal and that of what it covers
     off: float = 2.0  # [mm] of that from the array's plane
     same: float = 4.0  # [mm] between touches that are one
-    tries: int = 6  # ways to lie on a place, the best first
+    tries: int = 50  # ways to lie on a place, the best first
 
 
 class Drafted:
@@ -51,9 +52,11 @@ class Drafted:
         reach: Reach,
         draft: Draft,
         alongs: Callable[[Floats], list[Floats]],
+        looking: Looking,
         config: DraftedConfig = DraftedConfig(),
     ) -> None:
         self.study, self.reach, self.draft, self.alongs, self.config = study, reach, draft, alongs, config
+        self._looking = looking
         self._goals: list[Floats] = []
         self._left, self._felt = config.drafts, -1
         self._tried = Attempts(1, config.same)
@@ -111,12 +114,14 @@ class Drafted:
 
     def _touch(self, goal: Floats) -> Done:
         self._tried.note(goal[:3, 3])
-        if self.reach.touch(goal):
+        met = self.reach.touch(goal)
+        led = self.reach.led
+        if not met and not led:
+            found = self._looking.come_down_on(goal)
+            met, led = bool(found), found is not None
+        if met:
             return self.study.face_here(), "touched what a draft of the object has"
-        return (
-            None,
-            "a draft of the object is wrong there" if self.reach.led else "no way led to what a draft has",
-        )
+        return None, "a draft of the object is wrong there" if led else "no way led to what a draft has"
 
 
 def _of(surface: Predicted, rows: Bools) -> Predicted:

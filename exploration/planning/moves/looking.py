@@ -35,6 +35,7 @@ class LookingConfig:
     same: float = 15.0  # [mm] between the beginnings of approaches that are one
     beside: float = 12.0  # [mm] from what was met on the way round, where it is looked for
     back: float = 6.0  # [mm] from what was met on the way round
+    step: float = 5.0  # [mm] between the places on a way that are looked at
 
 
 class Looking:
@@ -54,15 +55,39 @@ class Looking:
         view = best_view(felt.points, felt.facing, pad.swept, half, own_axes(self.study.found.graph.faces))
         return None if view is None else partial(self._look, view)
 
+    def come_down_on(self, target: Floats) -> bool | None:
+        """From outside straight down on a (4, 4) target; whether it was touched, None where no way is free."""
+        ball, tool = self._ball(), self.study.pad.tool
+        start = self._start(target, ball)
+        back = float(np.linalg.norm(target[:3, 3] - start[:3, 3]))
+        steps = np.arange(self.reach.config.standoff, back, self.config.step)
+        poses = target @ se3.pose(translation=np.outer(steps, [0.0, 0.0, -1.0]))
+        if not tool.clear(poses, self.reach.felt.points, 1.0, 1.0).all() or not self._round(start, ball):
+            return None
+        deep = back + self.reach.config.overtravel
+        touched_it = self.study.pad.come_down(target[:3, 2], deep, ApproachConfig().search_speed)
+        if not touched_it:
+            self.study.pad.guard.go_to(start)
+        return touched_it
+
+    def _ball(self) -> Ball:
+        """About all that was felt, and well off it."""
+        felt = self.reach.felt.points
+        middle = 0.5 * (felt.min(axis=0) + felt.max(axis=0))
+        return Ball(middle, float(np.linalg.norm(felt - middle, axis=1).max()) + self.config.out)
+
+    def _start(self, target: Floats, ball: Ball) -> Floats:
+        """(4, 4) outside a ball, from where a straight way leads to a (4, 4) target."""
+        way, at = target[:3, 2], target[:3, 3]
+        far = float((at - ball.center) @ way) + ball.radius + self.config.start
+        return se3.pose(target[:3, :3], at - far * way)
+
     def _look(self, view: View) -> Done:
         self._left -= 1
         pad, guard = self.study.pad, self.study.pad.guard
-        felt = self.reach.felt.points
-        middle = 0.5 * (felt.min(axis=0) + felt.max(axis=0))
-        ball = Ball(middle, float(np.linalg.norm(felt - middle, axis=1).max()) + self.config.out)
-        far = ball.radius + self.config.start
-        way, at = view.target[:3, 2], view.target[:3, 3]
-        start = se3.pose(view.target[:3, :3], at - (float((at - middle) @ way) + far) * way)
+        ball = self._ball()
+        way, far = view.target[:3, 2], ball.radius + self.config.start
+        start = self._start(view.target, ball)
         if not self._round(start, ball):
             if self._failed.count(start[:3, 3]):
                 pad.swept.set_aside(view.unseen)  # not worth a third try

@@ -7,6 +7,7 @@ from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.faces.attribution import AttributionConfig
 from exploration.planning.moves.drafted import SPACING, Drafted, DraftedConfig
+from exploration.planning.moves.looking import Looking
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
@@ -47,7 +48,8 @@ def level(z, wide=(60.0, 45.0)):
 
 def moves_of(study, surface):
     """What all touches of one draft did."""
-    drafted = Drafted(study, Reach(study.pad), lambda: surface, lambda normal: [ALONG])
+    reach = Reach(study.pad)
+    drafted = Drafted(study, reach, lambda: surface, lambda normal: [ALONG], Looking(study, reach))
     notes = []
     while (move := drafted.next()) is not None:
         notes.append(move()[1])
@@ -83,3 +85,13 @@ def test_no_more_is_touched_than_the_drafts_allow(study):
 
 def test_a_draft_that_makes_no_body_asks_for_nothing(study):
     assert moves_of(study, Predicted(np.empty((0, 3)), np.empty((0, 3)), np.empty(0, dtype=np.int64))) == []
+
+
+def test_a_place_that_no_short_way_leads_to_is_come_at_from_outside(study):
+    reach = Reach(study.pad)
+    down = se3.pose(study.pad.attitude(UP, ALONG), [20.0, 20.0, 0.0])
+    assert Looking(study, reach).come_down_on(down)
+    assert study.pad.guard.world_from_sensor[2, 3] == pytest.approx(0.0, abs=1.0)
+    through = se3.pose(study.pad.attitude(-UP, ALONG), [20.0, 20.0, 5.0])
+    study.pad.lie(np.array([[x, y, -20.0] for x in (15.0, 20.0) for y in (15.0, 20.0)]))
+    assert Looking(study, reach).come_down_on(through) is None  # something known stands before it
