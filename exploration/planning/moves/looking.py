@@ -57,18 +57,18 @@ class Looking:
 
     def come_down_on(self, target: Floats) -> bool | None:
         """From outside straight down on a (4, 4) target; whether it was touched, None where no way is free."""
-        ball, tool = self._ball(), self.study.pad.tool
+        ball = self._ball()
         start = self._start(target, ball)
         back = float(np.linalg.norm(target[:3, 3] - start[:3, 3]))
         steps = np.arange(self.reach.config.standoff, back, self.config.step)
-        poses = target @ se3.pose(translation=np.outer(steps, [0.0, 0.0, -1.0]))
-        if not tool.clear(poses, self.reach.felt.points, 1.0, 1.0).all() or not self._round(start, ball):
+        way = list(target @ se3.pose(translation=np.outer(steps, [0.0, 0.0, -1.0])))
+        if len(self.reach.with_room(way)) < len(way) or not self._round(start, ball):
             return None
         deep = back + self.reach.config.overtravel
-        touched_it = self.study.pad.come_down(target[:3, 2], deep, ApproachConfig().search_speed)
-        if not touched_it:
+        met = self.study.pad.come_down(target[:3, 2], deep, ApproachConfig().search_speed)
+        if not met:
             self.study.pad.guard.go_to(start)
-        return touched_it
+        return met
 
     def _ball(self) -> Ball:
         """About all that was felt, and well off it."""

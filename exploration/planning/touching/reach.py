@@ -90,7 +90,7 @@ class Reach:
 
     def off(self, target: Floats, most: float) -> float:
         """[mm] before a (4, 4) target, at which nothing known is in its way; 0 where that is `most` or more."""
-        tried = np.arange(0.0, most, self.config.step)
+        tried = np.arange(0.0, max(most, self.config.step), self.config.step)
         poses = target @ se3.pose(translation=np.outer(tried, [0.0, 0.0, -1.0]))
         room = self.pad.tool.clear(poses, self._obstacles(), self.config.room, -1.0)
         return float(tried[np.argmax(room)])

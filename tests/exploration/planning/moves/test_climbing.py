@@ -64,6 +64,11 @@ def test_where_nothing_stands_that_is_told(study):
     assert note == "nothing stands on the face where a stroke was stopped"
 
 
+def test_a_stop_over_all_that_was_felt_is_looked_beyond_as_well(study):
+    wall = stop(study, [10.0, 42.0, 3.0], np.array([0.0, 1.0, 0.0]))
+    assert Climbing(study, Reach(study.pad)).next([wall]) is not None
+
+
 def test_where_there_is_nothing_at_all_the_array_goes_past(study):
     wall = stop(study, [-75.0, 0.0, 0.0], -AHEAD)
     move = Climbing(study, Reach(study.pad)).next([wall])
