@@ -19,7 +19,7 @@ from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from exploration.planning.ways.round_ball import Ball, way_round
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 
@@ -35,6 +35,7 @@ class LookingConfig:
     same: float = 15.0  # [mm] between the beginnings of approaches that are one
     beside: float = 12.0  # [mm] from what was met on the way round, where it is looked for
     back: float = 6.0  # [mm] from what was met on the way round
+    off_told: float = 2.0  # [mm] from what was told, from where a felt place is the object's
     step: float = 5.0  # [mm] between the places on a way that are looked at
 
 
@@ -50,9 +51,9 @@ class Looking:
         """The approach that sees most; None where none is worth it."""
         if self._left <= 0:
             return None
-        felt, pad = self.reach.felt, self.study.pad
-        half = pad.tool.high[:2]
-        view = best_view(felt.points, felt.facing, pad.swept, half, own_axes(self.study.found.graph.faces))
+        felt, own, pad = self.reach.felt, self._own(), self.study.pad
+        axes = own_axes(self.study.found.graph.faces)
+        view = best_view(felt.points[own], felt.facing[own], pad.swept, pad.tool.high[:2], axes)
         return None if view is None else partial(self._look, view)
 
     def come_down_on(self, target: Floats) -> bool | None:
@@ -70,9 +71,16 @@ class Looking:
             self.study.pad.guard.go_to(start)
         return met
 
+    def _own(self) -> Bools:
+        """(n,) which felt places are the object's: all that are well off what was told."""
+        points, told = self.reach.felt.points, self.study.pad.told
+        if told is None:
+            return np.ones(len(points), dtype=bool)
+        return np.asarray(told.surface.signed_distance(points) > self.config.off_told)
+
     def _ball(self) -> Ball:
         """About all that was felt, and well off it."""
-        felt = self.reach.felt.points
+        felt = self.reach.felt.points[self._own()]
         middle = 0.5 * (felt.min(axis=0) + felt.max(axis=0))
         return Ball(middle, float(np.linalg.norm(felt - middle, axis=1).max()) + self.config.out)
 
@@ -96,13 +104,17 @@ class Looking:
                 return self.study.face_here(), "met something on the way round"
             return None, "met something on the way round, and lost it"
         met = pad.come_down(way, 2.0 * far, ApproachConfig().search_speed)
-        if not met or self._looked.given_up(start[:3, 3]):
+        home = self.study.face_here() if met else None
+        beside = (
+            pad.told is not None and home is None
+        )  # a table, most likely, which ends no view of the object
+        if not met or beside or self._looked.given_up(start[:3, 3]):
             pad.swept.set_aside(view.unseen)  # seen, or behind what is not felt well enough to end the view
         self._looked.note(start[:3, 3])
         if not met:
             guard.go_to(start)
             return None, "looked from afar and met nothing"
-        return self.study.face_here(), "looked from afar and met something"
+        return home, "looked from afar and met something"
 
     def _round(self, start: Floats, ball: Ball) -> bool:
         """To a (4, 4) start, straight or out of a ball and round it; false where something was in the way."""

@@ -45,15 +45,15 @@ class Space:
         self.aside.append(places)
 
 
-def looking(meets):
+def looking(meets, told=None, face=1):
     """A look from afar at a ring, which meets something or nothing, and what it sets aside."""
     swept = Space()
     guard = SimpleNamespace(world_from_sensor=np.eye(4), go_to=lambda pose: None)
-    pad = SimpleNamespace(swept=swept, guard=guard, come_down=lambda *how: meets)
+    pad = SimpleNamespace(swept=swept, guard=guard, told=told, come_down=lambda *how: meets)
     felt = SimpleNamespace(points=RING.project(np.random.default_rng(0).uniform(-30, 30, (40, 3))))
     reach = SimpleNamespace(felt=felt, led=True, come_out=lambda: None)
     reach.go = lambda start: guard.__setattr__("world_from_sensor", start) or True
-    study = SimpleNamespace(pad=pad, face_here=lambda: 1)
+    study = SimpleNamespace(pad=pad, face_here=lambda: face)
     return Looking(study, reach), swept
 
 
@@ -72,3 +72,20 @@ def test_what_was_looked_at_and_met_nothing_is_done_with():
     look, swept = looking(meets=False)
     look._look(VIEW)
     assert len(swept.aside) == 1
+
+
+TABLE = SimpleNamespace(surface=SimpleNamespace(signed_distance=lambda points: points[:, 2] + 100.0))
+
+
+def test_a_view_that_ends_on_the_table_is_done_with():
+    look, swept = looking(meets=True, told=TABLE, face=None)
+    look._look(VIEW)
+    assert len(swept.aside) == 1
+
+
+def test_the_table_is_no_part_of_what_is_looked_at():
+    look, _ = looking(meets=True, told=TABLE)
+    ball = look._ball()
+    felt = look.reach.felt
+    felt.points = np.concatenate([felt.points, [[400.0, 0.0, -100.3], [0.0, 400.0, -99.8]]])
+    assert look._ball().radius == pytest.approx(ball.radius)
