@@ -99,6 +99,7 @@ class AnyForm:
             self._drafted = Drafted(study, self.reach, drawn, self._open.alongs, self._looking)
         self._last: tuple[tuple[int, ...], PatchGraph, LocalFrontier] | None = None
         study.reconsider()
+        self._before = {face.id for face in study.found.graph.faces if isinstance(face.fit, Fit)}
 
     def run(self) -> Iterator[str]:
         """Make moves until nothing is left to try; yields what each one did."""
@@ -207,13 +208,17 @@ class AnyForm:
         return self._looking.next() or looks or self._rim_looks.next(straight)
 
     def _own_faces(self) -> list[int]:
-        """Those that the array in use felt, and no other: the floors of what it alone has room in."""
+        """Those that the array in use felt, and no other, as floors of what it alone has room in; and new ones."""
         own = self.pad.guard.active
         felt = (
             (face.id, face.contacts.select(face.contacts.touch != NOT_FELT))
             for face in self.found.graph.faces
         )
-        return [number for number, contacts in felt if len(contacts) and (contacts.sensor == own).all()]
+        return [
+            number
+            for number, contacts in felt
+            if number not in self._before or (len(contacts) and (contacts.sensor == own).all())
+        ]
 
     def _refuted(self, opening: RoundRim) -> bool:
         """Whether a look has found no round rim there."""

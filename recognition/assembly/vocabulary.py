@@ -20,7 +20,7 @@ from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
 
 _PARALLEL = 1e-3  # [rad] within which directions are one
 _KEPT = 1024  # candidates whose cells are remembered: a list is replayed with one of them changed
-_ACROSS = 0.01  # [rad] from upright on a round surface's axis, within which a plane ends it
+_ACROSS = 0.02  # [rad] from upright on a round surface's axis, within which a plane ends it
 Slab = tuple[int | None, int | None]  # the planes below and above, None where it is open
 
 

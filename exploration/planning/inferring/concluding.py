@@ -14,6 +14,7 @@ import numpy as np
 from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
+from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.far_ends import far_ends, shut
@@ -25,7 +26,6 @@ from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
-from exploration.planning.inferring.uprighted import uprighted
 from exploration.planning.moves.round_holes import Hole, holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier

@@ -28,6 +28,7 @@ class FarEndsConfig:
     least: int = 3  # such places
     bare: float = 0.5  # of the radius round the axis, where it was touched nowhere
     beside: float = 12.0  # [mm] round the hole, within which the face was touched
+    past: float = 1.0  # [mm] past a ring's outer circle, at which a face was touched that is no such ring
     narrower: tuple[float, float] = (2.0, 0.6)  # [mm], and of the radius, that a narrower end has
 
 
@@ -56,7 +57,7 @@ def narrower_ends(
         across = [(deep, own, touched) for own in known for deep, touched in _across(rim, own, config)]
         for deep, own, touched in sorted(across, key=lambda item: item[0])[:1]:
             radius = float(np.clip(touched, least, share * rim.radius))
-            found.append(_opposite(rim, deep, own, radius))
+            found.append(_opposite(rim, deep, own, radius, config))
     return found
 
 
@@ -73,7 +74,7 @@ def _end(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> RoundRim | Non
     touched, missing = (aside(places, center, rim.axis) for places in (own.cells, own.free))
     gone = int((missing < config.within * rim.radius).sum()) >= config.least
     bare = config.bare * rim.radius < touched.min() < rim.radius + config.beside
-    return _opposite(rim, deep, own, rim.radius) if gone and bare else None
+    return _opposite(rim, deep, own, rim.radius, config) if gone and bare else None
 
 
 def _across(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> list[tuple[float, float]]:
@@ -95,6 +96,11 @@ def _deep(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> float | None:
     return deep if 0.0 < deep < config.deepest else None
 
 
-def _opposite(rim: RoundRim, deep: float, own: KnownFace, radius: float) -> RoundRim:
+def _opposite(rim: RoundRim, deep: float, own: KnownFace, radius: float, config: FarEndsConfig) -> RoundRim:
+    """The rim on a face behind; that may reach farther from the axis than the face that the first rim is on."""
     center: Floats = rim.center - deep * rim.axis
-    return replace(rim, center=center, axis=-rim.axis, radius=radius, face=own.face.id, measured=False)
+    wide = float(aside(own.cells, center, rim.axis).max()) > rim.outer + config.past
+    outer = np.inf if wide else rim.outer
+    return replace(
+        rim, center=center, axis=-rim.axis, radius=radius, face=own.face.id, measured=False, outer=outer
+    )

@@ -17,10 +17,12 @@ from exploration.planning.faces.attribution import (
     take_in,
     without,
 )
+from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
+from primitives.patch_graph import PatchGraph
 
 _SLANT, _STRAIGHT = 0.25, 0.98  # cosine from and up to which a stroke goes slanting to a side of the housing
 _WORTH_CENTERING = 4.0  # [mm] of a stroke, after which the pad goes back to the middle
@@ -85,7 +87,8 @@ class Study:
     def take_in(self, contacts: Contacts) -> int | None:
         """Give contacts to the faces that explain them; the face that most of them lie on."""
         taken = take_in(self.found.graph, self.loose, contacts, self.config)
-        self.found.graph, self.loose = taken.graph, taken.loose
+        self._keep(taken.graph)
+        self.loose = taken.loose
         self.found.hollow |= taken.hollow
         self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
         return taken.home
@@ -96,9 +99,14 @@ class Study:
             return False
         taken = name_loose(self.found.graph, self.loose, self.config)
         before = {face.id for face in self.found.graph.faces}
-        self.found.graph, self.loose, self._left_loose = taken.graph, taken.loose, len(taken.loose)
+        self._keep(taken.graph)
+        self.loose, self._left_loose = taken.loose, len(taken.loose)
         self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
         return bool({face.id for face in taken.graph.faces} - before)
+
+    def _keep(self, graph: PatchGraph) -> None:
+        """Round faces that a few contacts made stand upright on the others, where those agree."""
+        self.found.graph = graph if self.config.convex else uprighted(graph, self.found.graph)
 
     def reconsider(self) -> None:
         """Make faces of what was held against a convex object: its steps contradict each other's planes."""

@@ -64,6 +64,14 @@ def test_a_wide_rim_may_come_out_narrower_where_the_face_behind_was_touched_acro
     assert narrower_ends([RIM], [under()]) == []  # as wide there
 
 
+def test_a_ring_s_outer_circle_holds_on_the_other_side_only_where_that_face_was_not_felt_past_it():
+    unknown = replace(under(), free=np.empty((0, 3)))
+    (ring,) = far_ends([replace(RIM, outer=40.0)], [unknown], WHERE_TO_LOOK)
+    (flange,) = far_ends([replace(RIM, outer=12.0)], [unknown], WHERE_TO_LOOK)
+    assert ring.outer == 40.0
+    assert flange.outer == np.inf
+
+
 def test_a_hole_is_shut_by_the_first_face_touched_across_it():
     across = under((90.0, 0.0))
     assert shut(RIM, [under((90.0, 0.0), height=-15.0), across]) == pytest.approx(10.0)

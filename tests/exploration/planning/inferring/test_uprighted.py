@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.uprighted import uprighted
+from exploration.planning.faces.uprighted import uprighted
 from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face

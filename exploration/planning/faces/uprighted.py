@@ -33,12 +33,16 @@ _SAME = 0.995  # cosine from which two directions are one
 _UPRIGHT = 0.9998  # cosine from which a cylinder stands along a direction as it is
 
 
-def uprighted(graph: PatchGraph) -> PatchGraph:
-    """The graph with upright cylinders for its few-contact round faces, where their contacts allow it."""
+def uprighted(graph: PatchGraph, before: PatchGraph | None = None) -> PatchGraph:
+    """The graph with upright cylinders for its few-contact round faces, where their contacts allow it.
+
+    Faces that it had `before` already are left as they are.
+    """
     ways = list(_directions(graph))
     faces = []
     for face in graph.faces:
-        found = _upright(face, ways)
+        same = before is not None and any(face is other for other in before.faces)
+        found = None if same else _upright(face, ways)
         faces.append(face if found is None else replace(face, fit=found, ranked=()))
     return replace(graph, faces=tuple(faces))
 
