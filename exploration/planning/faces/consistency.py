@@ -14,7 +14,7 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit
 from primitives.patch_graph import Face, PatchGraph
-from primitives.shapes import Shape
+from primitives.shapes import Cylinder, Shape
 
 _BEYOND = 0.3  # [mm] a contact this far in front of a face contradicts it
 _PAST = 1.0  # [mm] past the end of its own narrow face, at which blurred rubber may put a contact
@@ -158,10 +158,15 @@ def _plane_of(face: Face) -> Fit | None:
 
 def _bulge(face: Face) -> float | None:
     """[mm] by which a hardly curved face bulges over what was touched of it; None where it is not."""
-    radius = getattr(face.fit.shape, "radius", None) if isinstance(face.fit, Fit) else None
+    if not isinstance(face.fit, Fit):
+        return None
+    radius = getattr(face.fit.shape, "radius", None)
     if radius is None or len(face.contacts) < _SOUND:
         return None
-    extent = float(np.ptp(face.contacts.points, axis=0).max())
+    points = face.contacts.points
+    if isinstance(face.fit.shape, Cylinder):  # along its axis it is straight
+        points = (points - points.mean(axis=0)) @ face.fit.shape.frame[:, :2]
+    extent = float(np.ptp(points, axis=0).max())
     return extent**2 / (8.0 * radius) if radius > _FLAT * extent else None
 
 

@@ -4,7 +4,8 @@ A pad that met a round end once or twice felt some ten contacts of it, or many o
 leans, a cone or a cylinder, as well as the cylinder that stands upright on its plate; what leans ends somewhere
 else.  A cylinder along a known direction has three parameters, where a cone has six: Schwarz's criterion says what
 the contacts pay for (our derivation).  On a low rim the skin bends over both its edges wherever it lies, as on a
-piece of a sphere: what such contacts err by together is added to their own sigmas.
+piece of a sphere: what such contacts err by together is added to their own sigmas.  The rim of a plate, which ends
+at two flats across it, is a cylinder as long as it bulges no more than that.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit, squares
 from primitives.patch_graph import Face, PatchGraph
-from primitives.shapes import Cylinder, Shape
+from primitives.shapes import Cylinder, Plane, Shape
 
 _FEW = 30  # contacts, from which a face tells its own direction
 _BAND = 0.5  # of a cylinder's radius, along which it was felt at least where it tells its own direction
@@ -27,6 +28,8 @@ _RESIDUALS = 3  # of a point with its normal
 _SLACK = 3.0  # times chi2, by which contacts of one touch err together beyond their frames' noise
 _LOW = 8.0  # [mm] along a direction, up to which a face lies beside its edges throughout
 _BENT = 0.06, 0.1  # [mm], [rad] that contacts and their normals err by there
+_PLATE = 1.5  # [mm] from the flats at both ends of a plate's rim, within which it was felt
+_BULGE = 0.08  # [mm] rms from a cylinder, up to which such a rim is one
 _ACROSS = 0.3  # most cosine between a direction and the median contact's normal
 _STEP = 3.0  # [mm] along a cylinder, at which it is the same again
 _SAME = 0.995  # cosine from which two directions are one
@@ -38,11 +41,11 @@ def uprighted(graph: PatchGraph, before: PatchGraph | None = None) -> PatchGraph
 
     Faces that it had `before` already are left as they are.
     """
-    ways = list(_directions(graph))
+    ways, flats = list(_directions(graph)), list(_flats(graph))
     faces = []
     for face in graph.faces:
         same = before is not None and any(face is other for other in before.faces)
-        found = None if same else _upright(face, ways)
+        found = None if same else _upright(face, ways, flats)
         faces.append(face if found is None else replace(face, fit=found, ranked=()))
     return replace(graph, faces=tuple(faces))
 
@@ -61,7 +64,14 @@ def _directions(graph: PatchGraph) -> Iterator[Floats]:
             yield direction
 
 
-def _upright(face: Face, ways: list[Floats]) -> Fit | None:
+def _flats(graph: PatchGraph) -> Iterator[Plane]:
+    """The planes of faces that were felt."""
+    for face in graph.faces:
+        if isinstance(face.fit, Fit) and isinstance(face.fit.shape, Plane):
+            yield face.fit.shape
+
+
+def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     """The cylinder along the direction that its contacts like best; None where its own fit explains more."""
     if not isinstance(face.fit, Fit) or face.fit.kind == "plane":
         return None
@@ -82,11 +92,24 @@ def _upright(face: Face, ways: list[Floats]) -> Fit | None:
             continue
         own, chi2 = squares(face.fit, told).sum(), squares(made, told).sum()
         gain = float(own - chi2) / _SLACK + (len(face.fit.sigma) - _PARAMETERS) * paid
+        if made.rms < _BULGE and _rims_plate(felt, way, flats):
+            gain = max(gain, paid)
         if gain > most:
             rows = face.fit.inliers
             dof = max(_RESIDUALS * len(felt) - _PARAMETERS, 1)
             best, most = replace(made, inliers=rows, chi2=float(chi2), dof=dof), gain
     return best
+
+
+def _rims_plate(felt: Contacts, way: Floats, flats: list[Plane]) -> bool:
+    """Whether contacts reach from a flat across a (3,) way to another."""
+    along = felt.points @ way
+    levels = [
+        float(flat.origin @ flat.normal) * np.sign(flat.normal @ way)
+        for flat in flats
+        if abs(float(flat.normal @ way)) > _SAME
+    ]
+    return all(any(abs(end - level) < _PLATE for level in levels) for end in (along.min(), along.max()))
 
 
 def _bent(felt: Contacts) -> Contacts:

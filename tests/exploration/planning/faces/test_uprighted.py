@@ -109,3 +109,17 @@ def test_a_dome_of_many_contacts_stays_one():
     dome = face(1, Contacts.of(away, ball.normals(away), 0.03, 0.03))
     assert dome.fit.kind == "sphere"
     assert uprighted(PatchGraph((plate(rng), dome), ())).faces[1] is dome
+
+
+def test_the_rim_of_a_plate_is_a_cylinder_where_it_ends_at_both_its_flats():
+    rng = np.random.default_rng(6)
+    ball = Sphere([0, 0, 4.0], 44.0)
+    turn, up = np.linspace(0.0, 5.0, 90), rng.uniform(0.1, 7.9, 90)
+    at = ball.project(np.column_stack([44.0 * np.cos(turn), 44.0 * np.sin(turn), up]))
+    rim = face(1, Contacts.of(at, ball.normals(at), 0.02, 0.03))
+    below, above = plate(rng), face(2, Contacts.of(plate(rng).contacts.points + 8.0 * Z, np.tile(Z, (60, 1))))
+    assert uprighted(PatchGraph((below, rim), ())).faces[1] is rim
+    (_, own, _) = uprighted(PatchGraph((below, rim, above), ())).faces
+    assert own.fit.kind == "cylinder"
+    assert abs(own.fit.shape.direction @ Z) > 0.9999
+    assert own.fit.shape.radius == pytest.approx(44.0, abs=0.2)
