@@ -7,6 +7,7 @@ In the face's plane, with a the distance of a taxel from the hole's center and F
 
 its own plane (d, g) under the same circle.  The planes are linear, so only center and radius are searched for
 (variable projection, Golub and Pereyra 1973).  Taxels far outside the rim tell of other things and are left out.
+So are those over a keyway or a nick: where no circle explains all taxels, one may explain most that see the rim.
 A face that is a ring about the hole ends at a known circle of radius S, and 1 becomes F(b / w, S / w), with b
 from the center of that.
 """
@@ -17,13 +18,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.blurred_disc import of_disc
 from exploration.sensing.response import response_of
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
+
+_LEAST = 12  # taxels of a look
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,10 @@ class RoundHoleConfig:
     least: float = 1.5  # [mm] radius, below which the skin sees no hole
     misfit: float = 3.0  # chi2 per degree of freedom, above which the hole is not round
     certain: float = 0.3  # [mm] of the radius, that it must be known to
+    stray: float = 4.0  # [standard deviations] from which a taxel tells of a keyway
+    sees: float = 0.2  # of the largest slope by the radius, from which a taxel sees the rim
+    chosen: float = 1.8  # chi2 per degree of freedom, the same for what is left without strays
+    round: float = 0.7  # share of those that must agree
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,17 @@ class _Look:
     width: float  # [mm]
     face: Floats  # (n,) of each, that would lie on the face if it had no hole
 
+    def only(self, kept: Bools) -> _Look:
+        """Of some taxels."""
+        return _Look(
+            self.flat[kept],
+            self.rows[kept],
+            self.depth[kept],
+            self.weight[kept],
+            self.width,
+            self.face[kept],
+        )
+
 
 def fit_round_hole(
     frames: Sequence[tuple[TactileImage, Floats]],
@@ -75,7 +93,7 @@ def fit_round_hole(
     """
     turn = se3.frame_along(axis)
     looks = [_look(image, (pose, turn, center), (radius, outer), config) for image, pose in frames]
-    looks = [look for look in looks if len(look.depth) > 12]
+    looks = [look for look in looks if len(look.depth) > _LEAST]
     if not looks:
         return None
     top = [config.shift, config.shift, radius + config.change]
@@ -84,15 +102,40 @@ def fit_round_hole(
     def residual(circle: Floats) -> Floats:
         return np.concatenate([_residual(look, circle) for look in looks])
 
-    found = least_squares(residual, [0.0, 0.0, radius], bounds=(low, top))
-    dof = max(len(found.fun) - 3 - 3 * len(looks), 1)
-    misfit = float(2.0 * found.cost / dof)
+    found, most = least_squares(residual, [0.0, 0.0, radius], bounds=(low, top)), config.misfit
+    if _misfit(found, len(looks)) > config.misfit:
+        robust = least_squares(residual, [0.0, 0.0, radius], bounds=(low, top), loss="cauchy", f_scale=2.0)
+        looks = _without_strays(looks, residual(robust.x), np.abs(np.asarray(robust.jac)[:, 2]), config)
+        if not looks:
+            return None
+        found, most = least_squares(residual, robust.x, bounds=(low, top)), config.chosen
+    misfit = _misfit(found, len(looks))
     slopes = np.asarray(found.jac)
     inverse = np.linalg.pinv(slopes.T @ slopes)
     sigma = float(np.sqrt(inverse[2, 2] * max(misfit, 1.0)))
-    if misfit > config.misfit or sigma > config.certain or (found.active_mask != 0).any():
+    if misfit > most or sigma > config.certain or (found.active_mask != 0).any():
         return None
     return RoundHole(center + turn[:, :2] @ found.x[:2], float(found.x[2]), sigma, misfit)
+
+
+def _misfit(found: OptimizeResult, looks: int) -> float:
+    """Chi2 per degree of freedom."""
+    return float(2.0 * found.cost / max(len(found.fun) - 3 - 3 * looks, 1))
+
+
+def _without_strays(
+    looks: Sequence[_Look], off: Floats, slope: Floats, config: RoundHoleConfig
+) -> list[_Look]:
+    """The looks without taxels that are `off` a circle; none where too few that see its rim are on it.
+
+    `slope` is that of each residual by the radius.
+    """
+    near = np.abs(off) < config.stray
+    sees = slope > config.sees * float(slope.max(initial=0.0))
+    if not sees.any() or float(near[sees].mean()) < config.round:
+        return []
+    parts = np.split(near, np.cumsum([len(look.depth) for look in looks])[:-1])
+    return [look.only(kept) for look, kept in zip(looks, parts, strict=True) if kept.sum() > _LEAST]
 
 
 def _look(

@@ -1,6 +1,7 @@
 """Round holes from looks at their rims, and which rims are the two ends of one."""
 
 import numpy as np
+from scipy.special import ndtr
 
 from exploration.planning.moves.round_holes import holes_of
 from exploration.planning.open.round_rims import RoundRim
@@ -57,6 +58,40 @@ def test_the_bore_of_a_ring_is_seen_on_three_millimeters_of_face():
     assert np.linalg.norm(found.center[:2] - [0.1, -0.1]) < 0.1
     blind = fit_round_hole(frames, np.zeros(3), UP, 11.7)
     assert blind is None or abs(blind.radius - 13.4) > 0.1
+
+
+def blurred_box(places, low, high, width):
+    """The share of the skin's blur that a rectangle holds, at (n, 2) places."""
+    ends = [ndtr((np.asarray(end) - places) / width) for end in (high, low)]
+    return np.prod(ends[0] - ends[1], axis=1)
+
+
+def over_missing(missing, pose, rng):
+    """A frame of a pad on a face, of which a share is `missing` at (n, 2) places."""
+    x, y = np.meshgrid(PAD.x, PAD.y)
+    places = se3.transform_points(pose, np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3))
+    depth = 0.5 * (1.0 - missing(places[:, :2])).reshape(x.shape) + NOISE * rng.standard_normal(x.shape)
+    return TactileImage(PAD, depth, np.full(depth.shape, NOISE), SPREAD, 0.1, 0.0), pose
+
+
+def test_a_keyway_leaves_a_bore_round_and_a_square_hole_is_not_round():
+    width = rubber(SPREAD, PAD.pitch).mean_width
+
+    def keyed(places):
+        bore = of_disc(np.linalg.norm(places, axis=1) / width, 9.0 / width)
+        return np.maximum(bore, blurred_box(places, [0.0, -3.0], [12.0, 3.0], width))
+
+    def square(places):
+        return blurred_box(places, [-8.0, -8.0], [8.0, 8.0], width)
+
+    rng, down = np.random.default_rng(3), np.diag([1.0, -1.0, -1.0])
+    poses = [se3.pose(down, [*at, 0.0]) for at in ((7.0, 7.0), (-7.0, 7.0), (7.0, -7.0), (-7.0, -7.0))]
+    bored, cut = ([over_missing(hole, pose, rng) for pose in poses] for hole in (keyed, square))
+    found = fit_round_hole(bored, np.zeros(3), UP, 8.4)
+    assert found is not None
+    assert abs(found.radius - 9.0) < 0.15
+    assert np.linalg.norm(found.center[:2]) < 0.15
+    assert fit_round_hole(cut, np.zeros(3), UP, 9.0) is None
 
 
 def test_a_face_without_a_hole_shows_none():
