@@ -23,6 +23,7 @@ from exploration.planning.inferring.led_into import hollows_of, led_into, own_ri
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
+from exploration.planning.inferring.slanting import slanting
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
@@ -156,7 +157,8 @@ def _holes(
     ends = [id(rim) for step in steps for rim in step.rims]
     single = [rim for rim in rims if id(rim) not in ends]
     holes, left = holes_of(single, inside, lambda rim: shut(rim, known))
-    holes = [hole if _at_rim(hole, rims) else _ended(hole, found.graph.faces) for hole in holes]
+    faces = found.graph.faces
+    holes = [hole if _at_rim(hole, rims) else slanting(_ended(hole, faces), faces) for hole in holes]
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
         change(found, hole.off)
         add(found, hole.wall(), _BY_ENDS, "cylinder")

@@ -11,7 +11,7 @@ from exploration.planning.open.lying import lying_places
 from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
 
 
@@ -22,6 +22,9 @@ class OpenSurfaceConfig:
     stuck: float = 1.0  # [mm] of a stroke, less than which there is no way from where the pad lies
     beside: float = 2.5  # [mm] between places that count as one
     misses: int = 5  # in a row on one face, from which it is taken to end where it was felt
+    known: int = 60  # contacts of a face, from which
+    known_misses: int = 12  # as many are
+    off: float = 2.0  # [mm] from a pad that met nothing, within which surface would have been met
 
 
 class OpenSurface:
@@ -34,13 +37,26 @@ class OpenSurface:
         self.config = config or OpenSurfaceConfig()
         self._tried = Attempts(explorer.tries - 1, self.config.beside)
         self._missed: dict[int, int] = {}  # times in a row that the pad met something else, by face
+        self._nothing: list[Floats] = []  # (4, 4) poses at which it met nothing
 
     def left(self, opened: Predicted) -> Predicted:
         """What of it is still worth a try: not of a face that was missed too often."""
-        done = [face for face, count in self._missed.items() if count >= self.config.misses]
+        done = [face for face, count in self._missed.items() if count >= self._most(face)]
         keep = ~np.isin(opened.face, done)
+        for pose in self._nothing:
+            keep &= ~self._under(opened, pose)
         believed = Predicted(opened.points[keep], opened.normals[keep], opened.face[keep])
         return self._tried.unfinished(believed)
+
+    def _most(self, face: int) -> int:
+        """Misses in a row, from which a face is taken to end where it was felt: rims are all round a large one."""
+        felt = next((len(f.contacts) for f in self.study.found.graph.faces if f.id == face), 0)
+        return self.config.known_misses if felt >= self.config.known else self.config.misses
+
+    def _under(self, opened: Predicted, pose: Floats) -> Bools:
+        """(n,) which places a pad at a (4, 4) pose would have felt."""
+        local = np.abs((opened.points - pose[:3, 3]) @ pose[:3, :3])
+        return np.asarray((local < [*(0.5 * np.asarray(self.study.pad.size)), self.config.off]).all(axis=1))
 
     def stroke_to(self, goal: Floats, face: int) -> Done:
         """From where the pad lies, over a (3,) goal and on."""
@@ -63,7 +79,9 @@ class OpenSurface:
         self._tried.note(point)
         for pose in lying_places(left, nearest, self.alongs(left.normals[nearest]), self.study.pad.size):
             if self.reach.clear(pose):
-                home = self.study.face_here() if self.reach.touch(pose) else None
+                met = self.reach.touch(pose)
+                home = self.study.face_here() if met else None
+                self._nothing += [pose] if self.reach.led and not met else []
                 self._missed[face] = 0 if home == face else self._missed.get(face, 0) + 1
                 note = "what seemed open was not there" if home is None else "came down on what was open"
                 return home, note
