@@ -1,8 +1,8 @@
 """Round holes that run slanting into the face that they come out of.
 
 A look at a rim tells where a hole comes out and how wide it is, and not which way it runs: the rim of a slanting
-one is hardly longer than wide.  A drill leaves a floor across its way.  So where an array that went in felt a floor
-that leans against the mouth, the hole runs along that floor's normal (our derivation).
+one is hardly longer than wide.  A drill leaves a floor across its way.  So where an array that went in felt a
+floor that leans against the mouth, the hole runs along that floor's normal (our derivation).
 """
 
 from __future__ import annotations
