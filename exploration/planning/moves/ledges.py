@@ -2,7 +2,8 @@
 
 What stops it is a ledge, as deep wherever it is met, or a slope, the deeper the nearer to the axis; so it comes
 down at two distances.  An array half over a ledge feels no face, but where it was stopped it feels well enough
-(our derivation).
+(our derivation).  A hole that has no other end to match may narrow off its axis, or slanting: there a wide ledge
+is felt as a floor.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from exploration.control.procedures.approach import ApproachConfig, advance
 from exploration.control.procedures.land import strongest
 from exploration.control.procedures.tare import tare
+from exploration.planning.moves.round_holes import ends_of_one
 from exploration.planning.open.round_rims import RoundRim, far_end
 from exploration.planning.touching.findings import Attempts, Done, Stopped
 from exploration.planning.touching.reach import Reach
@@ -35,6 +37,9 @@ class LedgesConfig:
     ways: int = 8  # round the axis, that are looked at for room
     beside: float = 4.0  # [mm] between rims that are tried as one
     past: float = 2.0  # [mm] behind the far end
+    aside: float = 6.0  # [mm] from the axis, at least, where a floor is felt that has a hole in its middle
+    floor_ways: int = 4  # round the axis, that are tried for it
+    floor: float = 2.0  # [mm] behind the rim, from where what was felt is one
 
 
 class Ledges:
@@ -51,7 +56,37 @@ class Ledges:
             other = far_end(rim, [*rims, *guessed])
             if other is not None and not self._tried.given_up(rim.center):
                 return partial(self._feel, rim, other)
+        for rim in rims:
+            aside, left = self._most(rim), [other for other in rims if other is not rim]
+            if (
+                rim.measured
+                and aside > self.config.aside
+                and not self._tried.given_up(rim.center)
+                and not any(ends_of_one(rim, other) for other in left)
+                and not self._floored(rim)
+            ):
+                return partial(self._feel_floor, rim, aside)
         return None
+
+    def _feel_floor(self, rim: RoundRim, aside: float) -> Done:
+        """Come down beside the axis, onto what an array in the middle went past."""
+        self._tried.note(rim.center)
+        for way in rim.places(self.config.floor_ways)[1]:
+            place = rim.center + aside * way + self.config.before * rim.axis
+            if self.reach.sound(se3.pose(se3.frame_along(-rim.axis, way), place)):
+                home = self.study.face_here()
+                self.reach.come_out()
+                return home, "felt a floor beside the middle of a hole"
+            self.reach.come_out()
+        return None, "felt no floor beside the middle of a hole"
+
+    def _floored(self, rim: RoundRim) -> bool:
+        """Whether anything was felt behind a rim, that looks out of it."""
+        felt = self.reach.felt
+        away = felt.points - rim.center
+        deep = -(away @ rim.axis)
+        off = np.linalg.norm(away + np.outer(deep, rim.axis), axis=1)
+        return bool(((deep > self.config.floor) & (off < rim.radius) & (felt.facing @ rim.axis > 0.5)).any())
 
     def _feel(self, rim: RoundRim, other: RoundRim) -> Done:
         self._tried.note(rim.center)
@@ -63,10 +98,14 @@ class Ledges:
 
     def _asides(self, rim: RoundRim, other: RoundRim) -> list[float]:
         """[mm] from the axis, where the array has room and reaches over what narrows the hole."""
-        long, wide = self.study.pad.tool.high[:2]
-        most = float(np.sqrt(max((rim.radius - self.config.clear) ** 2 - wide**2, 0.0)) - long)
+        most = self._most(rim)
         least = other.radius + self.config.covers - 0.5 * self.study.pad.size[0]
         return [aside for aside in (most, most - self.config.nearer) if aside > max(least, 0.0)]
+
+    def _most(self, rim: RoundRim) -> float:
+        """[mm] from the axis, up to which the array has room."""
+        long, wide = self.study.pad.tool.high[:2]
+        return float(np.sqrt(max((rim.radius - self.config.clear) ** 2 - wide**2, 0.0)) - long)
 
     def _down(self, rim: RoundRim, far: float, aside: float, way: Floats) -> bool:
         """Come down beside the axis along a (3,) way from it; whether anything stopped the array."""

@@ -176,11 +176,12 @@ def _doubted(rim: RoundRim, config: RoundHolesConfig) -> RoundRim:
 
 def _nearest_ends(rims: Sequence[RoundRim], config: RoundHolesConfig) -> tuple[RoundRim, RoundRim] | None:
     """Of all that may be the two ends of a hole, those that are nearest to each other."""
-    pairs = [(a, b) for k, a in enumerate(rims) for b in rims[k + 1 :] if _ends_of_one(a, b, config)]
+    pairs = [(a, b) for k, a in enumerate(rims) for b in rims[k + 1 :] if ends_of_one(a, b, config)]
     return min(pairs, key=lambda p: float(np.linalg.norm(p[0].center - p[1].center)), default=None)
 
 
-def _ends_of_one(a: RoundRim, b: RoundRim, config: RoundHolesConfig) -> bool:
+def ends_of_one(a: RoundRim, b: RoundRim, config: RoundHolesConfig = RoundHolesConfig()) -> bool:
+    """Whether two rims are likely the ends of one hole: as wide, on one axis, in faces that look away."""
     apart = a.center - b.center
     depth = float(apart @ a.axis)
     aside = float(np.linalg.norm(apart - depth * a.axis))

@@ -32,6 +32,7 @@ class ReachConfig:
     under: float = 5.0  # [mm] aside, up to which a place is under a lid
     wide: float = 3.5  # [mm] round what is carried on long arms, where ways are as free as that
     room: float = 0.6  # [mm] round the housing, where the pad is to lie
+    proud: float = 1.6  # [mm] before the skin there, that may be known: blur lays touched places past an edge
     alike: float = 0.85  # cosine from which two ways out are one
     slow: float = 4.0  # [mm] between stops where nobody has been
     slow_turn: float = 0.05  # [rad] the same
@@ -67,7 +68,7 @@ class Reach:
 
     def with_room(self, poses: Sequence[Floats]) -> list[Floats]:
         """Those of (4, 4) poses at which it is clear."""
-        clear = self.pad.tool.clear(np.array(poses), self._obstacles(), self.config.room, -1.0)
+        clear = self.pad.tool.clear(np.array(poses), self._obstacles(), self.config.room, -self.config.proud)
         return [pose for pose, free in zip(poses, clear, strict=True) if free]
 
     def touch(self, target: Floats, give: bool = False, settling: SettleConfig | None = None) -> bool:
@@ -92,7 +93,7 @@ class Reach:
         """[mm] before a (4, 4) target, at which nothing known is in its way; 0 where that is `most` or more."""
         tried = np.arange(0.0, max(most, self.config.step), self.config.step)
         poses = target @ se3.pose(translation=np.outer(tried, [0.0, 0.0, -1.0]))
-        room = self.pad.tool.clear(poses, self._obstacles(), self.config.room, -1.0)
+        room = self.pad.tool.clear(poses, self._obstacles(), self.config.room, -self.config.proud)
         return float(tried[np.argmax(room)])
 
     def sound(self, target: Floats) -> bool:

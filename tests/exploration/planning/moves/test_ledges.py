@@ -67,3 +67,25 @@ def test_a_straight_hole_or_one_without_room_is_left_alone():
     move = ledges.next([])
     assert move is None or move()[0] is None
     assert found.stopped == []
+
+
+def test_a_floor_beside_a_slanting_bore_is_felt_and_a_plain_hole_is_not_gone_into():
+    slanting = Cylinder(6.0, 60.0).turned("y", 0.3)
+    wide = Cylinder(15.0, 20.0).at(0.0, 0.0, 7.0)
+    lone = RoundRim(np.array([0.0, 0.0, 7.0]), UP, 15.0, 0.02, 0, measured=True)
+    ledges, found = explored(Cube((80.0, 60.0, 14.0)) - slanting - wide, [lone])
+    home, note = ledges.next([])()
+    assert note == "felt a floor beside the middle of a hole"
+    (floor,) = [face for face in found.graph.faces if face.id == home]
+    assert floor.fit.kind == "plane"
+    assert np.median(floor.contacts.points[:, 2]) == pytest.approx(-3.0, abs=0.1)
+    assert ledges.next([]) is None
+    through = RoundRim(FAR.center, -UP, 15.0, 0.02, 1, measured=True)
+    assert explored(PLATE - Cylinder(15.0, 20.0), [lone, through])[0].next([]) is None
+
+
+def test_nothing_is_felt_beside_the_middle_of_a_hole_without_a_floor():
+    lone = RoundRim(np.array([0.0, 0.0, 7.0]), UP, 15.0, 0.02, 0, measured=True)
+    ledges, found = explored(Cube((80.0, 60.0, 14.0)) - Cylinder(15.0, 30.0), [lone])
+    assert ledges.next([])() == (None, "felt no floor beside the middle of a hole")
+    assert found.graph.faces == ()

@@ -11,11 +11,14 @@ from exploration.planning.touching.findings import ExplorerConfig
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def pad_that_lands_on(faces):
-    """A study and a reach, whose touches name those faces in turn; None where nothing was met."""
+def pad_that_lands_on(faces, contacts):
+    """A study and a reach, whose touches name those faces in turn; None where nothing was met.
+
+    Face 7 has so many contacts.
+    """
     faces = list(faces)
     pad = SimpleNamespace(size=(10.0, 10.0), guard=SimpleNamespace(world_from_sensor=np.eye(4)))
-    found = SimpleNamespace(graph=SimpleNamespace(faces=()))
+    found = SimpleNamespace(graph=SimpleNamespace(faces=[SimpleNamespace(id=7, contacts=contacts)]))
     study = SimpleNamespace(pad=pad, found=found, face_here=lambda: faces.pop(0))
 
     def touch(pose):
@@ -24,12 +27,16 @@ def pad_that_lands_on(faces):
             return False
         return True
 
-    return study, SimpleNamespace(clear=lambda pose: True, touch=touch)
+    return study, SimpleNamespace(clear=lambda pose: True, touch=touch, led=True)
 
 
-def left_after(met):
+def left_after(met, contacts=()):
     """How many of 30 open places on face 7, and of one on face 8, are left after touches that met `met`."""
-    surface = OpenSurface(*pad_that_lands_on(met), ExplorerConfig(), OpenSurfaceConfig(misses=3))
+    surface = OpenSurface(
+        *pad_that_lands_on(met, contacts),
+        ExplorerConfig(),
+        OpenSurfaceConfig(misses=3, known=40, known_misses=4),
+    )
     points = np.array([[20.0 * k, 0.0, 0.0] for k in range(31)])
     opened = Predicted(points, np.tile(UP, (31, 1)), np.array([7] * 30 + [8]))
     for k in range(len(met)):
@@ -40,3 +47,16 @@ def left_after(met):
 def test_a_face_that_was_missed_too_often_in_a_row_ends_where_it_was_felt():
     assert left_after([None, 3, None]) == 1
     assert left_after([None, 3, 7, None, 3]) > 20
+
+
+def test_a_face_that_is_well_known_is_missed_oftener():
+    assert left_after([None, 3, None], range(40)) > 20
+    assert left_after([None, 3, None, 3], range(40)) == 1
+
+
+def test_where_a_pad_met_nothing_all_that_it_would_have_felt_is_known():
+    surface = OpenSurface(*pad_that_lands_on([None], ()), ExplorerConfig())
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [4.0, 4.0, 0.5], [30.0, 0.0, 0.0]])
+    opened = Predicted(points, np.tile(UP, (4, 1)), np.full(4, 7))
+    surface.come_down(opened, 0)
+    assert np.allclose(surface.left(opened).points, points[3])
