@@ -18,7 +18,7 @@ def pad_that_lands_on(faces, contacts):
     """
     faces = list(faces)
     pad = SimpleNamespace(size=(10.0, 10.0), guard=SimpleNamespace(world_from_sensor=np.eye(4)))
-    found = SimpleNamespace(graph=SimpleNamespace(faces=[SimpleNamespace(id=7, contacts=contacts)]))
+    found = SimpleNamespace(graph=SimpleNamespace(faces=[SimpleNamespace(id=7, contacts=contacts, fit=None)]))
     study = SimpleNamespace(pad=pad, found=found, face_here=lambda: faces.pop(0))
 
     def touch(pose):
