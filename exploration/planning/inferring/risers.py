@@ -59,7 +59,13 @@ def risers(
 ) -> list[Riser]:
     """Contacts of each wall that is missing, as if felt at a quarter and three quarters of its height."""
     ways = _ways(known)
-    flat = [own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.least]
+    flat = [
+        own
+        for own in known
+        if own.fit.kind == "plane"
+        and len(own.cells) >= config.least
+        and (own.face.contacts.touch != NOT_FELT).any()  # who guesses a face does not know where it ends
+    ]
     out: list[Riser] = []
     for own in flat:
         normal = own.side * own.fit.shape.direction

@@ -1,12 +1,14 @@
 """A plate with a pocket whose walls nobody felt, and an island in it, as the skin would have felt them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from exploration.planning.inferring.patch import Patch
 from exploration.planning.inferring.risers import RiserConfig, _ring, _Wall, risers
 from exploration.planning.open.known_face import KnownFace
-from primitives.evidence import Contacts
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face
 
@@ -69,6 +71,14 @@ def test_an_island_with_corners_has_four_walls():
     found = risers(square)
     assert {r.kind for r in found} == {"plane"}
     assert len(found) == 8
+
+
+def test_a_floor_that_was_only_inferred_does_not_tell_where_it_ends():
+    top, floor, *rest = plate()
+    told = floor.face.contacts
+    guessed = replace(told, touch=np.full(len(told), NOT_FELT))
+    known = [top, replace(floor, face=replace(floor.face, contacts=guessed)), *rest]
+    assert len(risers(known)) < len(risers([top, floor, *rest]))
 
 
 def test_a_wall_that_is_known_is_not_inferred_again():
