@@ -27,6 +27,7 @@ from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
+from primitives.shapes import Shape
 
 _ALONG = np.array([-0.35, 0.0, 0.35])  # of a hole's depth, from its middle, where its wall is
 
@@ -41,6 +42,11 @@ class RoundHolesConfig:
     most: int = 6  # touches for one rim
     over: float = 1.5  # [mm] of the pad's middle outside the rim of a large one
     apart: float = 0.6  # [rad] between two looks
+    off: float = 1.5  # [mm] of the pad from the face, that it lies on yet
+    flush: float = 0.98  # least cosine between the two, likewise
+    upright: float = 0.1  # most cosine between a hole's axis and the face behind an edge beside it
+    edge: float = 40.0  # [mm] from its axis, where an edge is beside it
+    felt: float = 20.0  # [mm] from that, within which that face was felt
     beside: float = 4.0  # [mm] between rims that are tried as one
     opposed: float = 0.98  # least cosine between the axes of two ends of a hole
     aside: float = 0.4  # [mm] of one end's center from the other's axis
@@ -78,16 +84,17 @@ class RoundHoles:
         small = rim.radius < self.config.under * min(pad.size)
         looks, led = 1 if small else self.config.looks, 0
         found: RoundHole | None = None
+        ends = self._ends(rim)
         for give, (way, pose) in product((False, True), self._places(rim, small)):
             if not small and any(way @ other > np.cos(self.config.apart) for other in used):
                 continue
             met = self.reach.touch(pose, give)
             led += self.reach.led
-            if met:
+            if met and self._lies(rim):
                 seen = dwell(pad.guard, self.config.frames)
                 frames.append((seen.image, seen.world_from_sensor))
                 used.append(way)
-                found = fit_round_hole(frames, rim.center, rim.axis, rim.radius, rim.outer)
+                found = fit_round_hole(frames, rim.center, rim.axis, rim.radius, rim.outer, ends)
             if led >= self.config.most or (found is not None and len(frames) >= looks):
                 break
         if found is None:
@@ -97,6 +104,27 @@ class RoundHoles:
         self._tried.note(found.center)
         self.study.found.rims.append(better)
         return None, "looked at the rim of a round hole"
+
+    def _lies(self, rim: RoundRim) -> bool:
+        """Whether the pad lies on the face that a rim is on, and has not rolled off it."""
+        pose = self.study.pad.guard.world_from_sensor
+        off = abs(float((pose[:3, 3] - rim.center) @ rim.axis))
+        return off < self.config.off and float(pose[:3, 2] @ rim.axis) < -self.config.flush
+
+    def _ends(self, rim: RoundRim) -> list[tuple[Shape, float]]:
+        """What its face ends at beside it: upright faces felt near it, each with the sign of distances past it."""
+        found: list[tuple[Shape, float]] = []
+        for face in self.study.found.graph.faces:
+            if not isinstance(face.fit, Fit) or not len(face.contacts):
+                continue
+            shape, side = face.fit.shape, 1.0 if face.fit.convex else -1.0
+            foot = shape.project(rim.center[None])[0]
+            past = side * float(shape.signed_distance(rim.center[None])[0])
+            leans = abs(float(shape.normals(foot[None])[0] @ rim.axis))
+            near = float(np.linalg.norm(face.contacts.points - foot, axis=1).min()) < self.config.felt
+            if near and leans < self.config.upright and -self.config.edge < past < -0.5 * rim.radius:
+                found.append((shape, side))
+        return found
 
     def _places(self, rim: RoundRim, small: bool) -> list[tuple[Floats, Floats]]:
         """Ways from the center of a rim, each with a (4, 4) place of the pad over it; the best first."""

@@ -9,7 +9,8 @@ its own plane (d, g) under the same circle.  The planes are linear, so only cent
 (variable projection, Golub and Pereyra 1973).  Taxels far outside the rim tell of other things and are left out.
 So are those over a keyway or a nick: where no circle explains all taxels, one may explain most that see the rim.
 A face that is a ring about the hole ends at a known circle of radius S, and 1 becomes F(b / w, S / w), with b
-from the center of that.
+from the center of that; where other known surfaces bound it, it ends as the normal distribution does, Phi(-e / w),
+with e the distance past them.
 """
 
 from __future__ import annotations
@@ -19,12 +20,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
+from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.blurred_disc import of_disc
 from exploration.sensing.response import response_of
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats
+from primitives.shapes import Shape
 
 _LEAST = 12  # taxels of a look
 
@@ -85,14 +88,16 @@ def fit_round_hole(
     axis: Floats,
     radius: float,
     outer: float = np.inf,
+    ends: Sequence[tuple[Shape, float]] = (),
     config: RoundHoleConfig = RoundHoleConfig(),
 ) -> RoundHole | None:
     """The hole of (3,) center, (3,) axis and radius thought of, as images at (4, 4) world poses show it.
 
-    The face is a disc of radius `outer` [mm] about the center thought of.
+    The face is a disc of radius `outer` [mm] about the center thought of, and `ends` at shapes: each with the sign
+    of its distance past it.
     """
     turn = se3.frame_along(axis)
-    looks = [_look(image, (pose, turn, center), (radius, outer), config) for image, pose in frames]
+    looks = [_look(image, (pose, turn, center), (radius, outer), ends, config) for image, pose in frames]
     looks = [look for look in looks if len(look.depth) > _LEAST]
     if not looks:
         return None
@@ -142,6 +147,7 @@ def _look(
     image: TactileImage,
     where: tuple[Floats, Floats, Floats],
     radii: tuple[float, float],
+    ends: Sequence[tuple[Shape, float]],
     config: RoundHoleConfig,
 ) -> _Look:
     (pose, turn, center), (radius, outer) = where, radii
@@ -153,6 +159,8 @@ def _look(
     away = np.linalg.norm(flat, axis=1)
     near = away < radius + config.outside * width
     face = of_disc(away / width, outer / width) if np.isfinite(outer) else np.ones(len(flat))
+    for shape, side in ends:
+        face = face * ndtr(-side * shape.signed_distance(places) / width)
     kept = near & np.isfinite(sigma) & (sigma > 0.0)
     rows = np.column_stack([np.ones(len(x)), x, y])[kept]
     floor = config.systematic * float(depth[kept].max(initial=0.0))

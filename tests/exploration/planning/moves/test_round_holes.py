@@ -13,6 +13,7 @@ from primitives import pose as se3
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.shapes import Plane
 
 UP = np.array([0.0, 0.0, 1.0])
 PAD = TaxelArray("pad", 10, 16, (1.8, 1.8))
@@ -92,6 +93,25 @@ def test_a_keyway_leaves_a_bore_round_and_a_square_hole_is_not_round():
     assert abs(found.radius - 9.0) < 0.15
     assert np.linalg.norm(found.center[:2]) < 0.15
     assert fit_round_hole(cut, np.zeros(3), UP, 9.0) is None
+
+
+def test_a_hole_is_seen_beside_the_edges_of_its_face():
+    width = rubber(SPREAD, PAD.pitch).mean_width
+
+    def cornered(places):
+        """A hole of radius 5.6 that leaves 0.8 mm of material to two edges, past which nothing is."""
+        face = ndtr((6.4 - places[:, 0]) / width) * ndtr((6.4 + places[:, 1]) / width)
+        return 1.0 - face + of_disc(np.linalg.norm(places, axis=1) / width, 5.6 / width)
+
+    rng, down = np.random.default_rng(3), np.diag([1.0, -1.0, -1.0])
+    frames = [over_missing(cornered, se3.pose(down, [-4.0, 3.0, 0.0]), rng)]
+    ends = [(Plane([6.4, 0.0, 0.0], np.eye(3)[0]), 1.0), (Plane([0.0, -6.4, 0.0], np.eye(3)[1]), -1.0)]
+    found = fit_round_hole(frames, np.array([0.5, 0.4, 0.0]), UP, 5.0, ends=ends)
+    assert found is not None
+    assert abs(found.radius - 5.6) < max(4.0 * found.sigma, 0.05)
+    assert np.linalg.norm(found.center[:2]) < 0.1
+    blind = fit_round_hole(frames, np.array([0.5, 0.4, 0.0]), UP, 5.0)
+    assert blind is None or abs(blind.radius - 5.6) > 0.1 or np.linalg.norm(blind.center[:2]) > 0.1
 
 
 def test_a_face_without_a_hole_shows_none():
