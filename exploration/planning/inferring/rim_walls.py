@@ -36,7 +36,9 @@ class RimWallsConfig:
     known: float = 0.998  # least cosine between a wall's direction and one that the object has
     faces: float = 0.9  # most cosine between the faces of the two rims
     same: float = 0.6  # [mm] between walls that are one
-    slender: float = 8.0  # times as deep as it is wide, from which a gap is none that reaches through
+    slender: float = 5.0  # times as deep as it is wide, from which a gap is none that reaches through
+    aside: float = 2.5  # [mm] of the way straight across it, on which its face may be felt again,
+    again: float = 2.0  # [mm] at least from the rim
     looks_back: float = 0.9  # least cosine between the ways out of its two rims on one face, reversed
     most: int = 16  # walls of one rim each
     opposite: float = 0.99  # least cosine between the way that a wall looks and the one back
@@ -57,23 +59,29 @@ def rim_walls(
     for k, (a, face) in enumerate(rims):
         for b, other in rims[k + 1 :]:
             normal = None if face == other else _across(a, b, ways, config)
-            if normal is not None and not _too_slender((a, face), (b, other), rims, config):
+            if normal is not None and not _too_slender((a, face), (b, other), rims, faces, config):
                 _join(found, (_between(_along(a), _along(b)), normal), config)
     found += [side for floor in list(found) for side in _sides(rims, floor, ways, config)]
     return _contacts(found, config)
 
 
-def _too_slender(a: SeenRim, b: SeenRim, rims: Sequence[SeenRim], config: RimWallsConfig) -> bool:
+def _too_slender(
+    a: SeenRim, b: SeenRim, rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig
+) -> bool:
     """Whether a gap that reaches from a rim to one on an opposite face would be far deeper than it is wide."""
     if float(a[0].normal @ b[0].normal) > -config.known:
         return False
     deep = abs(float((b[0].point - a[0].point) @ a[0].normal))
-    return deep > config.slender * max(_width(rim, rims, config) for rim in (a, b))
+    return deep > config.slender * max(_width(rim, rims, faces, config) for rim in (a, b))
 
 
-def _width(seen: SeenRim, rims: Sequence[SeenRim], config: RimWallsConfig) -> float:
-    """[mm] from a rim to the nearest on its face that looks back at it; without end where none does."""
+def _width(seen: SeenRim, rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig) -> float:
+    """[mm] from a rim to the nearest on its face that looks back at it, or to where the face was felt again."""
     rim, face = seen
+    felt = next((f.contacts for f in faces if f.id == face), Contacts.of([]))
+    away = felt.points[felt.touch != NOT_FELT] - rim.point
+    ahead = away @ rim.outward
+    beside = np.abs(away @ rim.tangent) < max(0.5 * rim.length, config.aside)
     across = [
         float((other.point - rim.point) @ rim.outward)
         for other, own in rims
@@ -81,6 +89,7 @@ def _width(seen: SeenRim, rims: Sequence[SeenRim], config: RimWallsConfig) -> fl
         and float(other.outward @ rim.outward) < -config.looks_back
         and abs(float((other.point - rim.point) @ rim.tangent)) < 0.5 * (rim.length + other.length)
     ]
+    across += ahead[beside & (ahead > config.again)].tolist()
     return min((gap for gap in across if gap > 0.0), default=np.inf)
 
 

@@ -10,13 +10,14 @@ from primitives.patch_graph import MergeOptions, ranked_face
 X, Y, Z = np.eye(3)
 
 
-def flat(number, normal, at):
+def flat(number, normal, at, slot=0.0):
     u, v = np.roll(normal, 1), np.roll(normal, 2)
     points = at + np.array([a * u + b * v for a in (-9.0, 0.0, 9.0) for b in (-9.0, 0.0, 9.0)])
-    return ranked_face(number, Contacts.of(points, np.tile(normal, (9, 1))), MergeOptions())
+    points = points[(np.abs(points[:, 0]) >= slot) | (points[:, 2] < 0.0)]  # nothing is felt in a slot
+    return ranked_face(number, Contacts.of(points, np.tile(normal, (len(points), 1))), MergeOptions())
 
 
-FACES = [flat(0, Z, 15.0 * Z), flat(1, Y, 25.0 * Y), flat(2, -Y, -25.0 * Y), flat(3, X, 30.0 * X)]
+FACES = [flat(k, way, far * way, 8.5) for k, (way, far) in enumerate(((Z, 15), (Y, 25), (-Y, 25), (X, 30)))]
 
 
 def rim(point, tangent, outward, normal):
@@ -129,9 +130,14 @@ def test_an_edge_seen_of_a_round_face_makes_no_upright_wall():
 
 def test_narrow_letters_on_opposite_faces_are_no_slot_right_through():
     def letter(wide):
-        sides = [(x, out) for x, out in ((0.0, X), (wide, -X))]
+        sides = [(x, out) for x, out in ((-0.5 * wide, X), (0.5 * wide, -X))]
         near = [(rim([x, 25.0, 8.0], Z, out, Y), 1) for x, out in sides]
         return [*near, *((rim([x, -25.0, 8.0], Z, out, -Y), 2) for x, out in sides)]
 
     assert rim_walls(letter(4.0), FACES) == []
-    assert len(rim_walls(letter(10.0), FACES)) == 2
+    assert len(rim_walls(letter(12.0), FACES)) == 2
+
+
+def test_nor_are_those_of_which_one_rim_was_seen_and_the_face_was_felt_on_beyond_them():
+    seen = [(rim([4.0, 25.0 * side, -3.0], Z, X, side * Y), k) for k, side in ((1, 1.0), (2, -1.0))]
+    assert rim_walls(seen, FACES) == []  # contacts at x = 9
