@@ -37,6 +37,7 @@ class RegularityOptions:
     floor: float = 1e-4  # [rad] and, tenfold, [mm]: errors that no covariance knows of
     implied: float = 3e-5  # [rad, mm] a relation met this well follows from those before it
     iterations: int = 8
+    settled: float = 1e-9  # [rad, mm] of a step, that is no more than differences err by
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ class _State:
             value, slope = np.concatenate([p[0] for p in pairs]), np.concatenate([p[1] for p in pairs])
             gain = self.prior @ slope.T @ _pseudo_inverse(slope @ self.prior @ slope.T)
             moved: Floats = gain @ (slope @ self.x - value)
-            done = float(np.abs(moved - self.x).max()) < 1e-12
+            done = float(np.abs(moved - self.x).max()) < self.options.settled
             self.x = moved
             self.posterior = self.prior - gain @ slope @ self.prior
             if done:

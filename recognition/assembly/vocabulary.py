@@ -17,6 +17,7 @@ import numpy as np
 from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import frame_along
 from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
+from recognition.assembly.box_kernel import greatest_boxes
 
 _PARALLEL = 1e-3  # [rad] within which directions are one
 _KEPT = 1024  # candidates whose cells are remembered: a list is replayed with one of them changed
@@ -152,28 +153,21 @@ class Vocabulary:
             int(np.prod(counts)),
         ).reshape(counts)
         padded = np.pad(table, ((1, 0),) * 3).cumsum(0).cumsum(1).cumsum(2)
-        ends = [np.array(list(combinations(range(n + 1), 2))) for n in counts]
-        x, y, z = (e.T for e in ends)
-        total = padded[x[1]] - padded[x[0]]
-        total = total[:, y[1]] - total[:, y[0]]
-        total = total[:, :, z[1]] - total[:, :, z[0]]
-        flat = np.round(total.ravel(), 6)
-        least = np.partition(flat, -most)[-most] if len(flat) > most else -np.inf
-        order = np.flatnonzero(flat >= least)
+        ends = [_ends(n) for n in counts]
+        order, totals = greatest_boxes(padded, *ends, most)
         # an end that is open says less than one at a plane, so of equal boxes the more open stands
-        spans = np.unravel_index(order, total.shape)
+        spans = np.unravel_index(order, [len(e) for e in ends])
         openness = sum(
             (e[i, 0] == 0) * 1.0 + (e[i, 1] == n) for e, i, n in zip(ends, spans, counts, strict=True)
         )
-        order = order[np.lexsort((-openness, -flat[order]))[:most]]
         out = []
-        for position in order:
-            box = [e[i] for e, i in zip(ends, np.unravel_index(position, total.shape), strict=True)]
+        for row in np.lexsort((-openness, -totals))[:most]:
+            box = [e[span[row]] for e, span in zip(ends, spans, strict=True)]
             slabs = tuple(
                 (None, None) if k is None else self._slab(self.directions[k], span)
                 for k, span in zip(axes, box, strict=True)
             )
-            out.append((float(total.flat[position]), Candidate("cube", frame=number, slabs=slabs)))
+            out.append((float(totals[row]), Candidate("cube", frame=number, slabs=slabs)))
         return out
 
     @staticmethod
@@ -181,6 +175,12 @@ class Vocabulary:
         planes = direction.planes
         low, high = int(span[0]), int(span[1])
         return (None if low == 0 else planes[low - 1]), (None if high > len(planes) else planes[high - 1])
+
+
+@lru_cache
+def _ends(count: int) -> Ints:
+    """(n, 2) first and last of all spans of so many bins."""
+    return frozen(list(combinations(range(count + 1), 2)), np.int64)
 
 
 def _greatest(totals: Floats, most: int) -> Ints:
