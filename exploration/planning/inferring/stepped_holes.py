@@ -3,8 +3,9 @@
 Two rims on opposite faces that share an axis are of one hole.  Where one is wider, the hole narrows in between.
 What stopped an array there tells how: as deep wherever it was stopped, there is a flat ledge; the deeper the
 nearer to the axis, a cone that begins at the rim, of depth (R - rho) k.  Where nothing was felt it is most often
-a ledge, and half way down is nearest to all that may be (our derivation).  The sigma of its contacts does not say
-how far off that may be, the warning beside the model does.
+a ledge.  Whose two widths are those of a screw's head and shank is sunk for such a head, which is as high as the
+screw is thick (ISO 4762, DIN 974-1); else half way down is nearest to all that may be (our derivation).  The sigma
+of its contacts does not say how far off that may be, the warning beside the model does.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 
 BY_GUESS = "a round hole is wider at one end; its ledge is taken for half way down"
+BY_SCREW = (
+    "a round hole is wider at one end, as for a screw's head; its ledge is taken for as deep as such a head"
+)
 BY_TOUCH = "a round hole is wider at one end; its ledge is where an array was stopped"
 BY_SLOPE = "a round hole is wider at one end; it narrows as an array was stopped in it"
 _DOWN = (0.2, 0.5, 0.8)  # of a cone's depth, where its contacts are
@@ -32,6 +36,8 @@ class SteppedHoleConfig:
 
     level: float = 0.7  # [mm] between depths at which it was stopped, of one ledge
     slope: float = 1.0  # [mm] from the axis, by which places at least differ that tell a slope
+    screw: tuple[float, float] = (1.5, 1.9)  # times as wide as the hole for its shank, that one for a head is
+    head: float = 1.93  # radii of the hole for the shank, that it is deep: M5 to M10 come to 1.91 to 1.96
     sigma: float = 0.5  # [mm] at most: what is less sure would be taken for the face round the mouth
     normal_sigma: float = 0.05  # [rad]
 
@@ -70,7 +76,10 @@ def _made(rim: RoundRim, other: RoundRim, own: Floats, config: SteppedHoleConfig
     own = own[(own[:, 1] > 0.0) & (own[:, 1] < far) & (own[:, 0] < rim.radius)]
     if len(own) > 1 and np.ptp(own[:, 0]) > config.slope and np.ptp(own[:, 1]) > config.level:
         return _countersunk(rim, other, far, own, config)
-    deep = float(np.median(own[:, 1])) if len(own) else 0.5 * far
+    deep, why = (float(np.median(own[:, 1])), BY_TOUCH) if len(own) else (0.5 * far, BY_GUESS)
+    low, high = config.screw
+    if not len(own) and low < rim.radius / other.radius < high and config.head * other.radius < deep:
+        deep, why = config.head * other.radius, BY_SCREW
     wide = Hole(rim.center - 0.5 * deep * rim.axis, rim.axis, rim.radius, deep, rim.sigma)
     middle = replace(rim, center=rim.center - deep * rim.axis, radius=0.5 * (rim.radius + other.radius))
     places, _ = middle.places()
@@ -82,7 +91,7 @@ def _made(rim: RoundRim, other: RoundRim, own: Floats, config: SteppedHoleConfig
         touch=NOT_FELT,
     )
     holes = (wide, _narrow(rim, other, deep, far))
-    return SteppedHole((rim, other), holes, ledge, "plane", BY_TOUCH if len(own) else BY_GUESS)
+    return SteppedHole((rim, other), holes, ledge, "plane", why)
 
 
 def _countersunk(

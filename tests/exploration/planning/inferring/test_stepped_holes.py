@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.stepped_holes import BY_GUESS, BY_SLOPE, BY_TOUCH, stepped_holes
+from exploration.planning.inferring.stepped_holes import BY_GUESS, BY_SCREW, BY_SLOPE, BY_TOUCH, stepped_holes
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Stopped
 from primitives.evidence import NOT_FELT
@@ -31,6 +31,18 @@ def test_a_hole_that_is_wider_on_top_has_a_ledge_half_way_down():
     away = np.hypot(ledge.points[:, 0] - 3.0, ledge.points[:, 1] - 1.0)
     assert 9.0 < away.min() <= away.max() < 15.0
     assert step.why == BY_GUESS
+    close = stepped_holes([replace(BOTTOM, radius=12.0), TOP])[0]  # no screw's
+    assert (close.holes[0].depth, close.why) == (6.0, BY_GUESS)
+
+
+@pytest.mark.parametrize(("shank", "head", "deep"), [(2.75, 5.0, 5.4), (3.3, 5.5, 6.4), (5.5, 9.0, 10.6)])
+def test_one_that_is_as_wide_as_for_a_screw_s_head_is_as_deep(shank, head, deep):
+    below = replace(BOTTOM, radius=shank, center=TOP.center - 30.0 * UP)
+    (step,) = stepped_holes([below, replace(TOP, radius=head)])
+    assert step.holes[0].depth == pytest.approx(deep, rel=0.02)
+    assert step.why == BY_SCREW
+    thin = stepped_holes([replace(below, center=TOP.center - 8.0 * UP), replace(TOP, radius=head)])[0]
+    assert thin.holes[0].depth <= 4.0
 
 
 def test_the_ledge_is_where_an_array_was_stopped():
