@@ -45,6 +45,8 @@ class RoundHoleConfig:
     certain: float = 0.3  # [mm] of the radius, that it must be known to
     stray: float = 4.0  # [standard deviations] from which a taxel tells of a keyway
     sees: float = 0.2  # of the largest slope by the radius, from which a taxel sees the rim
+    nick: float = 0.9  # [rad] to both sides of a keyway or a nick, within which
+    one_nick: float = 0.75  # share of what is left over that lies there, at least
     chosen: float = 1.8  # chi2 per degree of freedom, the same for what is left without strays
     round: float = 0.7  # share of those that must agree
 
@@ -110,7 +112,9 @@ def fit_round_hole(
     found, most = least_squares(residual, [0.0, 0.0, radius], bounds=(low, top)), config.misfit
     if _misfit(found, len(looks)) > config.misfit:
         robust = least_squares(residual, [0.0, 0.0, radius], bounds=(low, top), loss="cauchy", f_scale=2.0)
-        looks = _without_strays(looks, residual(robust.x), np.abs(np.asarray(robust.jac)[:, 2]), config)
+        looks = _without_strays(
+            looks, robust.x[:2], residual(robust.x), np.abs(np.asarray(robust.jac)[:, 2]), config
+        )
         if not looks:
             return None
         found, most = least_squares(residual, robust.x, bounds=(low, top)), config.chosen
@@ -129,15 +133,23 @@ def _misfit(found: OptimizeResult, looks: int) -> float:
 
 
 def _without_strays(
-    looks: Sequence[_Look], off: Floats, slope: Floats, config: RoundHoleConfig
+    looks: Sequence[_Look], center: Floats, off: Floats, slope: Floats, config: RoundHoleConfig
 ) -> list[_Look]:
-    """The looks without taxels that are `off` a circle; none where too few that see its rim are on it.
+    """The looks without taxels that are `off` a circle; none where too few that see its rim are on it, or all are.
 
-    `slope` is that of each residual by the radius.
+    Nor are there any where those off it lie all round the (2,) center, as over the corners of a hexagon.  `slope`
+    is that of each residual by the radius.
     """
     near = np.abs(off) < config.stray
     sees = slope > config.sees * float(slope.max(initial=0.0))
-    if not sees.any() or float(near[sees].mean()) < config.round:
+    if near.all() or float(near[sees].mean()) < config.round:
+        return []
+    ways = (np.concatenate([look.flat for look in looks]) - center)[~near]
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    weight = off[~near] ** 2
+    middle = weight @ ways
+    together = ways @ middle > np.cos(config.nick) * float(np.linalg.norm(middle))
+    if float(weight @ together) < config.one_nick * float(weight.sum()):
         return []
     parts = np.split(near, np.cumsum([len(look.depth) for look in looks])[:-1])
     return [look.only(kept) for look, kept in zip(looks, parts, strict=True) if kept.sum() > _LEAST]

@@ -75,7 +75,7 @@ def over_missing(missing, pose, rng):
     return TactileImage(PAD, depth, np.full(depth.shape, NOISE), SPREAD, 0.1, 0.0), pose
 
 
-def test_a_keyway_leaves_a_bore_round_and_a_square_hole_is_not_round():
+def test_a_keyway_leaves_a_bore_round_and_a_square_or_hexagonal_hole_is_not_round():
     width = rubber(SPREAD, PAD.pitch).mean_width
 
     def keyed(places):
@@ -85,14 +85,21 @@ def test_a_keyway_leaves_a_bore_round_and_a_square_hole_is_not_round():
     def square(places):
         return blurred_box(places, [-8.0, -8.0], [8.0, 8.0], width)
 
+    def hexagon(places):
+        turns = np.arange(6) * np.pi / 3.0
+        return np.prod([ndtr((17.5 - places @ [np.cos(t), np.sin(t)]) / width) for t in turns], axis=0)
+
     rng, down = np.random.default_rng(3), np.diag([1.0, -1.0, -1.0])
     poses = [se3.pose(down, [*at, 0.0]) for at in ((7.0, 7.0), (-7.0, 7.0), (7.0, -7.0), (-7.0, -7.0))]
     bored, cut = ([over_missing(hole, pose, rng) for pose in poses] for hole in (keyed, square))
+    wide = [se3.pose(down, [*at, 0.0]) for at in ((19.0, 0.0), (-19.0, 0.0), (0.0, 19.0), (0.0, -19.0))]
+    hex_cut = [over_missing(hexagon, pose, rng) for pose in wide]
     found = fit_round_hole(bored, np.zeros(3), UP, 8.4)
     assert found is not None
     assert abs(found.radius - 9.0) < 0.15
     assert np.linalg.norm(found.center[:2]) < 0.15
     assert fit_round_hole(cut, np.zeros(3), UP, 9.0) is None
+    assert fit_round_hole(hex_cut, np.zeros(3), UP, 18.0) is None
 
 
 def test_a_hole_is_seen_beside_the_edges_of_its_face():
