@@ -35,6 +35,7 @@ _BULGE = 0.02  # [mm] rms about a plane, up to which a face is flat
 _SAGITTA = 0.05  # [mm] of bulge, which a pad that lies partly past a small face's rim may read into it
 _NO_WORSE = 1.3  # times the misfit of a curved face, up to which a plane explains as much
 _FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
+_ARC = 0.05  # [rad] of a land that was felt along its length, up to which it is flat across
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _AT_RIM = 0.5  # [mm] from a larger face, within which a contact of a pad that lies on its rim is
 _BOWED = 1.0  # [mm] from a ring, within which a band that bends with its crest was read flat
@@ -163,11 +164,12 @@ def _bulge(face: Face) -> float | None:
     radius = getattr(face.fit.shape, "radius", None)
     if radius is None or len(face.contacts) < _SOUND:
         return None
-    points = face.contacts.points
+    extent = float(np.ptp(face.contacts.points, axis=0).max())
+    least = _FLAT * extent
     if isinstance(face.fit.shape, Cylinder):  # along its axis it is straight
-        points = (points - points.mean(axis=0)) @ face.fit.shape.frame[:, :2]
-    extent = float(np.ptp(points, axis=0).max())
-    return extent**2 / (8.0 * radius) if radius > _FLAT * extent else None
+        extent = float(np.ptp(face.contacts.points @ face.fit.shape.frame[:, :2], axis=0).max())
+        least = min(least, extent / _ARC)
+    return extent**2 / (8.0 * radius) if radius > least else None
 
 
 def drop_contradicted(graph: PatchGraph) -> PatchGraph:

@@ -139,3 +139,17 @@ def test_a_narrow_face_that_reads_slightly_curved_is_a_plane_and_a_bar_is_none()
     )
     kinds = [face.fit.kind for face in flattened(PatchGraph(faces)).faces]
     assert kinds == ["plane", "cylinder", "plane"]
+
+
+def test_a_long_land_that_bends_slightly_across_is_a_plane_and_a_rounded_corner_is_none():
+    def strip(radius):
+        """5 mm wide, 40 mm long, on a cylinder."""
+        turn = np.repeat(np.linspace(-2.5, 2.5, 6) / radius, 12)
+        along = np.tile(np.linspace(0.0, 40.0, 12), 6)
+        out = np.column_stack([np.sin(turn), np.zeros(72), np.cos(turn)])
+        contacts = Contacts.of(radius * (out - UP) + along[:, None] * [0.0, 1.0, 0.0], out, 0.01, 0.01)
+        found = fit("cylinder", contacts)
+        return Face(0, replace(found, shape=Cylinder([0.0, 0.0, -radius], [0.0, 1.0, 0.0], radius)), contacts)
+
+    kinds = [flattened(PatchGraph((strip(radius),))).faces[0].fit.kind for radius in (180.0, 48.0)]
+    assert kinds == ["plane", "cylinder"]
