@@ -84,7 +84,7 @@ def risers(
                 patch = Patch(own, own.cells[members], normal)
                 found = [_wall(patch, way, others, known, stops, config) for way in _four(normal, across[0])]
                 walls = [wall for wall in found if wall is not None]
-                ring = _ring(patch, walls, config) if len(walls) == 4 else None
+                ring = _ring(patch, found, config) if len(walls) >= 3 else None
                 out += (
                     [Riser(wall.contacts(patch, config), "plane") for wall in walls]
                     if ring is None
@@ -141,29 +141,51 @@ def _wall(
     return _Wall(way, float(np.median(met)) if met else at, 0.0 if met else gap, step)
 
 
-def _ring(patch: Patch, walls: Sequence[_Wall], config: RiserConfig) -> Riser | None:
-    """One round wall in the place of four that go down, where the patch is as wide as long and lacks corners."""
-    if any(wall.step > 0.0 for wall in walls):
+def _ring(patch: Patch, walls: Sequence[_Wall | None], config: RiserConfig) -> Riser | None:
+    """One round wall in the place of four that go down, where the patch is as wide as long and lacks corners.
+
+    One of them may be known, or have stopped a stroke: then the other two tell how wide the patch is.
+    """
+    told = [wall for wall in walls if wall is not None]
+    if any(wall.step > 0.0 for wall in told):
         return None
-    first, second = walls[0].way, walls[2].way
-    width, length = walls[0].at + walls[1].at, walls[2].at + walls[3].at
+    across, along = _span(walls[:2]), _span(walls[2:])
+    width, length = across or along, along or across
+    if width is None or length is None:
+        return None
+    first = next(wall.way for wall in walls[:2] if wall is not None) * (1.0 if walls[0] else -1.0)
+    second = next(wall.way for wall in walls[2:] if wall is not None) * (1.0 if walls[2] else -1.0)
     spread = patch.cells @ np.column_stack([first, second])
     size = np.ptp(spread, axis=0)
-    if abs(width - length) > config.as_wide * max(width, length) or size.min() < config.row:
+    square = abs(width - length) <= config.as_wide * max(width, length)
+    if not square or size.min() < config.row or np.ptp(size) > 2.0 * config.as_wide * size.max():
         return None
     if ConvexHull(spread).volume > config.corners * float(np.prod(size)):
         return None
     radius = 0.25 * (width + length)
     level = float((patch.cells @ patch.normal).mean())
-    center = 0.5 * (walls[0].at - walls[1].at) * first + 0.5 * (walls[2].at - walls[3].at) * second
+    center = _middle(walls[:2], radius) * first + _middle(walls[2:], radius) * second
     turns = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
     out = np.cos(turns)[:, None] * first + np.sin(turns)[:, None] * second
-    places = [center + radius * out + (level + v * walls[0].step) * patch.normal for v in (0.25, 0.75)]
-    sigma = max(config.sigma, max(wall.gap for wall in walls) / np.sqrt(12.0))
+    places = [center + radius * out + (level + v * told[0].step) * patch.normal for v in (0.25, 0.75)]
+    sigma = max(config.sigma, max(wall.gap for wall in told) / np.sqrt(12.0))
     looks = np.concatenate([out, out])
     return Riser(
         Contacts.of(np.concatenate(places), looks, sigma, config.normal_sigma, touch=NOT_FELT), "cylinder"
     )
+
+
+def _span(pair: Sequence[_Wall | None]) -> float | None:
+    """[mm] between two walls that look away from each other, where both are told."""
+    one, other = pair
+    return None if one is None or other is None else one.at + other.at
+
+
+def _middle(pair: Sequence[_Wall | None], radius: float) -> float:
+    """[mm] along the first one's way, of the middle of a round patch that one of them at least bounds."""
+    one, other = pair
+    sides = [*([one.at - radius] if one else []), *([radius - other.at] if other else [])]
+    return float(np.mean(sides))
 
 
 def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserConfig) -> tuple[float, float]:

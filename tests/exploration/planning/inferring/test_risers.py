@@ -66,6 +66,12 @@ def test_an_island_without_corners_is_round():
     assert (ring.points[:, :2] * ring.normals[:, :2]).sum(axis=1).min() > 0.0
 
 
+def test_it_is_round_yet_where_a_stroke_was_stopped_by_one_side_of_it():
+    wall = np.array([[ISLAND, y, z] for y in (-4.0, 0.0, 4.0) for z in (-8.0, -3.0)])
+    (ring,) = (r.contacts for r in risers(plate(flat(5, wall, [1.0, 0.0, 0.0]))) if r.kind == "cylinder")
+    assert np.abs(np.hypot(*ring.points[:, :2].T) - ISLAND).max() < 2.0
+
+
 def test_an_island_with_corners_has_four_walls():
     square = plate(island=lambda x, y: (np.abs(x) < ISLAND) & (np.abs(y) < ISLAND))
     found = risers(square)
