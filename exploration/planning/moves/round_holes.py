@@ -53,7 +53,8 @@ class RoundHolesConfig:
     slant: float = 0.005  # [rad] the same, over the hole's depth
     radii: float = 0.25  # [mm] between their radii
     sigmas: float = 2.0  # of the radii, on top of both
-    guessed: float = 0.6  # [mm] of a rim that was not looked at
+    guessed: tuple[float, float] = (0.6, 1.2)  # [mm] least and most sigma of a rim that was not looked at,
+    guessed_share: float = 0.045  # and of its radius in between
     least_depth: float = 2.0  # [mm] that an array went in
     row: float = 8.0  # [mm] between places that follow each other
     sigma: float = 0.02  # [mm] of the wall, besides the radius' own
@@ -199,7 +200,9 @@ def holes_of(
 
 
 def _doubted(rim: RoundRim, config: RoundHolesConfig) -> RoundRim:
-    return rim if rim.measured else replace(rim, sigma=max(rim.sigma, config.guessed))
+    """A rim that was not looked at is no better known than the places felt round it tell."""
+    unsure = float(np.clip(config.guessed_share * rim.radius, *config.guessed))
+    return rim if rim.measured else replace(rim, sigma=max(rim.sigma, unsure))
 
 
 def _nearest_ends(rims: Sequence[RoundRim], config: RoundHolesConfig) -> tuple[RoundRim, RoundRim] | None:

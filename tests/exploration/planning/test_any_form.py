@@ -20,10 +20,13 @@ def face(number, *lots):
     return Face(number, fit("plane", contacts), contacts)
 
 
-def test_a_later_array_goes_on_over_faces_that_it_alone_has_felt():
+def test_a_later_array_goes_on_over_faces_that_it_alone_has_felt_or_that_are_new():
     form = AnyForm.__new__(AnyForm)
+    form._before = {0, 1, 2, 3, 4}
     floors = face(1, (1, 4)), face(2, (1, 5), (0, NOT_FELT))
     others = face(0, (0, 1)), face(3, (0, 2), (1, 6)), face(4, (0, NOT_FELT))
     form.found = SimpleNamespace(graph=PatchGraph((*floors, *others), ()))
     form.pad = SimpleNamespace(guard=SimpleNamespace(active=1))
     assert sorted(form._own_faces()) == [1, 2]
+    form._before = {0, 1, 2}
+    assert sorted(form._own_faces()) == [1, 2, 3, 4]

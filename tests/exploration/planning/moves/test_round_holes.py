@@ -146,6 +146,15 @@ def test_other_rims_are_left_unknown():
         assert holes_of(rims, NOWHERE) == ([], rims)
 
 
+def test_a_wide_ring_that_was_guessed_is_the_other_end_of_a_bore_and_a_counterbore_is_none():
+    wide = [rim(5.0, radius=29.7), rim(-5.0, -1.0, radius=27.3, measured=False)]
+    (hole,), left = holes_of(wide, NOWHERE)
+    assert not left
+    assert abs(hole.radius - 29.7) < 0.1
+    stepped = [rim(5.0, radius=3.4), rim(-5.0, -1.0, radius=5.2, measured=False)]
+    assert holes_of(stepped, NOWHERE)[0] == []
+
+
 def test_a_rim_that_was_looked_at_speaks_for_a_guess_at_the_other_end_and_two_guesses_for_nothing():
     guess = rim(-5.0, -1.0, radius=5.2, x=0.7, measured=False)
     (hole,), left = holes_of([rim(5.0), guess], NOWHERE)
