@@ -54,8 +54,6 @@ class AnyFormConfig:
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
     overlap: float = 0.22  # of the pad's shorter side, that stays over the rim
     met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
-    lain: float = 1.0  # [mm] between a pad that lies on a face and that, and
-    flush: float = 0.97  # least cosine between the two
     wall_tries: int = 2
     vain: int = 12  # looks at walls that were not there, from which no more of them are believed
     worth: int = 3  # of those, that a wall found makes up for
@@ -169,7 +167,7 @@ class AnyForm:
             return move
         if self._ledges and (move := self._ledges.next(frontier.openings)) is not None:
             return move
-        lain = [wall for wall in walls if self._on_a_face(wall)]
+        lain = [wall for wall in walls if wall.lay_on_one_of(self.found.graph.faces)]
         return (
             self._nearest(lain, [rim for rim, _ in rims])
             or self._climbing.next(lain)
@@ -244,17 +242,6 @@ class AnyForm:
                 stands |= near & (side * (face.fit.shape.normals(at) * ways).sum(axis=1) < -0.3)
         left = [wall for wall, told in zip(walls, stands, strict=True) if not told]
         return [wall for wall in left if not self._overhung.holds(wall, self.reach.felt, self.pad.tool)]
-
-    def _on_a_face(self, wall: Wall) -> bool:
-        """Whether the pad lay on a known face when it was stopped: on an edge nobody knows which way it leans."""
-        for face in self.found.graph.faces:
-            if isinstance(face.fit, Fit):
-                at = wall.pose[None, :3, 3]
-                near = abs(float(face.fit.shape.signed_distance(at)[0])) < self.own.lain
-                side = 1.0 if face.fit.convex else -1.0
-                if near and side * float(face.fit.shape.normals(at)[0] @ wall.normal) > self.own.flush:
-                    return True
-        return False
 
     def _unread(self, wall: Wall) -> list[Wall]:
         """What it may be, and was not tried for yet."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,9 +23,11 @@ from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.patch_graph import PatchGraph
+from primitives.fit import Fit
+from primitives.patch_graph import Face, PatchGraph
 
 _SLANT, _STRAIGHT = 0.25, 0.98  # cosine from and up to which a stroke goes slanting to a side of the housing
+_LAIN, _FLUSH = 1.0, 0.97  # [mm] between a pad that lies on a face and that; least cosine between the two
 _WORTH_CENTERING = 4.0  # [mm] of a stroke, after which the pad goes back to the middle
 
 
@@ -45,6 +48,16 @@ class Wall:
         ahead = [way for way in sides if _SLANT < way @ self.heading < _STRAIGHT]
         ahead.sort(key=lambda way: -float(way @ self.heading))
         return [self._across(way) for way in ahead] or [self]
+
+    def lay_on_one_of(self, faces: Sequence[Face]) -> bool:
+        """Whether the pad lay on a known face when it was stopped: on an edge nobody knows which way it leans."""
+        at = self.pose[None, :3, 3]
+        for face in faces:
+            if isinstance(face.fit, Fit) and abs(float(face.fit.shape.signed_distance(at)[0])) < _LAIN:
+                side = 1.0 if face.fit.convex else -1.0
+                if side * float(face.fit.shape.normals(at)[0] @ self.normal) > _FLUSH:
+                    return True
+        return False
 
     def _across(self, way: Floats) -> Wall:
         """Across another (3,) way, at the end of the housing there."""
