@@ -42,12 +42,13 @@ class RoundHolesConfig:
     most: int = 6  # touches for one rim
     over: float = 1.5  # [mm] of the pad's middle outside the rim of a large one
     apart: float = 0.6  # [rad] between two looks
-    off: float = 1.5  # [mm] of the pad from the face, that it lies on yet
-    flush: float = 0.98  # least cosine between the two, likewise
+    off: float = 2.5  # [mm] of the pad from the face, that it lies on yet
+    flush: float = 0.93  # least cosine between the two, likewise
     upright: float = 0.1  # most cosine between a hole's axis and the face behind an edge beside it
     edge: float = 40.0  # [mm] from its axis, where an edge is beside it
     felt: float = 20.0  # [mm] from that, within which that face was felt
-    beside: float = 4.0  # [mm] between rims that are tried as one
+    beside: float = 4.0  # [mm] between rims that are tried as one,
+    as_wide: float = 4.0  # [mm] and between their radii
     opposed: float = 0.98  # least cosine between the axes of two ends of a hole
     aside: float = 0.4  # [mm] of one end's center from the other's axis
     slant: float = 0.005  # [rad] the same, over the hole's depth
@@ -68,19 +69,27 @@ class RoundHoles:
 
     def __init__(self, study: Study, reach: Reach, config: RoundHolesConfig = RoundHolesConfig()) -> None:
         self.study, self.reach, self.config = study, reach, config
-        self._tried = Attempts(1, config.beside)
+        self._seen = Attempts(1, config.beside)
+        self._missed: list[RoundRim] = []
 
     def next(self, openings: Sequence[RoundRim]) -> Callable[[], Done] | None:
         """A look at the nearest rim that was not looked at yet."""
         here = self.study.pad.guard.world_from_sensor[:3, 3]
-        left = [rim for rim in openings if not self._tried.given_up(rim.center)]
+        left = [rim for rim in openings if not self._given_up(rim)]
         if not left:
             return None
         nearest = min(left, key=lambda rim: float(np.linalg.norm(rim.center - here)))
         return partial(self._measure, nearest)
 
+    def _given_up(self, rim: RoundRim) -> bool:
+        """Whether one was seen there, or none about as wide: a far end is guessed as wide as the near one."""
+        return self._seen.given_up(rim.center) or any(
+            float(np.linalg.norm(rim.center - other.center)) < self.config.beside
+            and abs(rim.radius - other.radius) < self.config.as_wide
+            for other in self._missed
+        )
+
     def _measure(self, rim: RoundRim) -> Done:
-        self._tried.note(rim.center)
         pad, frames, used = self.study.pad, list[tuple[TactileImage, Floats]](), list[Floats]()
         small = rim.radius < self.config.under * min(pad.size)
         looks, led = 1 if small else self.config.looks, 0
@@ -99,10 +108,11 @@ class RoundHoles:
             if led >= self.config.most or (found is not None and len(frames) >= looks):
                 break
         if found is None:
+            self._missed.append(rim)
             self.study.found.refuted += [rim.center] if frames else []
             return None, "no round rim was made out"
         better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
-        self._tried.note(found.center)
+        self._seen.note(rim.center, found.center)
         self.study.found.rims.append(better)
         return None, "looked at the rim of a round hole"
 
