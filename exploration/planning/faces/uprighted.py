@@ -65,7 +65,7 @@ def _directions(graph: PatchGraph) -> Iterator[Floats]:
 
 
 def _flats(graph: PatchGraph) -> Iterator[Plane]:
-    """The planes of faces that were felt."""
+    """The planes of its flat faces."""
     for face in graph.faces:
         if isinstance(face.fit, Fit) and isinstance(face.fit.shape, Plane):
             yield face.fit.shape
