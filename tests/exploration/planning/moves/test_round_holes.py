@@ -1,18 +1,20 @@
 """Round holes from looks at their rims, and which rims are the two ends of one."""
 
+from types import SimpleNamespace
+
 import numpy as np
 from scipy.special import ndtr
 
-from exploration.planning.moves.round_holes import holes_of
+from exploration.planning.moves.round_holes import RoundHoles, holes_of
 from exploration.planning.open.round_rims import RoundRim
 from exploration.sensing.frame import TactileImage, TaxelArray
 from exploration.sensing.lines.blurred_disc import of_disc
-from exploration.sensing.lines.round_hole import fit_round_hole
+from exploration.sensing.lines.round_hole import RoundHoleConfig, _Look, _without_strays, fit_round_hole
 from exploration.sensing.response import rubber
 from primitives import pose as se3
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
-from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
 from primitives.shapes import Plane
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -193,3 +195,47 @@ def test_who_was_behind_a_face_touched_across_a_hole_did_not_go_through_it():
     assert through.depth == 14.0
     (hole,), _ = holes_of([rim(5.0)], went, lambda _: 8.0)
     assert hole.depth == 3.0
+
+
+def test_taxels_off_a_circle_are_left_out_on_one_side_of_it_and_not_all_round():
+    turn = np.arange(120) * np.pi / 60.0
+    ring = 9.0 * np.column_stack([np.cos(turn), np.sin(turn)])
+    look = _Look(ring, np.ones((120, 3)), np.ones(120), np.ones(120), 1.2, np.ones(120))
+    keyway, corners = np.abs(turn - np.pi) < 0.4, np.cos(6.0 * turn) > 0.7
+
+    def kept(strays):
+        return _without_strays([look], np.zeros(2), 9.0 * strays, np.ones(120), RoundHoleConfig())
+
+    (rest,) = kept(keyway)
+    assert len(rest.flat) == int((~keyway).sum())
+    assert corners.mean() < 1.0 - RoundHoleConfig().round
+    assert kept(corners) == []
+    assert kept(np.zeros(120, dtype=bool)) == []
+
+
+def looking(faces=()):
+    """The looks of an exploration that knows so many faces."""
+    pad = SimpleNamespace(size=(28.8, 18.0), guard=SimpleNamespace(world_from_sensor=np.eye(4)))
+    study = SimpleNamespace(pad=pad, found=SimpleNamespace(graph=PatchGraph(tuple(faces), ())))
+    return RoundHoles(study, SimpleNamespace())
+
+
+def test_a_wider_rim_is_looked_for_where_none_of_the_guessed_width_was_seen():
+    looks = looking()
+    looks._missed.append(rim(5.0, radius=6.0))
+    assert looks.next([rim(5.0, radius=7.0)]) is None
+    assert looks.next([rim(5.0, radius=14.0)]) is not None
+    looks._seen.note(rim(5.0).center)
+    assert looks.next([rim(5.0, radius=14.0)]) is None
+
+
+def test_a_face_ends_at_what_stands_beside_a_hole_and_not_at_a_boss_or_far_off():
+    def flat(number, normal, at):
+        aside = np.cross(normal, UP)
+        points = at + np.array([a * aside + b * UP for a in (-6.0, 0.0, 6.0) for b in (-3.0, 3.0)])
+        return ranked_face(number, Contacts.of(points, np.tile(normal, (6, 1))), MergeOptions())
+
+    x = np.eye(3)[0]
+    edge, boss, far = flat(0, x, 7.0 * x), flat(1, x, -9.0 * x), flat(2, x, 60.0 * x)
+    ((shape, side),) = looking([edge, boss, far])._ends(rim(0.0))
+    assert side * shape.signed_distance(np.array([[8.0, 0.0, 0.0]]))[0] > 0.9
