@@ -24,6 +24,7 @@ class ToldConfig:
     near: float = 0.5  # [mm] of a contact from it
     facing: float = 0.9  # least cosine between their normals
     met: float = 6.0  # [mm] of where a stroke was stopped
+    lies: float = 0.2  # [mm] over it, of the middle of a pad that lies on it: the skin gives
     room: float = 0.3  # [mm] round the housing, where the pad is to lie
     over: float = 1.5  # [mm] over the table, where the search for the object stops
     patch: float = 4.0  # [mm] round a place on the table, of the face that lies there
@@ -60,9 +61,13 @@ class Told:
         points = se3.transform_points(imprint.pose, np.column_stack(dented))
         return bool((np.abs(self.surface.signed_distance(points)) < self._config.near).any())
 
-    def stopped(self, point: Floats) -> bool:
-        """Whether it is what stopped a stroke at a (3,) point."""
-        return float(self.surface.signed_distance(point[None])[0]) < self._config.met
+    def stopped(self, front: Floats) -> bool:
+        """Whether it is what stopped a stroke, at one of the (n, 3) places at the array's front then."""
+        return bool((self.surface.signed_distance(front) < self._config.met).any())
+
+    def holds(self, place: Floats) -> bool:
+        """Whether a pad that lies at a (3,) place lies on it."""
+        return float(self.surface.signed_distance(place[None])[0]) < self._config.lies
 
     def leaves_room(self, points: Floats, normals: Floats) -> Bools:
         """(n,) whether a pad centered on (n, 3) points of outward normals (n, 3) would be clear of it."""

@@ -84,6 +84,8 @@ class Climbing:
         for pose in poses:
             high = float(((felt - pose[:3, 3]) @ wall.normal).max(initial=0.0))
             if self.reach.descend(pose, high):
+                if self.study.pad.on_told():
+                    return None, "nothing but what is known was where a stroke was stopped"
                 rose = float((self.study.pad.guard.world_from_sensor[:3, 3] - wall.point) @ wall.normal)
                 if rose < self.config.step:
                     return self.study.face_here(), "nothing stands on the face where a stroke was stopped"

@@ -53,7 +53,8 @@ class Looking:
             return None
         felt, own, pad = self.reach.felt, self._own(), self.study.pad
         axes = own_axes(self.study.found.graph.faces)
-        view = best_view(felt.points[own], felt.facing[own], pad.swept, pad.tool.high[:2], axes)
+        beside = None if pad.told is None else pad.told.points
+        view = best_view(felt.points[own], felt.facing[own], pad.swept, pad.tool.high[:2], axes, beside)
         return None if view is None else partial(self._look, view)
 
     def come_down_on(self, target: Floats) -> bool | None:
@@ -96,18 +97,13 @@ class Looking:
         ball = self._ball()
         way, far = view.target[:3, 2], ball.radius + self.config.start
         start = self._start(view.target, ball)
-        if not self._round(start, ball):
-            if self._failed.count(start[:3, 3]):
-                pad.swept.set_aside(view.unseen)  # not worth a third try
-            self._failed.note(start[:3, 3])
+        if not self._led_to(start, ball, view):
             if pad.come_down(guard.world_from_sensor[:3, 2], self.config.beside):
                 return self.study.face_here(), "met something on the way round"
             return None, "met something on the way round, and lost it"
         met = pad.come_down(way, 2.0 * far, ApproachConfig().search_speed)
         home = self.study.face_here() if met else None
-        beside = (
-            pad.told is not None and home is None
-        )  # a table, most likely, which ends no view of the object
+        beside = pad.told is not None and home is None  # what is known ends no view of the object
         if not met or beside or self._looked.given_up(start[:3, 3]):
             pad.swept.set_aside(view.unseen)  # seen, or behind what is not felt well enough to end the view
         self._looked.note(start[:3, 3])
@@ -115,6 +111,18 @@ class Looking:
             guard.go_to(start)
             return None, "looked from afar and met nothing"
         return home, "looked from afar and met something"
+
+    def _led_to(self, start: Floats, ball: Ball, view: View) -> bool:
+        """Whether a way led to the (4, 4) start of a view, which is not worth a third try."""
+        led = False
+        try:
+            led = self._round(start, ball)
+        finally:
+            if not led:
+                if self._failed.count(start[:3, 3]):
+                    self.study.pad.swept.set_aside(view.unseen)
+                self._failed.note(start[:3, 3])
+        return led
 
     def _round(self, start: Floats, ball: Ball) -> bool:
         """To a (4, 4) start, straight or out of a ball and round it; false where something was in the way."""
@@ -127,7 +135,10 @@ class Looking:
         inside = ball.radius**2 - float(off @ off)
         if inside > 0.0:
             retreat(guard, along + float(np.sqrt(along**2 + inside)))
-        for pose in way_round(guard.world_from_sensor, start, ball):
+        stops = way_round(guard.world_from_sensor, start, ball)
+        if self.study.pad.told is not None and len(self.reach.with_room(stops)) < len(stops):
+            return False
+        for pose in stops:
             if guard.go_to(pose, until=lambda seen: touched(seen.image)) is not None:
                 retreat(guard, self.config.back)
                 return False

@@ -52,11 +52,13 @@ def best_view(
     seen: SweptCells,
     half: Floats,
     axes: Floats,
+    beside: Floats | None = None,
     config: ViewsConfig = ViewsConfig(),
 ) -> View | None:
     """Of an object felt at (n, 3) places that face (n, 3) ways, for a pad of (2,) `half` sizes [mm].
 
-    The columns of (3, 3) `axes` are the object's own directions.
+    The columns of (3, 3) `axes` are the object's own directions; at (m, 3) places `beside` [mm] stands something
+    else, that stops an approach, too.
     """
     if not len(felt):
         return None
@@ -64,15 +66,20 @@ def best_view(
     _, first = np.unique(alike, axis=0, return_index=True)
     felt, facing = felt[first], facing[first]
     unseen = _unseen(felt, seen, config)
+    other = np.empty((0, 3)) if beside is None else beside
     best, view = 1.0, None
     for way in _ways(axes) if len(unseen) else ():
         turn = se3.frame_along(way, axes[:, int(np.argmin(np.abs(way @ axes)))])
         straight = float(np.abs(way @ axes).max()) > 0.99
         over = 4.0 * half[0] * half[1] / seen.cell**3  # cells a millimeter of depth
         places, behind, shown = unseen @ turn, felt @ turn, facing @ -way > config.facing
+        stands, known = (
+            np.concatenate([felt, other]) @ turn,
+            np.append(shown, np.ones(len(other), dtype=bool)),
+        )
         low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
         x, y = (np.arange(a, b + config.step, config.step) for a, b in zip(low, high, strict=True))
-        count, stop, new = looked_into(places, behind, shown, x, y, half, config.first)
+        count, stop, new = looked_into(places, stands, known, x, y, half, config.first)
         deep = np.where(new, config.end, config.side if int(shown.sum()) < config.few else config.deep)
         least = over * (deep if straight else config.deep)
         worth = count * (1.0 if straight else config.slanting) / least

@@ -205,6 +205,10 @@ class Pad:
         """Whether anything is under the pad now."""
         return bool(feel(self.guard.hold().image))
 
+    def on_told(self) -> bool:
+        """Whether the pad's middle lies on what is told to stand beside the object."""
+        return self.told is not None and self.told.holds(self.guard.world_from_sensor[:3, 3])
+
     def axes(self) -> Floats:
         """(2, 2) columns to stroke along: the edge that is seen, or the least curvature; and across it."""
         seen = dwell(self.guard, self.config.averaged)

@@ -77,6 +77,8 @@ class Study:
 
     def face_here(self) -> int | None:
         """Stroke the face under the pad along two axes, to its edges; the face's id."""
+        if self.pad.on_told():
+            return None
         first = self.pad.feel()
         known = known_face(self.found.graph, first, self.config)
         if known is not None:
@@ -136,9 +138,11 @@ class Study:
         pose = self.pad.guard.world_from_sensor if stroke.met is None else stroke.met
         half = 0.5 * float(np.abs(stroke.heading) @ np.asarray(self.pad.size))
         way = pose[:3, :2] @ stroke.heading
-        if self.pad.told is not None and self.pad.told.stopped(pose[:3, 3] + half * way):
-            return False
         wide = np.abs(self.pad.tool.high[:2])
+        aside = float(np.abs(stroke.heading[::-1]) @ wide) * np.cross(pose[:3, 2], way)
+        front = pose[:3, 3] + half * way + np.outer([-1.0, 0.0, 1.0], aside)
+        if self.pad.told is not None and self.pad.told.stopped(front):
+            return False
         self.walls.append(
             Wall(pose[:3, 3] + half * way, way, -pose[:3, 2], pose, wide, stroke.ended == "wall")
         )

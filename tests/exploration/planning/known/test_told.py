@@ -29,8 +29,16 @@ def test_contacts_on_the_table_are_left_out_and_the_objects_are_kept(told):
 
 
 def test_a_stroke_down_a_side_is_stopped_by_the_table_and_one_across_is_not(told):
-    assert told.stopped(np.array([32.0, 0.0, -8.0]))
-    assert not told.stopped(np.array([0.0, 0.0, 10.0]))
+    low, high = np.array([[32.0, 0.0, -8.0]]), np.array([[0.0, 0.0, 10.0], [0.0, 20.0, 8.0]])
+    assert told.stopped(low)
+    assert told.stopped(np.concatenate([high, low]))  # by one corner of the array
+    assert not told.stopped(high)
+
+
+def test_a_pad_lies_on_the_table_where_its_skin_gave_and_not_on_a_sheet_of_a_millimeter(told):
+    assert told.holds(np.array([60.0, 0.0, -10.6]))
+    assert not told.holds(np.array([60.0, 0.0, -9.5]))
+    assert not told.holds(np.array([0.0, 0.0, 9.5]))
 
 
 def test_a_pad_has_no_room_low_on_a_side(told):

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from exploration.devices.guard import Collision
 from exploration.planning.moves.looking import Looking, own_axes
 from exploration.planning.open.views import View
 from primitives import pose as se3
@@ -89,3 +90,16 @@ def test_the_table_is_no_part_of_what_is_looked_at():
     felt = look.reach.felt
     felt.points = np.concatenate([felt.points, [[400.0, 0.0, -100.3], [0.0, 400.0, -99.8]]])
     assert look._ball().radius == pytest.approx(ball.radius)
+
+
+def test_a_look_that_a_collision_stopped_on_the_way_twice_is_not_tried_again():
+    look, swept = looking(meets=True)
+
+    def collide(start):
+        raise Collision("collision of lts210 by 0.10 mm")
+
+    look.reach.go = collide
+    for aside in (0, 1):
+        with pytest.raises(Collision):
+            look._look(VIEW)
+        assert len(swept.aside) == aside

@@ -70,3 +70,17 @@ def test_the_end_of_a_post_is_looked_at_though_the_plate_round_it_was_felt_from_
     top = np.array([[x, y, 28.0] for x in (-6.0, -2.0, 2.0, 6.0) for y in (-4.0, 0.0, 4.0)])
     felt = np.concatenate([whole[0], top]), np.concatenate([whole[1], np.tile([0.0, 0.0, 1.0], (12, 1))])
     assert best_view(*felt, swept, half, np.eye(3)) is None
+
+
+def test_nothing_is_looked_at_through_the_table_that_it_stands_on():
+    swept, half = SweptCells(BOX), np.array([15.0, 10.0])
+    places, facing = sheet(20.0, 1.0)
+    cells = swept.unseen_between(BOX[:3], BOX[3:])
+    swept.set_aside(cells[(cells[:, 2] > 16.0) | (np.abs(cells[:, :2]).max(axis=1) > 32.0)])
+    table = np.array([[x, y, 0.0] for x in np.arange(-80.0, 81.0, 4.0) for y in np.arange(-80.0, 81.0, 4.0)])
+    free, beside = (best_view(places, facing, swept, half, np.eye(3), other) for other in (None, table))
+    assert free is not None
+    assert free.target[2, 2] > 0.9  # from right under it
+    assert beside is None or beside.target[2, 2] < 0.1
+    if beside is not None:
+        assert (beside.unseen[:, 2] > 0.0).all()

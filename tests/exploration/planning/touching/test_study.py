@@ -37,3 +37,24 @@ def test_a_wall_met_slanting_may_stand_along_either_side_of_the_housing_that_wen
     np.testing.assert_allclose(along_x.point, [9.0, 0.0, 0.0])
     straight = Wall(np.array([9.0, 0.0, 0.0]), np.eye(3)[0], np.eye(3)[2], laid, half)
     assert straight.readings() == [straight]
+
+
+def test_what_is_told_to_stand_beside_the_object_is_no_face_of_it_and_is_not_stroked():
+    pad = SimpleNamespace(felt=[], on_told=lambda: True)  # and nothing to stroke with
+    study = Study(pad, Findings(), AttributionConfig())
+    assert study.face_here() is None
+    assert not len(study.loose)
+
+
+def test_a_stroke_that_the_table_stops_at_one_corner_of_the_array_met_no_wall():
+    table = SimpleNamespace(stopped=lambda front: (front[:, 1] < -12.0).any())
+    laid = np.diag([1.0, -1.0, -1.0, 1.0])
+    pad = SimpleNamespace(felt=[], told=table, size=(18.0, 28.8))
+    pad.guard = SimpleNamespace(world_from_sensor=laid)
+    pad.tool = SimpleNamespace(high=np.array([10.0, 15.0, 0.0]))
+    stroke = SimpleNamespace(ended="wall", heading=np.array([1.0, 0.0]), met=None)
+    study = Study(pad, Findings(), AttributionConfig())
+    assert not study.note_wall(stroke)
+    pad.told = None
+    assert study.note_wall(stroke)
+    assert len(study.walls) == 1
