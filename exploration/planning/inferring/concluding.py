@@ -20,6 +20,7 @@ from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.far_ends import far_ends, shut
 from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
+from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
@@ -45,6 +46,7 @@ _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned
 _BY_LAST = "the flat end of a turned face that no pad could lie on is inferred from where that was felt last"
 _BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
 _BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the faces at its ends are not"
+_BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where both its sides end"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
@@ -83,6 +85,9 @@ def conclude(
         _add_slot(found, slot)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
         add(found, riser.contacts, _BY_STEP, riser.kind)
+    now = frontier()
+    for lot in outline_walls(now.known, now.ends(), found.graph.faces):
+        add(found, lot, _BY_OUTLINE)
     found.warnings.extend(rim.told() for rim in found.openings)
 
 

@@ -8,6 +8,10 @@ of them are under the pad, the places serve at which the face was felt last, and
 
 linear in c and in the bracket (Kasa 1976).  Edges of a square or a hexagon may lie so, too, in the middles of its
 sides; but then they look only so many ways (our derivation).
+
+A disc that has notches ends at other places as well.  Its circle is one through three corners of the face's convex
+hull that holds all of the face, and that most of the ways out of its middle end at (compare Fischler and Bolles
+1981; our derivation).
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from exploration.planning.inferring.rim_walls import depth_below
 from exploration.planning.open.known_face import KnownFace
@@ -45,6 +50,12 @@ class RoundWallsConfig:
     )  # where the face was felt last: the ways out are hardly known there
     round: float = 0.08  # of the radius, that a place may be off it at most
     share: float = 0.75  # of a face's places that must be of it
+    held: Likeness = Likeness(24, 1.5, 0.3)  # the same, where a circle holds all of a face
+    past: float = 1.2  # [mm] past such a circle, which the blur of what was felt reaches at most
+    stray: float = 0.01  # share of the face's places that may lie farther out
+    tried: int = 300  # threes of its outermost places, through which a circle is laid
+    sectors: int = 72  # of a turn
+    filled: float = 0.6  # share of them in which the face ends at it
     bare: float = 0.6  # share of the places where the face was felt last, that no other face may explain
     around: float = 3.3  # [rad] of it, over which they are
     turned: float = 0.05  # [rad] from the ways that a polygon's edges look, to be none of them
@@ -54,6 +65,7 @@ class RoundWallsConfig:
     behind: tuple[float, float] = (1.0, 5.0)  # [mm] behind a wall, where its material is
     went: int = 4  # places there that an array went through, from which there is none
     rows: tuple[float, ...] = (0.5, 1.2, 2.5)  # [mm] below the edge, where the wall is
+    inside: float = 0.4  # of the wall's depth, likewise at most
     land: float = 5.0  # [mm] of it, that there is at least
     ring: int = 24  # places round it
     sigma: float = 0.2  # [mm]
@@ -67,6 +79,7 @@ class Circle:
     center: Floats  # (3,) [mm]
     axis: Floats  # (3,) out of the face
     radius: float  # [mm]
+    notched: bool = False  # whether the face ends inside it, too
 
 
 def round_walls(
@@ -96,11 +109,13 @@ def round_walls(
         circle = _circle(edges, ways, axis, config.edges, config)
         if circle is None and len(at) > config.bare * len(own.rim[0]):
             circle = _circle(at, out, axis, config.ends, config)
+        if circle is None:
+            circle = _holding(own.cells, at, axis, config)
         if circle is not None:
             deep = depth_below(circle.center, circle.axis, own.face.id, faces)
             if _gone_through(circle, (config.land, deep - config.land), free, config):
                 deep = config.land
-            if not _gone_through(circle, (0.0, config.land), free, config):
+            if not _gone_through(circle, (0.0, min(config.land, deep)), free, config):
                 found.append((circle, deep))
     return [
         _wall(_one_of(circle, [other for other, _ in found], config), deep, config) for circle, deep in found
@@ -145,6 +160,38 @@ def _circle(
     return None
 
 
+def _holding(cells: Floats, at: Floats, axis: Floats, config: RoundWallsConfig) -> Circle | None:
+    """The circle that holds a face felt at (n, 3) cells, and that most ways out of it end at (m, 3) places of."""
+    turn = frame_along(axis)
+    flat, ends = (cells @ turn)[:, :2], (at @ turn)[:, :2]
+    if len(ends) < config.held.least:
+        return None
+    corners = flat[ConvexHull(flat).vertices]
+    best, found, rng = config.filled * config.sectors, None, np.random.default_rng(0)
+    for _ in range(config.tried):
+        center, radius = _through(corners[rng.choice(len(corners), 3, replace=False)])
+        far = np.linalg.norm(flat - center, axis=1)
+        if np.isfinite(radius) and np.mean(far > radius + config.past) < config.stray:
+            on = np.abs(np.linalg.norm(ends - center, axis=1) - radius) < config.held.off
+            count = _sectors(ends[on] - center, config)
+            if count > best and around(_angles(ends[on] - center)) > config.around:
+                best, found = count, on
+    if found is None:
+        return None
+    center, radius = _through(ends[found])
+    level = float((cells @ turn)[:, 2].mean())
+    return Circle(turn @ np.array([*center, level]), axis, radius, notched=True)
+
+
+def _sectors(from_middle: Floats, config: RoundWallsConfig) -> int:
+    share = _angles(from_middle) / (2.0 * np.pi) + 0.5
+    return len(np.unique(np.floor(share * config.sectors)))
+
+
+def _angles(from_middle: Floats) -> Floats:
+    return np.asarray(np.arctan2(from_middle[:, 1], from_middle[:, 0]))
+
+
 def _through(flat: Floats) -> tuple[Floats, float]:
     """(2,) center and radius of the circle nearest to (n, 2) places; a line's is endless."""
     middle = flat.mean(axis=0)
@@ -161,15 +208,20 @@ def _of_polygon(angle: Floats, sides: int, config: RoundWallsConfig) -> bool:
 def _gone_through(
     circle: Circle, between: tuple[float, float], free: Floats, config: RoundWallsConfig
 ) -> bool:
-    """Whether an array was behind the wall `between` two depths [mm], as in a groove round it."""
-    away = circle.center - free
-    down = away @ circle.axis
-    behind = circle.radius - np.linalg.norm(away - np.outer(down, circle.axis), axis=1)
+    """Whether an array was behind the wall `between` two depths [mm], as in a groove round it.
+
+    In the notches of a circle that has some it may have been.
+    """
+    away = free - circle.center
+    down = -away @ circle.axis
+    behind = circle.radius - np.linalg.norm(away + np.outer(down, circle.axis), axis=1)
     low, high = config.behind
-    return (
-        int(((down > between[0]) & (down < between[1]) & (behind > low) & (behind < high)).sum())
-        >= config.went
-    )
+    went = (down > between[0]) & (down < between[1]) & (behind > low) & (behind < high)
+    if circle.notched:
+        return (
+            _sectors(away[went] @ frame_along(circle.axis), config) > (1.0 - config.filled) * config.sectors
+        )
+    return int(went.sum()) >= config.went
 
 
 def _wall(circle: Circle, deep: float, config: RoundWallsConfig) -> Contacts:
@@ -177,7 +229,8 @@ def _wall(circle: Circle, deep: float, config: RoundWallsConfig) -> Contacts:
     turn = 2.0 * np.pi * np.arange(config.ring) / config.ring
     ways = np.column_stack([np.cos(turn), np.sin(turn)]) @ frame_along(circle.axis)[:, :2].T
     ring = circle.center + circle.radius * ways
-    rows = [*config.rows, *(deep - row for row in config.rows if deep > config.land)]
+    below = np.minimum(config.rows, config.inside * deep).tolist()
+    rows = [*below, *(deep - row for row in below if deep > config.land)]
     points = np.concatenate([ring - row * circle.axis for row in rows])
     normals = np.tile(ways, (len(rows), 1))
     return Contacts.of(points, normals, config.sigma, config.normal_sigma, touch=NOT_FELT)

@@ -87,3 +87,29 @@ def test_a_hub_s_outline_serves_where_no_edge_was_made_out_and_nothing_explains_
     assert walls([], [hub, FLOOR], [(at[some], out[some]), (NOWHERE, NOWHERE)]) == []
     square = flat(0, lambda xy: np.abs(xy).max(axis=1) < 13.0)
     assert walls([], [square, FLOOR], [square.rim, (NOWHERE, NOWHERE)]) == []
+
+
+def test_a_disc_with_a_notch_is_round_where_it_is_not_cut_and_a_gear_s_tips_are_no_wall():
+    def notched(xy):
+        return disc(22.0)(xy) & ~((xy[:, 0] > 10.0) & (np.abs(xy[:, 1]) < 8.0))
+
+    def gear(xy):
+        teeth = np.cos(8.0 * np.arctan2(xy[:, 1], xy[:, 0])) > 0.2
+        return disc(16.0)(xy) | disc(23.0)(xy) & teeth
+
+    plate = flat(0, notched)
+    in_the_notch = np.array([[20.0, 2.0 * k, -1.0] for k in range(-3, 4)])
+    (lot,) = walls([], [plate, FLOOR], [plate.rim, (NOWHERE, NOWHERE)], free=in_the_notch)
+    assert fit("cylinder", lot).shape.radius == pytest.approx(22.0, abs=1.5)
+    wheel = flat(0, gear)
+    assert walls([], [wheel, FLOOR], [wheel.rim, (NOWHERE, NOWHERE)]) == []
+    turn = np.linspace(0.0, 6.2, 60)
+    groove = 18.0 * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(60)]) - Z
+    assert walls([], [plate, FLOOR], [plate.rim, (NOWHERE, NOWHERE)], free=groove) == []
+
+
+def test_the_wall_of_a_sheet_is_no_higher_than_the_sheet():
+    sheet = [flat(0, disc(14.0)), flat(1, disc(14.0), -1.0, -1.0)]
+    lots = walls(EDGES, sheet)
+    assert lots
+    assert all(lot.points[:, 2].min() > -1.0 for lot in lots)
