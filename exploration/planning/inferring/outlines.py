@@ -47,6 +47,8 @@ class OutlinesConfig:
     felt: int = 2  # places at most
     ahead: float = 4.0  # [mm] past a single place, where nothing was felt
     clear: float = 2.0  # [mm] round there
+    rounded: float = 0.8  # [mm] the same, up to where corners at its ends may be rounded
+    middle: float = 0.6  # of such a run, that tells where it is
     many: int = 5  # runs that are tangents of one circle, from which they are pieces of it,
     tangent: float = 1.0  # [mm] from it at most
     trim: float = 2.0  # [mm] of its ends, beside which another side may begin
@@ -146,6 +148,10 @@ def _runs(
             return
         left &= ~run_of
         run, bends = _fitted(places[run_of], ways[run_of], own, config)
+        if config.bends < bends < config.rounded:
+            inner = _inner(run, places[run_of], ways[run_of], config)
+            if len(inner[0]) >= 2 * config.each and config.middle * (run.high - run.low) > config.longer:
+                run, bends = _fitted(*inner, own, config)
         if bends > config.bends:
             left &= ~_round(places[run_of], places, ways, config)
         elif _past(run, cells, config) <= config.felt:
@@ -210,6 +216,14 @@ def _fitted(places: Floats, ways: Floats, own: Floats, config: OutlinesConfig) -
     unsure = 0.25 * float(off.std()) * np.sqrt(180.0 / len(off))  # of a parabola through places spread evenly
     low, high = float((places @ along).min()), float((places @ along).max())
     return _Run(normal, float(middle @ normal), low, high), bend - unsure
+
+
+def _inner(run: _Run, places: Floats, ways: Floats, config: OutlinesConfig) -> tuple[Floats, Floats]:
+    """Those of (n, 2) places and ways that are well inside a run, at whose ends a corner may be rounded."""
+    along = places @ run.along
+    middle, half = 0.5 * (run.low + run.high), 0.5 * config.middle * (run.high - run.low)
+    inside = np.abs(along - middle) < half
+    return places[inside], ways[inside]
 
 
 def _of_one_circle(runs: Sequence[_Run], config: OutlinesConfig) -> bool:
