@@ -49,6 +49,7 @@ class OutlinesConfig:
     clear: float = 2.0  # [mm] round there
     rounded: float = 0.8  # [mm] the same, up to where corners at its ends may be rounded
     middle: float = 0.6  # of such a run, that tells where it is
+    steps: int = 4  # in which a circle takes in what is round
     many: int = 5  # runs that are tangents of one circle, from which they are pieces of it,
     tangent: float = 1.0  # [mm] from it at most
     trim: float = 2.0  # [mm] of its ends, beside which another side may begin
@@ -153,7 +154,7 @@ def _runs(
             if len(inner[0]) >= 2 * config.each and config.middle * (run.high - run.low) > config.longer:
                 run, bends = _fitted(*inner, own, config)
         if bends > config.bends:
-            left &= ~_round(places[run_of], places, ways, config)
+            left &= ~_round(run_of, places, ways, config)
         elif _past(run, cells, config) <= config.felt:
             left &= ~_beside(run, places, ways, config)
             own = np.concatenate([own, np.outer([1.0, -1.0], run.normal), np.outer([1.0, -1.0], run.along)])
@@ -243,16 +244,18 @@ def _beside(run: _Run, places: Floats, ways: Floats, config: OutlinesConfig) -> 
     return np.asarray(within & (off < config.told) & (ways @ run.normal > config.facing))
 
 
-def _round(bent: Floats, places: Floats, ways: Floats, config: OutlinesConfig) -> Bools:
-    """(n,) which places are of the circle through the (m, 2) ones of a run that bends."""
-    middle = bent.mean(axis=0)
-    circle = circle_through(bent - middle)
-    if circle is None:
-        return np.zeros(len(places), dtype=bool)
-    away = places - middle - circle[0]
-    far = np.linalg.norm(away, axis=1)
-    across = np.abs((away * ways).sum(axis=1)) > config.facing * far
-    return np.asarray(across & (np.abs(far - circle[1]) < config.told))
+def _round(bent: Bools, places: Floats, ways: Floats, config: OutlinesConfig) -> Bools:
+    """(n,) which places are of the circle through the `bent` ones, of which it takes in more at each step."""
+    for _ in range(config.steps):
+        middle = places[bent].mean(axis=0)
+        circle = circle_through(places[bent] - middle)
+        if circle is None:
+            break
+        away = places - middle - circle[0]
+        far = np.linalg.norm(away, axis=1)
+        across = np.abs((away * ways).sum(axis=1)) > config.facing * far
+        bent = bent | (across & (np.abs(far - circle[1]) < config.told))
+    return bent
 
 
 def _past(run: _Run, cells: Floats, config: OutlinesConfig) -> int:
