@@ -50,7 +50,7 @@ class OutlinesConfig:
     rounded: float = 0.8  # [mm] the same, up to where corners at its ends may be rounded
     middle: float = 0.6  # of such a run, that tells where it is
     steps: int = 4  # in which a circle takes in what is round
-    many: int = 5  # runs that are tangents of one circle, from which they are pieces of it,
+    many: int = 5  # ways that tangents of one circle look, from which they are pieces of it,
     tangent: float = 1.0  # [mm] from it at most
     trim: float = 2.0  # [mm] of its ends, beside which another side may begin
     tried: int = 400  # pairs of places for each run
@@ -228,13 +228,17 @@ def _inner(run: _Run, places: Floats, ways: Floats, config: OutlinesConfig) -> t
 
 
 def _of_one_circle(runs: Sequence[_Run], config: OutlinesConfig) -> bool:
-    """Whether many runs are tangents of one circle: n . c + r = d for all of them."""
-    if len(runs) < config.many:
+    """Whether runs that look many ways are tangents of one circle: n . c + r = d for all of them."""
+    apart: list[Floats] = []
+    for run in runs:
+        if all(float(run.normal @ other) < np.cos(config.snap) for other in apart):
+            apart.append(run.normal)
+    if len(apart) < config.many:
         return False
     rows = np.array([[*run.normal, 1.0] for run in runs])
     offsets = np.array([run.offset for run in runs])
-    solved, _, rank, _ = np.linalg.lstsq(rows, offsets, rcond=None)
-    return bool(rank == 3 and np.abs(rows @ solved - offsets).max() < config.tangent)
+    solved = np.linalg.lstsq(rows, offsets, rcond=None)[0]
+    return bool(np.abs(rows @ solved - offsets).max() < config.tangent)
 
 
 def _beside(run: _Run, places: Floats, ways: Floats, config: OutlinesConfig) -> Bools:
