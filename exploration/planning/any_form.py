@@ -155,11 +155,9 @@ class AnyForm:
         self.found.open = len(opened.points) + len(rims) + len(walls)
         here = self.pad.guard.world_from_sensor[:3, 3]
         left = self._open.left(opened.on(self._own_faces()) if self._entering else opened)
-        on_face = left.face == face
-        if face is not None and on_face.any() and self._lies():
-            near = left.points[on_face]
-            goal = near[np.argmin(np.linalg.norm(near - here, axis=1))]
-            return lambda: self._open.stroke_to(goal, face)
+        goal = None if face is None else self._open.near(left, face)
+        if face is not None and goal is not None and self._lies():
+            return partial(self._open.stroke_to, goal, face)
         ways_in = self._entering.ways_in(frontier.mouths(), self._open.alongs) if self._entering else ()
         if into := list(ways_in):
             return min(into, key=lambda item: _away(item[0], here))[1]

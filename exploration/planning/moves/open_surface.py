@@ -36,6 +36,7 @@ class OpenSurface:
         self.study, self.reach, self.feature = study, reach, explorer.feature
         self.config = config or OpenSurfaceConfig()
         self._tried = Attempts(explorer.tries - 1, self.config.beside)
+        self._stuck = Attempts(1, self.config.beside)  # what no stroke led to; it may be come down on yet
         self._missed: dict[int, int] = {}  # times in a row that the pad met something else, by face
         self._nothing: list[Floats] = []  # (4, 4) poses at which it met nothing
 
@@ -47,6 +48,15 @@ class OpenSurface:
             keep &= ~self._under(opened, pose)
         believed = Predicted(opened.points[keep], opened.normals[keep], opened.face[keep])
         return self._tried.unfinished(believed)
+
+    def near(self, left: Predicted, face: int) -> Floats | None:
+        """(3,) the place of a face that is left, nearest to the pad on it, that a stroke may lead to."""
+        points = left.points[left.face == face]
+        points = points[self._stuck.counts(points) == 0]
+        if not len(points):
+            return None
+        here = self.study.pad.guard.world_from_sensor[:3, 3]
+        return np.asarray(points[np.argmin(np.linalg.norm(points - here, axis=1))])
 
     def _most(self, face: int) -> int:
         """Misses in a row, from which a face is taken to end where it was felt: rims are all round a large one."""
@@ -60,17 +70,16 @@ class OpenSurface:
 
     def stroke_to(self, goal: Floats, face: int) -> Done:
         """From where the pad lies, over a (3,) goal and on."""
-        self._tried.note(goal)
         here = self.study.pad.guard.world_from_sensor
         toward = here[:3, :2].T @ (goal - here[:3, 3])
         distance = float(np.linalg.norm(toward))
         if distance < 1.0:
+            self._tried.note(goal)
             return face, "lay on what was open"
         stroke = self.study.pad.stroke(toward / distance, distance + 0.5 * self.feature)
         self.study.note_wall(stroke)
         home = self.study.take_in(stroke.contacts) if len(stroke.contacts) else face
-        if stroke.travel < self.config.stuck:
-            self._tried.note(goal)
+        (self._stuck if stroke.travel < self.config.stuck else self._tried).note(goal)
         return None if stroke.ended in ("wall", "lost") else home, "stroked what was open"
 
     def come_down(self, left: Predicted, nearest: int) -> Done:

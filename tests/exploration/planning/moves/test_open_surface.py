@@ -60,3 +60,22 @@ def test_where_a_pad_met_nothing_all_that_it_would_have_felt_is_known():
     opened = Predicted(points, np.tile(UP, (4, 1)), np.full(4, 7))
     surface.come_down(opened, 0)
     assert np.allclose(surface.left(opened).points, points[3])
+
+
+def test_what_no_stroke_led_to_is_come_down_on_yet():
+    study, reach = pad_that_lands_on([None], ())
+    strokes = [SimpleNamespace(travel=0.2, contacts=(), ended="edge")]
+    study.pad.stroke, study.note_wall = lambda heading, length: strokes[0], lambda stroke: False
+    surface = OpenSurface(study, reach, ExplorerConfig())
+    points = np.array([[12.0, 0.0, 0.0], [0.0, 20.0, 0.0]])
+    opened = Predicted(points, np.tile(UP, (2, 1)), np.full(2, 7))
+    assert np.allclose(surface.near(opened, 7), points[0])
+    surface.stroke_to(points[0], 7)
+    assert np.allclose(surface.near(surface.left(opened), 7), points[1])
+    assert len(surface.left(opened).points) == 2
+    strokes[0] = SimpleNamespace(travel=18.0, contacts=(), ended="length")
+    for _ in range(ExplorerConfig().tries - 1):
+        surface.stroke_to(points[1], 7)
+    assert np.allclose(surface.left(opened).points, points[:1])
+    assert surface.near(surface.left(opened), 7) is None
+    assert surface.near(opened, 8) is None
