@@ -51,6 +51,7 @@ class IdentifyConfig:
     blind: int = 1  # touches that met something, before which the widest gap is touched
     misses: int = 2  # touches in a row without a contact, after which belief is not asked where to touch
     idle: int = 3  # touches in a row that were chosen for want of one that tells
+    refused: int = 64  # proposals of a policy that begin where the hand cannot go, for one touch
     learning: LearnConfig = field(default_factory=LearnConfig)
 
 
@@ -83,6 +84,7 @@ class Identifier:
     belief: Belief | None = None
     ended: str = ""
     _idle: int = 0
+    _refused: int = 0  # proposals until now
     _agreed: int = 0
     _before: str = ""
     _drawn: Held | None = None
@@ -207,13 +209,11 @@ class Identifier:
     def _next(self, ball: Ball) -> tuple[Approach, Choice | None]:
         if self._spent():
             return self.touches[-1].approach, None
-        tried, places = len(self.touches), self._places(ball)
         policy = self.config.policy
         if policy == "planar":
-            return self._planar(ball) or gap_touch(ball, places, tried, self.rng), None
+            return self._planar(ball) or self._by(gap_touch, ball), None
         if policy != "information":
-            chosen = POLICY[policy] if isinstance(policy, str) else policy
-            return chosen(ball, places, tried, self.rng), None
+            return self._by(POLICY[policy] if isinstance(policy, str) else policy, ball), None
         if self._finishing and (finish := self._finish(ball)) is not None:
             return finish, None
         met = sum(t.met for t in self.touches)
@@ -230,7 +230,18 @@ class Identifier:
             self._idle += 1
             if self._idle > self.config.idle:
                 self.ended = found.reason
-        return gap_touch(ball, places, tried, self.rng), None
+        return self._by(gap_touch, ball), None
+
+    def _by(self, policy: Policy, ball: Ball) -> Approach:
+        """What a policy proposes, that begins where the hand can go: not under a table."""
+        places = self._places(ball)
+        for _ in range(self.config.refused):
+            made = policy(ball, places, len(self.touches) + self._refused, self.rng)
+            if self.hand.reachable(made):
+                break
+            self._refused += 1
+            places = np.concatenate([places, made.start[None, :3, 3]])  # as though it had been tried
+        return made
 
     def _planar(self, ball: Ball) -> Approach | None:
         if self.belief is None or self._missed() >= self.config.misses:
