@@ -19,6 +19,9 @@ from exploration.planning.ways.search import deepening_sweeps, sweeps
 from primitives.arrays import Floats
 from primitives.pose import pose
 
+_STEEP = 0.6  # of an approach's way that leads down, from which it comes from above
+_NEARLY = 0.42  # of its length, at half of which it passes the middle of where it is made for
+
 
 class Hand(Protocol):
     """Goes to where an approach begins, makes it, and comes back."""
@@ -152,7 +155,20 @@ class GuardedHand:
         low, high = self._reach[:3], self._reach[3:]
         at = approach.start[:3, 3]
         within = bool((at > low).all() and (at < high).all())
-        return within and (self.told is None or self.told.leads_past(approach.start))
+        return within and (self.told is None or self._past(self.told, approach))
+
+    def _past(self, told: Told, approach: Approach) -> bool:
+        """Whether an approach begins clear of what is told, and does not come to that first.
+
+        What comes from well above comes to the object first; what comes from aside, where it is over the table yet
+        as it comes near the object's middle.
+        """
+        begin, ahead = approach.start, approach.start.copy()
+        ahead[:3, 3] += _NEARLY * approach.length * approach.direction
+        aside = float(approach.direction[2]) > -_STEEP
+        return told.leads_past(begin) and not (
+            aside and told.table is not None and not told.leads_past(ahead)
+        )
 
     @property
     def _reach(self) -> Floats:

@@ -258,4 +258,5 @@ class Identifier:
 
     def _places(self, ball: Ball) -> Floats:
         """(n, 3) [mm] where the pad lay, or whence it came where it met nothing."""
-        return np.array([t.pose[:3, 3] if t.met else t.approach.start[:3, 3] for t in self.touches])
+        at = [t.pose[:3, 3] if t.met else t.approach.start[:3, 3] for t in self.touches]
+        return np.array(at).reshape(-1, 3)

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from exploration.devices.guard import Collision, Cost, GuardLimits
 from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocked, joined
@@ -65,7 +66,7 @@ def test_after_two_that_were_blocked_belief_is_not_asked_where_to_touch(monkeypa
         here=AWAY,
         pad=(20.0, 20.0),
         pace=None,
-        reachable=None,
+        reachable=lambda approach: True,
         leave=lambda ball: None,
     )
     hand.touch = lambda approach, ball: blocked(2, approach, AWAY)
@@ -82,3 +83,35 @@ def test_after_two_that_were_blocked_belief_is_not_asked_where_to_touch(monkeypa
     assert not asked
     there, tried = (a.start[:3, 3] - me.around().center for a in (approach, ASKED))
     assert there @ tried < 0.5 * np.linalg.norm(there) * np.linalg.norm(tried)
+
+
+@pytest.mark.parametrize("policy", ["grid", "largest-gap", "random", "information"])
+def test_every_policy_begins_over_the_table(policy):
+    hand = SimpleNamespace(cost=Cost(), here=AWAY, pad=(20.0, 20.0), pace=None)
+    hand.reachable = lambda approach: approach.start[2, 3] > 10.0
+    me = Identifier(hand, LIBRARY, np.array([-100.0] * 3 + [100.0] * 3), IdentifyConfig(policy=policy))
+    below, begun = 0, []
+    for k in range(12):
+        approach, choice = me._next(Ball(np.zeros(3), 50.0))
+        assert choice is None
+        below += approach.start[2, 3] < 10.0
+        begun.append(approach.start[:3, 3])
+        me.touches.append(blocked(k, approach, AWAY))
+    assert below == 0
+    assert len(np.unique(np.round(begun, 3), axis=0)) > 6
+
+
+def test_what_comes_from_aside_stays_over_the_table_until_near_the_object_and_from_above_it_need_not():
+    told = SimpleNamespace(table=0.0, leads_past=lambda at: at[2, 3] > 9.0)
+    hand = GuardedHand(_InTheWay(), told=told)
+
+    def from_aside(high, down):
+        way = np.array([np.cos(down), 0.0, -np.sin(down)])
+        begin = pose(np.column_stack([np.cross([0.0, 1.0, 0.0], way), [0.0, 1.0, 0.0], way]))
+        begin[:3, 3] = [-80.0, 0.0, high]
+        return Approach(begin, 160.0)
+
+    assert hand.reachable(from_aside(30.0, 0.1))
+    assert not hand.reachable(from_aside(30.0, 0.5))
+    assert hand.reachable(from_aside(30.0, 1.4))
+    assert not hand.reachable(from_aside(5.0, 0.0))

@@ -31,7 +31,9 @@ def test_a_touch_that_only_confirms_a_name_is_made_for_the_pose(
     monkeypatch.setattr(identify, "choose", lambda *args, **more: NoChoice("nothing"))
     monkeypatch.setattr(finish, "placing", lambda *args, **more: SETTLING)
     monkeypatch.setattr(identify, "sampled", lambda *args: None)
-    hand = SimpleNamespace(cost=Cost(), here=np.eye(4), pad=(20.0, 20.0), pace=None, reachable=None)
+    hand = SimpleNamespace(
+        cost=Cost(), here=np.eye(4), pad=(20.0, 20.0), pace=None, reachable=lambda approach: True
+    )
     found = Hypothesis("cube", np.eye(4), 0.0, 1e-4 * np.eye(6), 0.0, np.zeros(1))
     contacts = Contacts.of([[0.0, 0.0, 20.0]], [[0.0, 0.0, 1.0]], 0.1, 0.01)
     felt = LoneTouch(1, SETTLING, contacts, (), joined([]), True, "a flat face", np.eye(4))
