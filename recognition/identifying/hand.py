@@ -15,10 +15,11 @@ from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocke
 from exploration.planning.touching.pace import Pace
 from exploration.planning.touching.within_reach import begun_within, kept_within
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
-from exploration.planning.ways.search import deepening_sweeps, sweeps
+from exploration.planning.ways.search import beside_first, deepening_sweeps, sweeps
 from primitives.arrays import Floats
 from primitives.pose import pose
 
+_SHORT = 10.0  # [mm] of a sweep's end, from which something stopped it
 _STEEP = 0.6  # of an approach's way that leads down, from which it comes from above
 _NEARLY = 0.42  # of its length, at half of which it passes the middle of where it is made for
 
@@ -94,13 +95,15 @@ class GuardedHand:
         return Pace.of(self.guard)
 
     def find(self, box: Floats) -> Iterator[LoneTouch]:
-        """Sweep until the pad meets something."""
+        """Sweep until the pad meets something; where it was stopped, but not at the skin, beside there first."""
         if self.told is None:
             ways = deepening_sweeps(box, self.pad, self.feature)
         else:  # what lies on a table is at the bottom
             floor = max(box[2], self.told.floor)
             ways = sweeps(np.array([*box[:2], floor, *box[3:]]), self.pad, self.feature)
-        for start, end in ways:
+        left = list(ways)
+        while left:
+            start, end = left.pop(0)
             try:
                 self._come_from_above(start, box[5])
                 length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
@@ -112,6 +115,8 @@ class GuardedHand:
             yield made
             if made.met and len(made.contacts):
                 return
+            if not made.met and float(np.linalg.norm(made.pose[:3, 3] - end[:3, 3])) > _SHORT:
+                left = beside_first(left, made.pose[:3, 3])
             self.leave()
 
     def _come_from_above(self, start: Floats, top: float) -> None:

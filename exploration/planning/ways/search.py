@@ -1,6 +1,6 @@
 """Where to look for an object of unknown place: parallel sweeps through the workspace, from its middle outward."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -43,6 +43,22 @@ def deepening_sweeps(
             if share == 1.0 or (np.abs([x, y] - middle[:2]) <= within).all():
                 yield _down(x, y, reached[k]), _down(x, y, bottom)
                 reached[k] = bottom
+
+
+def beside_first(
+    left: Sequence[tuple[Floats, Floats]], place: Floats, within: float = 60.0
+) -> list[tuple[Floats, Floats]]:
+    """Sweeps, first those down past a (3,) place `within` mm of it, nearest first; the others as they were.
+
+    One that goes on where another ended stays behind that.
+    """
+
+    def away(sweep: tuple[Floats, Floats]) -> float:
+        begin = sweep[0][:3, 3]
+        far = float(np.linalg.norm(begin[:2] - place[:2]))
+        return far if begin[2] >= place[2] and far < within else np.inf
+
+    return sorted(left, key=away)
 
 
 def _down(x: float, y: float, z: float) -> Floats:

@@ -1,6 +1,6 @@
 import numpy as np
 
-from exploration.planning.ways.search import deepening_sweeps, sweeps
+from exploration.planning.ways.search import beside_first, deepening_sweeps, sweeps
 
 BOX = np.array([-300.0, -300.0, -300.0, 300.0, 300.0, 300.0])
 
@@ -38,3 +38,22 @@ def test_deepening_sweeps_stay_shallow_near_the_middle_at_first():
     depths = [end[2, 3] for _, end in deepening_sweeps(BOX, (28.8, 18.0))]
     assert sorted(depths, reverse=True) == depths
     assert depths[0] == -75.0
+
+
+def test_sweeps_beside_a_place_that_stopped_one_come_first_and_none_before_the_one_it_goes_on_from():
+    lines = list(deepening_sweeps(BOX, (28.8, 18.0)))
+    for done, high in ((6, 0.5), (30, -0.2), (60, -0.6)):
+        at = lines[done - 1][0][:2, 3]
+        place = np.array([at[0] + 12.0, at[1], 300.0 * high])
+        told = beside_first(lines[done:], place)
+        far = np.array([np.linalg.norm(start[:2, 3] - place[:2]) for start, _ in told])
+        first = (far < 60.0) & np.array([start[2, 3] >= place[2] for start, _ in told])
+        near = int(np.argmin(first))
+        assert near > 0
+        assert not first[near:].any()
+        assert (np.diff(far[:near]) > -1e-9).all()
+        reached = {tuple(start[:2, 3]): end[2, 3] for start, end in lines[:done]}
+        for start, end in told:
+            assert start[2, 3] == reached.get(tuple(start[:2, 3]), 300.0)
+            reached[tuple(start[:2, 3])] = end[2, 3]
+        assert len(told) == len(lines) - done
