@@ -7,6 +7,7 @@ cone; every contact there lies on the two true faces at once.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -28,6 +29,9 @@ _TELLING = 5  # contacts that are surer than that, without which a face that has
 _FEW = 30  # contacts, below which a face may be a poor reading of a larger one
 _SAME = 0.1  # [mm] from a larger face, within which more contacts than those are no face beside it
 _LARGER = 1.5  # times as many contacts make a face the larger
+_SHEET = 4.0  # [mm] of thickness at most
+_ASTRIDE = 0.5  # [mm] past each of its sides, that no contact of its edge can lie
+_NEAR = 15.0  # [mm] from a contact of each side
 _SOUND = 10  # contacts of a face that is no reading of a rim
 _BEFORE = 3.0  # [mm] in front of a face, from which a contact cannot be of one convex body with it
 _WIDE = 3.0  # [mm] standard deviation of a sound face's contacts across their longer extent
@@ -132,6 +136,30 @@ def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
             if few or (scatter > most and (len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most)):
                 graph = _without(graph, face.id)
     return graph
+
+
+def drop_astride(graph: PatchGraph) -> PatchGraph:
+    """The graph less round faces of few contacts that reach past both sides of a sheet: a pad across its edge."""
+    flat = [face for face in graph.faces if isinstance(face.fit, Fit) and face.fit.kind == "plane"]
+    for face in graph.faces:
+        few = isinstance(face.fit, Fit) and face.fit.kind != "plane" and len(face.contacts) < _SOUND
+        if few and any(_astride(face, one, other) for one, other in combinations(flat, 2)):
+            graph = _without(graph, face.id)
+    return graph
+
+
+def _astride(face: Face, one: Face, other: Face) -> bool:
+    """Whether contacts of a face lie past each of two that are the sides of a sheet, and were felt near them."""
+    points = face.contacts.points
+    up = _outward(one, one.contacts)[0]
+    deep = float((one.contacts.points.mean(axis=0) - other.contacts.points.mean(axis=0)) @ up)
+    if not 0.0 < deep < _SHEET or float(_outward(other, other.contacts)[0] @ up) > -_FACING:
+        return False
+    past = [
+        side.fit.shape.signed_distance(points).max() for side in (one, other) if isinstance(side.fit, Fit)
+    ]
+    near = [np.linalg.norm(side.contacts.points - points.mean(axis=0), axis=1).min() for side in (one, other)]
+    return bool(min(past) > _ASTRIDE and max(near) < _NEAR)
 
 
 def flattened(graph: PatchGraph) -> PatchGraph:

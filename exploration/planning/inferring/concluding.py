@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from exploration.control.sighting import Sighting
-from exploration.planning.faces.consistency import drop_poor, flattened
+from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of
@@ -61,7 +61,7 @@ def conclude(
     found: Findings, walls: Callable[[], Sequence[Wall]], frontier: Callable[[], LocalFrontier]
 ) -> None:
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
-    found.graph = uprighted(drop_poor(flattened(simpler(found.graph))))
+    found.graph = drop_astride(uprighted(drop_poor(flattened(simpler(found.graph)))))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     _add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)

@@ -81,6 +81,12 @@ class Circle:
     radius: float  # [mm]
     notched: bool = False  # whether the face ends inside it, too
 
+    def places(self, count: int = 12) -> Floats:
+        """(count, 3) [mm] on it."""
+        turn = 2.0 * np.pi * np.arange(count) / count
+        ways = np.column_stack([np.cos(turn), np.sin(turn)]) @ frame_along(self.axis)[:, :2].T
+        return np.asarray(self.center + self.radius * ways)
+
 
 def round_walls(
     rims: Sequence[SeenRim],
@@ -112,7 +118,8 @@ def round_walls(
         if circle is None:
             circle = _holding(own.cells, at, axis, config)
         if circle is not None:
-            deep = depth_below(circle.center, circle.axis, own.face.id, faces)
+            below = [depth_below(place, circle.axis, own.face.id, faces) for place in circle.places()]
+            deep = float(np.median(below))  # at its edge: in its middle may be a bore
             if _gone_through(circle, (config.land, deep - config.land), free, config):
                 deep = config.land
             if not _gone_through(circle, (0.0, min(config.land, deep)), free, config):

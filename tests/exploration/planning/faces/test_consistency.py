@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.planning.faces.consistency import drop_poor
+from exploration.planning.faces.consistency import drop_astride, drop_poor
 from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face, PatchGraph
@@ -42,3 +42,22 @@ def test_contacts_that_are_unsure_of_themselves_do_not_make_a_face_poor():
     assert not drop_poor(PatchGraph((Face(0, fit("plane", sure), sure),), ()), 0.15).faces
     fewer = contacts.select(np.array([0, 1, 2, 3, 5, 6, 7]))
     assert not drop_poor(PatchGraph((Face(0, fit("plane", fewer), fewer),), ()), 0.15).faces
+
+
+@pytest.mark.parametrize(("thick", "count", "stays"), [(1.2, 5, False), (12.0, 5, True), (1.2, 12, True)])
+def test_a_few_contacts_past_both_sides_of_a_sheet_are_no_round_face_of_its_edge(thick, count, stays):
+    grid = np.array(np.meshgrid(np.arange(-30.0, 1.0, 5.0), np.arange(-20.0, 21.0, 5.0))).reshape(2, -1).T
+    sides = []
+    for number, up in enumerate((1.0, -1.0)):
+        points = np.column_stack([grid, np.full(len(grid), 0.5 * up * thick)])
+        contacts = Contacts.of(points, np.tile([0.0, 0.0, up], (len(grid), 1)), 0.02, 0.02)
+        sides.append(Face(number, fit("plane", contacts), contacts))
+    height = np.linspace(-2.0, 2.0, count)
+    turn = np.tile([-0.2, 0.1, 0.25], count)[:count]
+    normals = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(count)])
+    points = np.column_stack([12.0 * normals[:, :2] - [12.0, 0.0], height])
+    edge = Contacts.of(points, normals, 0.02, 0.02)
+    made = fit("cylinder", edge)
+    assert made
+    kept = drop_astride(PatchGraph((*sides, Face(2, made, edge)), ())).faces
+    assert [face.id for face in kept] == ([0, 1, 2] if stays else [0, 1])

@@ -113,3 +113,11 @@ def test_the_wall_of_a_sheet_is_no_higher_than_the_sheet():
     lots = walls(EDGES, sheet)
     assert lots
     assert all(lot.points[:, 2].min() > -1.0 for lot in lots)
+
+
+def test_a_wall_is_as_deep_as_the_face_below_its_edge_though_its_middle_is_bored():
+    ring = [flat(0, disc(24.0, 18.0)), flat(1, disc(24.0, 18.0), -1.0, -1.0)]
+    rims = [edge(angle, 24.0) for angle in (0.3, 1.0, 2.5, 4.0, 5.4)]
+    lots = walls(rims, ring)
+    assert lots
+    assert all(lot.points[:, 2].min() > -1.0 for lot in lots)
