@@ -3,8 +3,7 @@
 The places at which the two sides of a plate were felt last lie about its outline.  Where those of both lie along
 one line, all looking out across it, and neither was felt past it, the plate ends at a wall there, upright between
 the two.  The run of most places comes first, through pairs of places drawn at random (compare Fischler and Bolles
-1981); one that bends is a piece of a round outline, and
-none (our derivation).  Single places are known to a taxel
+1981); one that bends is a piece of a round outline, and none (our derivation).  Single places are known to a taxel
 only, a run of them better.
 """
 
@@ -144,17 +143,17 @@ def _runs(
     """
     left, rng = _outermost(places, ways, cells, config), np.random.default_rng(0)
     for _ in range(config.most):
-        run_of = _fullest(places, ways, side, left, rng, config)
-        if run_of is None:
+        members = _fullest(places, ways, side, left, rng, config)
+        if members is None:
             return
-        left &= ~run_of
-        run, bends = _fitted(places[run_of], ways[run_of], own, config)
+        left &= ~members
+        run, bends = _fitted(places[members], ways[members], own, config)
         if config.bends < bends < config.rounded:
-            inner = _inner(run, places[run_of], ways[run_of], config)
+            inner = _inner(run, places[members], ways[members], config)
             if len(inner[0]) >= 2 * config.each and config.middle * (run.high - run.low) > config.longer:
                 run, bends = _fitted(*inner, own, config)
         if bends > config.bends:
-            left &= ~_round(run_of, places, ways, config)
+            left &= ~_round(members, places, ways, config)
         elif _past(run, cells, config) <= config.felt:
             left &= ~_beside(run, places, ways, config)
             own = np.concatenate([own, np.outer([1.0, -1.0], run.normal), np.outer([1.0, -1.0], run.along)])
