@@ -18,7 +18,7 @@ from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.far_ends import far_ends, shut
-from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls, stops_of
+from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
@@ -122,8 +122,8 @@ def _add_walls(
         add(found, lot, _BY_CIRCLE, "cylinder")
     rims = [rim for rim, _ in unexplained(found.wall_rims, found.graph.faces)]
     for lot in inferred_walls(walls(), found.graph.faces, rims):
-        if not gone_through(lot, inside):
-            add(found, lot, _BY_STOPS)
+        if (left := standing(lot, inside)) is not None:
+            add(found, left, _BY_STOPS)
     seen = unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces)
     if lots := rim_walls(seen, found.graph.faces):
         placed = {face.id: face for face in frontier().placed()}

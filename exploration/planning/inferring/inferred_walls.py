@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
 from exploration.planning.touching.study import Wall
@@ -37,7 +38,9 @@ class InferredWallConfig:
     apart: float = 4.0  # [mm] between the places of two of them
     height: float = 4.0  # [mm] over the face, of where the housing is
     behind: tuple[float, float] = (1.0, 5.0)  # [mm] behind a wall, where its material is
-    went: int = 4  # places there that an array went through, from which there is none
+    beside: float = 4.0  # [mm] round a place of the wall, within which an array went through it
+    went: int = 2  # places there that it went through, from which there is none
+    stays: float = 0.3  # of the places that must be left
     sigma: float = 0.3  # [mm]
     normal_sigma: float = 0.05  # [rad]
 
@@ -77,14 +80,20 @@ def stops_of(
     return stops
 
 
-def gone_through(lot: Contacts, free: Floats, config: InferredWallConfig = InferredWallConfig()) -> bool:
-    """Whether an array has been right behind an inferred wall, at (n, 3) places that hold no material."""
+def standing(lot: Contacts, free: Floats, config: InferredWallConfig = InferredWallConfig()) -> Contacts | None:
+    """An inferred wall where no array has been right behind it, at (n, 3) places that hold no material.
+
+    What stopped a stroke beside a gusset's slope was the slope, and the array may have been past it there.
+    """
     normal = lot.normals[0]
     depth = float(normal @ lot.points[0]) - free @ normal
-    face = free + np.outer(depth, normal)
-    beside = ((face > lot.points.min(axis=0) - 1.0) & (face < lot.points.max(axis=0) + 1.0)).all(axis=1)
-    behind = (depth > config.behind[0]) & (depth < config.behind[1])
-    return int((beside & behind).sum()) >= config.went
+    behind = free[(depth > config.behind[0]) & (depth < config.behind[1])]
+    if not len(behind):
+        return lot
+    face = behind + np.outer(normal @ lot.points[0] - behind @ normal, normal)
+    near = KDTree(face).query_ball_point(lot.points, config.beside, return_length=True)
+    left = lot.select(np.asarray(near) < config.went)
+    return left if len(left) >= config.stays * len(lot) else None
 
 
 def _agreeing(stops: list[Stop], rims: Sequence[Sighting], config: InferredWallConfig) -> list[Contacts]:

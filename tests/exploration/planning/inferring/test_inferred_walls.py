@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exploration.control.sighting import Sighting
-from exploration.planning.inferring.inferred_walls import gone_through, inferred_walls
+from exploration.planning.inferring.inferred_walls import inferred_walls, standing
 from exploration.planning.touching.study import Wall
 from primitives import pose as se3
 from primitives.evidence import NOT_FELT, Contacts
@@ -106,6 +106,16 @@ def test_a_wall_that_an_array_has_gone_through_was_none():
     (lot,) = inferred_walls(stops, PLATE)
     x, y, z = np.meshgrid([23.0], np.arange(-12.0, 13.0, 4.0), [2.0, 4.0, 6.0])
     behind = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
-    assert gone_through(lot, behind)
-    assert not gone_through(lot, behind - [8.0, 0.0, 0.0])
-    assert not gone_through(lot, behind - [0.0, 60.0, 0.0])
+    assert standing(lot, behind) is None
+    assert standing(lot, behind - [8.0, 0.0, 0.0]) is lot
+    assert len(standing(lot, behind - [0.0, 60.0, 0.0])) == len(lot)
+
+
+def test_a_wall_with_a_free_corner_stands_where_no_array_has_been_behind_it():
+    stops = [stopped([10.0, y, 0.0], [1.0, 0.0, 0.0]) for y in (-16.0, 0.0, 16.0)]
+    (lot,) = inferred_walls(stops, PLATE)
+    x, y, z = np.meshgrid([23.0], np.arange(10.0, 26.0, 2.0), [2.0, 4.0, 6.0])
+    left = standing(lot, np.column_stack([x.ravel(), y.ravel(), z.ravel()]))
+    assert left is not None
+    assert 0 < len(left) < len(lot)
+    assert left.points[:, 1].max() < 8.0
