@@ -32,6 +32,7 @@ class RankOptions:
         default_factory=lambda: {"plane": 0.5, "cylinder": 0.25, "cone": 0.1, "sphere": 0.08, "torus": 0.07}
     )
     largest_radius: float = 2000.0  # [mm] what is rounder than this is its simpler neighbor
+    flattest: float = 40.0  # [extents of the contacts across its axis] likewise, of a cylinder or a sphere
     largest_torus: float = np.inf  # [extents of the contacts] likewise, of either radius of a torus
     least_ring: float = 0.15  # [radii of the tube] a torus whose ring is smaller is a sphere
     least_turn: float = 0.0  # [rad] round the tube of a torus, over which its contacts must reach
@@ -106,7 +107,15 @@ def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> boo
         return False
     if isinstance(shape, Cone):
         return shape.semi_angle > options.least_angle
+    if isinstance(shape, Cylinder | Sphere) and shape.radius >= options.flattest * _across(shape, contacts):
+        return False
     return not isinstance(shape, Cylinder | Sphere | Torus) or shape.radius < options.largest_radius
+
+
+def _across(shape: Cylinder | Sphere, contacts: Contacts) -> float:
+    """[mm] that contacts extend across a cylinder's axis, or at all on a sphere."""
+    points = contacts.points @ shape.frame[:, :2] if isinstance(shape, Cylinder) else contacts.points
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def _ringlike(shape: Torus, options: RankOptions, contacts: Contacts) -> bool:

@@ -16,17 +16,15 @@ import numpy as np
 from scipy.spatial import HalfspaceIntersection
 
 from models.csg import Polyhedron
-from models.csg import Torus as TorusSolid
 from primitives.arrays import Bools, Floats
 from primitives.errors import PalpateError
-from primitives.pose import pose
 from primitives.shapes import Plane, Shape, Sphere, Torus
 from recognition.assembly.arrangement import arrange
 from recognition.assembly.closure import NotClosed
 from recognition.assembly.exchange import exchanged
 from recognition.assembly.labels import solid_cells
 from recognition.assembly.piece import Piece
-from recognition.assembly.pieces import pieces, round_piece, slab_cube
+from recognition.assembly.pieces import pieces, ring_piece, round_piece, slab_cube
 from recognition.assembly.prisms import prism
 from recognition.assembly.search import SearchOptions, State, Step, shortest
 from recognition.assembly.separators import separators, stops
@@ -160,8 +158,7 @@ def _piece(step: Step, vocabulary: Vocabulary, corners: Floats, room: Floats) ->
             made = pieces([shape], [True], np.zeros(1), corners)[0]
             made = replace(made, body=candidate.body)
         elif isinstance(shape, Torus):
-            ring = TorusSolid(shape.radius, shape.minor_radius)
-            made = Piece("torus", "add", ring, pose(shape.frame, shape.center), candidate.body, ())
+            made = ring_piece(candidate.body, shape, [_side(shapes, *side) for side in candidate.sides])
         else:
             slab = candidate.slabs[0] if candidate.slabs else (None, None)
             made = round_piece(candidate.body, shape, slab, shapes, corners)
@@ -170,23 +167,24 @@ def _piece(step: Step, vocabulary: Vocabulary, corners: Floats, room: Floats) ->
 
 def _prism(sides: Sequence[tuple[int, bool]], shapes: Sequence[Shape], corners: Floats) -> Piece | None:
     """The sides as one prism, where all of them stand along or across one axis."""
-    planes: dict[int, Plane] = {}
-    for i, outside in sides:
-        plane = shapes[i]
-        assert isinstance(plane, Plane)
-        planes[i] = Plane(plane.origin, -plane.normal) if outside else plane
+    planes = {i: _side(shapes, i, outside) for i, outside in sides}
     found = prism(planes, [], corners)
     return found[0] if found is not None and len(found[1]) == len(planes) else None
+
+
+def _side(shapes: Sequence[Shape], plane: int, outside: bool) -> Plane:
+    """A plane that looks out of what lies on one side of it."""
+    shape = shapes[plane]
+    assert isinstance(shape, Plane)
+    return Plane(shape.origin, -shape.normal) if outside else shape
 
 
 def _polyhedron(sides: Sequence[tuple[int, bool]], shapes: Sequence[Shape], room: Floats) -> Piece:
     """The corners where the sides and the room's walls meet, each face in order round its normal."""
     rows = []
-    for i, outside in sides:
-        plane = shapes[i]
-        assert isinstance(plane, Plane)
-        normal = -plane.normal if outside else plane.normal
-        rows.append([*normal, -float(normal @ plane.origin)])
+    for side in sides:
+        plane = _side(shapes, *side)
+        rows.append([*plane.normal, -float(plane.normal @ plane.origin)])
     low, high = room
     walls = np.concatenate([np.eye(3), -np.eye(3)])
     halves = np.array([*rows, *np.column_stack([walls, -np.concatenate([high, -low])])])

@@ -15,13 +15,17 @@ import numpy as np
 
 from models.csg import Cone as ConeSolid
 from models.csg import Cylinder as CylinderSolid
+from models.csg import Prism
 from models.csg import Sphere as SphereSolid
+from models.csg import Torus as TorusSolid
 from primitives.arrays import Floats
 from primitives.pose import pose
-from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere
+from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 from recognition.assembly.boxes import cover, cube
 from recognition.assembly.piece import EXACT, Piece, along, span
 from recognition.assembly.prisms import prism
+
+_SECTOR = 1.5  # of a ring's size, that the sector which leaves a bend of it reaches: chords stay outside
 
 
 def pieces(
@@ -63,6 +67,27 @@ def round_piece(
         return _cylinder(body, shape, slab, ends, corners)
     assert isinstance(shape, Cone)
     return _cone(body, shape, slab, ends, corners)
+
+
+def ring_piece(body: int, shape: Torus, sides: Sequence[Plane]) -> Piece:
+    """A ring, or the bend of it inside one or two planes through its axis."""
+    ring = TorusSolid(shape.radius, shape.minor_radius)
+    world_from_ring = pose(shape.frame, shape.center)
+    solid = ring & _sector(shape, [side.normal @ shape.frame[:, :2] for side in sides]) if sides else ring
+    return Piece("torus", "add", solid, world_from_ring, body, ())
+
+
+def _sector(shape: Torus, outward: Sequence[Floats]) -> Prism:
+    """What lies inside one or two lines through a ring's middle, from their (2,) outward normals there."""
+    ways = [np.arctan2(-normal[1], -normal[0]) for normal in outward]
+    apart = (ways[-1] - ways[0] + np.pi) % (2.0 * np.pi) - np.pi
+    first, last = sorted((0.0, apart))
+    wide = np.pi - (last - first)
+    start = ways[0] + last - 0.5 * np.pi
+    steps = start + wide * np.linspace(0.0, 1.0, int(np.ceil(3.0 * wide / np.pi - 1e-9)) + 1)
+    rim = _SECTOR * (shape.radius + shape.minor_radius) * np.stack([np.cos(steps), np.sin(steps)], axis=1)
+    corners = np.concatenate([np.zeros((1, 2)), rim]) if len(outward) > 1 else rim
+    return Prism(tuple(map(tuple, corners.tolist())), 2.0 * _SECTOR * shape.minor_radius)
 
 
 def slab_cube(

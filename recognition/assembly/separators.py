@@ -2,7 +2,8 @@
 
 Where a plane touches a cylinder along a line, the cells beside the line have no surface between them: there a
 separator is needed, the plane through the cylinder's axis and across the tangent one (after Shapiro and Vossler
-1993).  A wall that runs into a round body, or a pin into a ball, a ring or another pin, ends somewhere inside it,
+1993).  So is one where a bent tube goes over into a straight one, the plane through its ring's center and across
+the straight axis.  A wall that runs into a round body, or a pin into a ball, a ring or another pin, ends somewhere inside it,
 at no face: for the shortest list it may end at a stop, the plane through the round body's axis, center or tube
 and across the wall or the pin (our derivation).
 """
@@ -20,6 +21,7 @@ _TANGENT = 0.01  # [rad] within which directions are one
 _ACROSS = 0.1  # [rad] within which a pin runs across an axis: one that was hardly felt leans
 _SHARE = 0.02  # of a radius, within which a plane touches a cylinder that was felt at a few places
 _TOUCHING = 0.05  # [mm] the same, however small the radius
+_GOES_OVER = 0.1  # of a tube's radius, within which a straight axis touches the circle of its bent one
 _MOST = 12  # stops
 
 
@@ -30,6 +32,10 @@ def separators(shapes: Sequence[Shape]) -> list[Plane]:
     for shape, plane, away in _along(shapes):
         if abs(away - shape.radius) <= max(_SHARE * shape.radius, _TOUCHING):
             _add(Plane(shape.origin, np.cross(shape.axis, plane.normal)), found, planes)
+    for ring in shapes:
+        for pin in shapes:
+            if isinstance(ring, Torus) and isinstance(pin, Cylinder | Cone) and _goes_over(pin, ring):
+                _add(Plane(ring.center, pin.axis), found, planes)
     return found
 
 
@@ -61,6 +67,14 @@ def _along(shapes: Sequence[Shape]) -> list[tuple[Cylinder, Plane, float]]:
             if abs(float(plane.normal @ shape.axis)) < _TANGENT:
                 out.append((shape, plane, abs(float((shape.origin - plane.origin) @ plane.normal))))
     return out
+
+
+def _goes_over(pin: Cylinder | Cone, ring: Torus) -> bool:
+    """Whether a straight axis touches the circle in the middle of a ring's tube."""
+    if abs(float(pin.axis @ ring.axis)) > _ACROSS:
+        return False
+    away = np.array([(pin.anchor - ring.center) @ ring.axis, _distance(ring.center, pin) - ring.radius])
+    return float(np.linalg.norm(away)) < max(_GOES_OVER * ring.minor_radius, _TOUCHING)
 
 
 def _meets(pin: Cylinder | Cone, body: Shape) -> bool:

@@ -1,7 +1,8 @@
 """The primitives that surfaces can bound, each as the cells that it holds.
 
 A box takes a slab of each of three perpendicular directions; a slab lies between two parallel planes, or ends at
-one and is open beyond.  Round surfaces take a slab along their axis.  A conjunction of sides of planes that is
+one and is open beyond.  Round surfaces take a slab along their axis, a ring the sides of one or two planes through
+its axis, which leave a bend of it.  A conjunction of sides of planes that is
 neither is a prism or a polyhedron; those are grown from one cell, dropping side after side while that pays.
 """
 
@@ -22,6 +23,7 @@ from recognition.assembly.box_kernel import greatest_boxes
 _PARALLEL = 1e-3  # [rad] within which directions are one
 _KEPT = 1024  # candidates whose cells are remembered: a list is replayed with one of them changed
 _ACROSS = 0.02  # [rad] from upright on a round surface's axis, within which a plane ends it
+_THROUGH = 0.1  # of a tube's radius, within which a plane runs through its ring's axis
 Slab = tuple[int | None, int | None]  # the planes below and above, None where it is open
 
 
@@ -33,12 +35,12 @@ class Candidate:
     body: int | None = None
     frame: int | None = None  # index of the box's frame
     slabs: tuple[Slab, ...] = ()
-    sides: tuple[tuple[int, bool], ...] = ()  # of a prism: planes, and whether it lies outside each
+    sides: tuple[tuple[int, bool], ...] = ()  # of a prism or a ring: planes, and whether it lies outside each
 
     @property
     def price(self) -> float:
         """In leaves: what a person would rather not read costs more."""
-        return 1.0 if self.kind != "prism" else 1.2 + 0.1 * max(0, len(self.sides) - 3)
+        return 1.0 + 0.1 * len(self.sides) if self.kind != "prism" else 1.2 + 0.1 * max(0, len(self.sides) - 3)
 
 
 @dataclass(frozen=True)
@@ -136,11 +138,25 @@ class Vocabulary:
                 yield Candidate("sphere", i)
             elif isinstance(shape, Torus):
                 yield Candidate("torus", i)
+                yield from (Candidate("torus", i, sides=sides) for sides in self._bends(i, shape))
             elif not isinstance(shape, Plane):
                 kind = "cylinder" if isinstance(shape, Cylinder) else "cone"
                 planes = self.across(i)
                 for slab in _slabs(planes):
                     yield Candidate(kind, i, slabs=(slab,) if planes else ())
+
+    def _bends(self, ring: int, shape: Torus) -> Iterator[tuple[tuple[int, bool], ...]]:
+        """The sides of one and of two planes through a ring's axis."""
+        through = [
+            k
+            for k, plane in enumerate(self.shapes)
+            if isinstance(plane, Plane)
+            and abs(float(plane.normal @ shape.axis)) < _ACROSS
+            and abs(float((shape.center - plane.origin) @ plane.normal)) < _THROUGH * shape.minor_radius
+        ]
+        halves = [(plane, outside) for plane in through for outside in (False, True)]
+        yield from ((half,) for half in halves)
+        yield from (pair for pair in combinations(halves, 2) if pair[0][0] != pair[1][0])
 
     def _best_boxes(self, number: int, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
         """All boxes of a frame at once, from the cumulative sums over its bins."""
