@@ -11,12 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from primitives.arrays import Bools, Floats
 from recognition.assembly.vocabulary import Candidate, Vocabulary
 
+_SPILT = 0.05  # of a cell's weight, that what is cut off again costs: of equal bodies the tighter stands
 _DEEP = 1e-4  # of a cell's weight, to lap into what is held: primitives that abut leave a slit
 
 
@@ -62,7 +64,10 @@ def shortest(
     start = State((), np.zeros(len(solid), dtype=bool), float(weight[solid].sum()), 0.0)
     best = _grown(start, vocabulary, solid, weight, options)
     while best.wrong > options.leaf:
-        tried = _bored(best, vocabulary, solid, weight, options)
+        tried = chain(
+            _bored(best, vocabulary, solid, weight, options),
+            _capped(best, vocabulary, solid, weight, options),
+        )
         better = min(tried, key=lambda after: after.cost, default=best)
         if better.cost >= best.cost - 1e-9:
             break
@@ -120,6 +125,22 @@ def _bored(
         for candidate in (*found, *_prisms(outside, np.maximum(outside, 0.0), vocabulary, options)):
             steps = (*state.steps, Step("add", candidate), Step("subtract", hole))
             yield replayed(steps, vocabulary, solid, weight, options)
+
+
+def _capped(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> Iterator[State]:
+    """With what two round surfaces have in common put first, as a flange with a turned edge.
+
+    Added later it would have to be kept by one of them alone, and all that is held before with it.
+    """
+    missing, free = weight * (solid & ~state.held), weight * (~solid & ~state.held)
+    for body in vocabulary.rounds(missing - _SPILT * free, options.tried):
+        inside = np.where(vocabulary.mask(body), missing - free, 0.0)
+        for cap in vocabulary.rounds(inside, options.tried):
+            if cap.body != body.body:
+                steps = (Step("add", body), Step("intersect", cap), *state.steps)
+                yield replayed(steps, vocabulary, solid, weight, options)
 
 
 def mended(
