@@ -3,9 +3,9 @@
 Where a plane touches a cylinder along a line, the cells beside the line have no surface between them: there a
 separator is needed, the plane through the cylinder's axis and across the tangent one (after Shapiro and Vossler
 1993).  So is one where a bent tube goes over into a straight one, the plane through its ring's center and across
-the straight axis.  A wall that runs into a round body, or a pin into a ball, a ring or another pin, ends somewhere inside it,
-at no face: for the shortest list it may end at a stop, the plane through the round body's axis, center or tube
-and across the wall or the pin (our derivation).
+the straight axis.  A wall that runs into a round body, or a pin into a ball, a ring or another pin, ends somewhere
+inside it, at no face: for the shortest list it may end at a stop, the plane through the round body's axis, center
+or tube and across the wall or the pin (our derivation).
 """
 
 from __future__ import annotations

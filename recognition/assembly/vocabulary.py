@@ -40,7 +40,9 @@ class Candidate:
     @property
     def price(self) -> float:
         """In leaves: what a person would rather not read costs more."""
-        return 1.0 + 0.1 * len(self.sides) if self.kind != "prism" else 1.2 + 0.1 * max(0, len(self.sides) - 3)
+        return (
+            1.0 + 0.1 * len(self.sides) if self.kind != "prism" else 1.2 + 0.1 * max(0, len(self.sides) - 3)
+        )
 
 
 @dataclass(frozen=True)

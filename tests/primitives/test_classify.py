@@ -3,7 +3,7 @@ import pytest
 
 from primitives.classify import RankOptions, rank
 from primitives.evidence import Contacts
-from primitives.shapes import Cone, Sphere, Torus
+from primitives.shapes import Cone, Cylinder, Sphere, Torus
 
 
 def test_the_shape_that_made_the_contacts_ranks_first(shape, touched):
@@ -27,6 +27,15 @@ def test_a_sphere_of_huge_radius_is_a_plane(touched):
     normals = cap.normals(points) + 0.03 * rng.standard_normal((40, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     assert rank(Contacts.of(points, normals, 0.05, 0.03))[0].fit.kind == "plane"
+
+
+def test_a_cylinder_that_bends_by_less_than_an_array_can_tell_is_a_plane():
+    rng, roll = np.random.default_rng(9), Cylinder([0, 0, -1200.0], [0, 1.0, 0], 1200.0)
+    xy = rng.uniform(-12, 12, (40, 2))
+    points = roll.project(np.column_stack([xy, np.zeros(40)])) + rng.normal(size=(40, 3)) * [0, 0, 0.002]
+    contacts = Contacts.of(points, roll.normals(points), 0.002, 0.0005)
+    assert rank(contacts)[0].fit.kind == "plane"
+    assert rank(contacts, options=RankOptions(flattest=100.0))[0].fit.kind == "cylinder"
 
 
 def test_few_contacts_on_a_small_cap_are_a_balls_and_not_a_nearly_flat_cones():

@@ -80,7 +80,9 @@ def stops_of(
     return stops
 
 
-def standing(lot: Contacts, free: Floats, config: InferredWallConfig = InferredWallConfig()) -> Contacts | None:
+def standing(
+    lot: Contacts, free: Floats, config: InferredWallConfig = InferredWallConfig()
+) -> Contacts | None:
     """An inferred wall where no array has been right behind it, at (n, 3) places that hold no material.
 
     What stopped a stroke beside a gusset's slope was the slope, and the array may have been past it there.

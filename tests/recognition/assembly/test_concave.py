@@ -5,6 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from models.csg import Cone as ConeSolid
+from models.csg import Cylinder as CylinderSolid
+from models.csg import Prism
+from models.csg import Torus as TorusSolid
 from models.parts import build
 from models.solid import Solid, iou
 from primitives.evidence import Contacts
@@ -94,6 +98,47 @@ def test_a_pin_may_end_in_the_tube_of_the_ring_that_it_carries():
     assert sorted(round(float(s.origin[2]), 9) for s in stops([ring, pin])) == [-20.0, 20.0]
     hardly_felt = Cylinder(np.array([0, 0, -50.0]), np.array([0, 0.04, 1.0]), 4.0)
     assert len(stops([ring, hardly_felt])) == 2
+
+
+def test_a_bent_tube_goes_over_into_straight_ones_at_planes_through_its_rings_axis():
+    ring = Torus(np.zeros(3), np.array([0, 0, 1.0]), 30.0, 8.0)
+    straight = Cylinder(np.array([30.0, -40.0, 0.1]), np.array([0, 1.0, 0]), 8.0)
+    (made,) = separators([ring, straight])
+    assert abs(made.normal[1]) == pytest.approx(1.0)
+    assert made.signed_distance(np.zeros((1, 3)))[0] == pytest.approx(0.0, abs=1e-12)
+    beside = Cylinder(np.array([25.0, -40.0, 0.0]), np.array([0, 1.0, 0]), 8.0)
+    assert separators([ring, beside]) == []
+
+
+@pytest.mark.parametrize("turn", [60.0, 90.0, 150.0])
+def test_a_bent_tube_is_a_bend_of_a_ring_between_two_cylinders(turn):
+    """A bend of some degrees, a leg at its beginning and one at its end."""
+    angles = np.radians([0.0, turn / 2.0, turn])
+    rim = 80.0 * np.column_stack([np.cos(angles), np.sin(angles)])
+    sector = Prism(tuple(map(tuple, np.concatenate([np.zeros((1, 2)), rim]).tolist())), 40.0)
+    leg = CylinderSolid(8.0, 40.0).placed(pose([[1, 0, 0], [0, 0, 1], [0, -1, 0]], [30.0, -19.99, 0.0]))
+    c, s = np.cos(angles[-1]), np.sin(angles[-1])
+    other = CylinderSolid(8.0, 30.0).placed(pose([[1, 0, 0], [0, 0, 1], [0, -1, 0]], [30.0, 14.99, 0.0]))
+    tree = TorusSolid(30.0, 8.0) & sector | leg | other.placed(pose([[c, -s, 0], [s, c, 0], [0, 0, 1]]))
+    truth = Solid.from_csg(tree, 0.01)
+    found = assemble(touched_faces(truth, np.random.default_rng(2)), BOX)
+    assert found
+    assert iou(found.solid, truth) > 0.995
+    assert sorted(piece.kind for piece in found.pieces) == ["cylinder", "cylinder", "torus"]
+
+
+def test_a_flange_with_a_turned_edge_is_there_though_nobody_felt_the_end_of_its_cone():
+    shaft, collar = CylinderSolid(11.0, 110.0).at(0, 0, 55), CylinderSolid(22.0, 12.0).at(0, 0, 46)
+    edge = ConeSolid(22.0, 14.0, 10.0).at(0, 0, 57)
+    truth = Solid.from_csg(shaft | collar | edge, 0.005)
+    faces = touched_faces(truth, np.random.default_rng(3))
+    heights = [float(np.ptp(f.contacts.points[:, 2])) for f in faces]
+    top = [f.fit.kind == "plane" and h < 1.0 and 61.0 < f.contacts.points[0, 2] < 63.0
+           for f, h in zip(faces, heights, strict=True)]  # fmt: skip
+    assert sum(top) == 1
+    found = assemble([f for f, cut in zip(faces, top, strict=True) if not cut], BOX)
+    assert found
+    assert iou(found.solid, truth) > 0.98
 
 
 def test_what_would_refill_a_hole_is_added_before_it():
