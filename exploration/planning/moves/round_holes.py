@@ -47,6 +47,7 @@ class RoundHolesConfig:
     upright: float = 0.1  # most cosine between a hole's axis and the face behind an edge beside it
     edge: float = 40.0  # [mm] from its axis, where an edge is beside it
     felt: float = 20.0  # [mm] from that, within which that face was felt
+    own_outer: float = 1.0  # [mm] from the outer circle of its ring, within which an edge is that circle
     beside: float = 4.0  # [mm] between rims that are tried as one,
     as_wide: float = 4.0  # [mm] and between their radii
     opposed: float = 0.98  # least cosine between the axes of two ends of a hole
@@ -133,6 +134,8 @@ class RoundHoles:
             past = side * float(shape.signed_distance(rim.center[None])[0])
             leans = abs(float(shape.normals(foot[None])[0] @ rim.axis))
             near = float(np.linalg.norm(face.contacts.points - foot, axis=1).min()) < self.config.felt
+            if abs(past + rim.outer) < self.config.own_outer:
+                continue  # the ring's own outer circle, which is told by `outer` already
             if near and leans < self.config.upright and -self.config.edge < past < -0.5 * rim.radius:
                 found.append((shape, side))
         return found

@@ -98,3 +98,8 @@ def of_disc(a: Floats, b: float) -> Floats:
     table = np.empty((CELLS + 1, 2))
     first, step = tabulate(b, table)
     return np.array([covered(table, first, step, float(v)) for v in np.ravel(a)]).reshape(np.shape(a))
+
+
+def slope_of_disc(a: Floats, b: float) -> Floats:
+    """F_a at each distance."""
+    return np.array([-rim(float(v), b)[1] for v in np.ravel(a)]).reshape(np.shape(a))

@@ -3,10 +3,12 @@
 In the face's plane, with a the distance of a taxel from the hole's center and F the blurred disc of its radius
 (`blurred_disc`), each frame sees
 
-    depth = (d + g . p) (1 - F(a / w, R / w)),
+    depth = (d + g . p) S + w^2 g . grad S,    S = 1 - F(a / w, R / w),
 
-its own plane (d, g) under the same circle.  The planes are linear, so only center and radius are searched for
-(variable projection, Golub and Pereyra 1973).  Taxels far outside the rim tell of other things and are left out.
+its own plane (d, g) under the same circle: what the blur makes of a plane where S is its share, the last term the
+moment that it takes across an edge.  On a narrow ring, over which a pad easily leans, that is tenths of a mm.  The
+planes are linear, so only center and radius are searched for (variable projection, Golub and Pereyra 1973).
+Taxels far outside the rim tell of other things and are left out.
 So are those over a keyway or a nick: where no circle explains all taxels, one may explain most that see the rim.
 A face that is a ring about the hole ends at a known circle of radius S, and 1 becomes F(b / w, S / w), with b
 from the center of that; where other known surfaces bound it, it ends as the normal distribution does, Phi(-e / w),
@@ -23,13 +25,14 @@ from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import ndtr
 
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.lines.blurred_disc import of_disc
+from exploration.sensing.lines.blurred_disc import of_disc, slope_of_disc
 from exploration.sensing.response import response_of
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats
 from primitives.shapes import Shape
 
 _LEAST = 12  # taxels of a look
+_STEP = 0.05  # [mm] of the slope of what is not a circle
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,8 @@ class _Look:
     weight: Floats  # (n,) 1 / sigma
     width: float  # [mm]
     face: Floats  # (n,) of each, that would lie on the face if it had no hole
+    slope: Floats  # (n, 2) [1/mm] of that, along the pad's x and y
+    axes: Floats  # (2, 2) those, in the face's plane
 
     def only(self, kept: Bools) -> _Look:
         """Of some taxels."""
@@ -81,6 +86,8 @@ class _Look:
             self.weight[kept],
             self.width,
             self.face[kept],
+            self.slope[kept],
+            self.axes,
         )
 
 
@@ -168,21 +175,34 @@ def _look(
     width = response_of(image).mean_width
     places = se3.transform_points(pose, np.column_stack([x, y, -np.maximum(depth, 0.0)]))
     flat = ((places - center) @ turn)[:, :2]
-    away = np.linalg.norm(flat, axis=1)
-    near = away < radius + config.outside * width
-    face = of_disc(away / width, outer / width) if np.isfinite(outer) else np.ones(len(flat))
-    for shape, side in ends:
-        face = face * ndtr(-side * shape.signed_distance(places) / width)
+    near = np.linalg.norm(flat, axis=1) < radius + config.outside * width
+
+    def share(at: Floats) -> Floats:
+        """(n,) of taxels at (n, 3) places, that would lie on the face if it had no hole."""
+        away = np.linalg.norm((at - center) @ turn[:, :2], axis=1)
+        face = of_disc(away / width, outer / width) if np.isfinite(outer) else np.ones(len(at))
+        for shape, side in ends:
+            face = face * ndtr(-side * shape.signed_distance(at) / width)
+        return face
+
+    face, steps = share(places), _STEP * pose[:3, :2].T
+    slope = np.stack([(share(places + h) - share(places - h)) / (2.0 * _STEP) for h in steps], axis=1)
     kept = near & np.isfinite(sigma) & (sigma > 0.0)
     rows = np.column_stack([np.ones(len(x)), x, y])[kept]
     floor = config.systematic * float(depth[kept].max(initial=0.0))
-    return _Look(flat[kept], rows, depth[kept], 1.0 / np.hypot(sigma[kept], floor), width, face[kept])
+    weight = 1.0 / np.hypot(sigma[kept], floor)
+    axes = (turn.T @ pose[:3, :2])[:2]
+    return _Look(flat[kept], rows, depth[kept], weight, width, face[kept], slope[kept], axes)
 
 
 def _residual(look: _Look, circle: Floats) -> Floats:
     """(n,) what the best plane under a circle (x, y, radius) leaves, in standard deviations."""
-    away = np.linalg.norm(look.flat - circle[:2], axis=1)
-    there = (look.face - of_disc(away / look.width, float(circle[2]) / look.width)) * look.weight
-    rows, seen = look.rows * there[:, None], look.depth * look.weight
+    out, width, radius = look.flat - circle[:2], look.width, float(circle[2]) / look.width
+    away = np.linalg.norm(out, axis=1)
+    there = look.face - of_disc(away / width, radius)
+    steep = slope_of_disc(away / width, radius) / (width * np.maximum(away, 1e-9))
+    moment = width**2 * (look.slope - steep[:, None] * (out @ look.axes))
+    rows = look.rows * there[:, None] + np.column_stack([np.zeros(len(away)), moment])
+    rows, seen = rows * look.weight[:, None], look.depth * look.weight
     plane, *_ = np.linalg.lstsq(rows, seen, rcond=None)
     return np.asarray(rows @ plane - seen)

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
 from exploration.planning.moves.round_holes import RoundHoles, holes_of
@@ -61,6 +62,34 @@ def test_the_bore_of_a_ring_is_seen_on_three_millimeters_of_face():
     assert np.linalg.norm(found.center[:2] - [0.1, -0.1]) < 0.1
     blind = fit_round_hole(frames, np.zeros(3), UP, 11.7)
     assert blind is None or abs(blind.radius - 13.4) > 0.1
+
+
+def leaning_on_a_ring(center, radius, outer, pose, lean, rng):
+    """A frame of a pad that leans on a ring: what presses, blurred on a fine grid."""
+    fine, width = 0.1, rubber(SPREAD, PAD.pitch).mean_width
+    x, y = np.meshgrid(*(np.arange(a.min() - 8.0, a.max() + 8.0, fine) for a in (PAD.x, PAD.y)))
+    places = se3.transform_points(pose, np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3))[:, :2]
+    inside = np.linalg.norm(places - center, axis=1) > radius
+    on = (inside & (np.linalg.norm(places, axis=1) < outer)).reshape(x.shape)
+    seen = gaussian_filter((0.5 + lean[0] * x + lean[1] * y) * on, width / fine)
+    rows, columns = (np.rint((a - grid.min()) / fine).astype(int) for a, grid in ((PAD.y, y), (PAD.x, x)))
+    depth = seen[np.ix_(rows, columns)]
+    noisy = depth + NOISE * rng.standard_normal(depth.shape)
+    return TactileImage(PAD, noisy, np.full(depth.shape, NOISE), SPREAD, 0.1, 0.0), pose
+
+
+def test_a_pad_that_leans_on_a_narrow_ring_measures_its_bore_no_less():
+    rng, down = np.random.default_rng(3), np.diag([1.0, -1.0, -1.0])
+    places = [(28.0, 0.0), (-28.0, 0.0), (0.0, 28.0), (0.0, -28.0)]
+    for lean in (-0.06, 0.06):
+        frames = [
+            leaning_on_a_ring([0.0, 0.0], 26.5, 30.0, se3.pose(down, [x, y, 0.0]),
+                              lean * np.array([x, -y]) / 28.0, rng)
+            for x, y in places
+        ]  # fmt: skip
+        found = fit_round_hole(frames, np.zeros(3), UP, 27.0, 30.0)
+        assert found is not None
+        assert abs(found.radius - 26.5) < 0.06
 
 
 def blurred_box(places, low, high, width):
@@ -200,7 +229,9 @@ def test_who_was_behind_a_face_touched_across_a_hole_did_not_go_through_it():
 def test_taxels_off_a_circle_are_left_out_on_one_side_of_it_and_not_all_round():
     turn = np.arange(120) * np.pi / 60.0
     ring = 9.0 * np.column_stack([np.cos(turn), np.sin(turn)])
-    look = _Look(ring, np.ones((120, 3)), np.ones(120), np.ones(120), 1.2, np.ones(120))
+    look = _Look(
+        ring, np.ones((120, 3)), np.ones(120), np.ones(120), 1.2, np.ones(120), np.zeros((120, 2)), np.eye(2)
+    )
     keyway, corners = np.abs(turn - np.pi) < 0.4, np.cos(6.0 * turn) > 0.7
 
     def kept(strays):
