@@ -24,6 +24,7 @@ _PARALLEL = 1e-3  # [rad] within which directions are one
 _KEPT = 1024  # candidates whose cells are remembered: a list is replayed with one of them changed
 _ACROSS = 0.02  # [rad] from upright on a round surface's axis, within which a plane ends it
 _THROUGH = 0.1  # of a tube's radius, within which a plane runs through its ring's axis
+_CROSSED = 0.998  # most cosine between two planes through a ring's axis, that leave a bend between them
 Slab = tuple[int | None, int | None]  # the planes below and above, None where it is open
 
 
@@ -158,7 +159,9 @@ class Vocabulary:
         ]
         halves = [(plane, outside) for plane in through for outside in (False, True)]
         yield from ((half,) for half in halves)
-        yield from (pair for pair in combinations(halves, 2) if pair[0][0] != pair[1][0])
+        for one, other in combinations(halves, 2):
+            if abs(float(self.shapes[one[0]].direction @ self.shapes[other[0]].direction)) < _CROSSED:
+                yield one, other
 
     def _best_boxes(self, number: int, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
         """All boxes of a frame at once, from the cumulative sums over its bins."""
