@@ -23,7 +23,7 @@ from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface
 from exploration.control.windows import going_on, windows
-from exploration.devices.guard import Guard, Observation
+from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.planning.known.felt_free import FeltFree
 from exploration.planning.known.swept_cells import SweptCells
 from exploration.planning.known.told import Told
@@ -184,7 +184,10 @@ class Pad:
         longest = self.config.longest if length is None else length
         walls = StrokeConfig(walls=True)
         stroke = follow_surface(self.guard, heading, longest, cost.touches, cost.strokes, config=walls)
-        self.lie(stroke.cells, stroke.facing)
+        try:
+            self.lie(stroke.cells, stroke.facing)
+        except (OverPress, Collision):  # what was felt until then is kept
+            stroke = replace(stroke, ended="lost", edges=())
         return stroke if self.told is None else replace(stroke, contacts=self._own(stroke.contacts))
 
     def _own(self, contacts: Contacts) -> Contacts:
