@@ -27,7 +27,7 @@ from exploration.planning.moves.climbing import Climbing
 from exploration.planning.moves.drafted import Drafted
 from exploration.planning.moves.entering import Entering
 from exploration.planning.moves.ledges import Ledges
-from exploration.planning.moves.looking import Looking
+from exploration.planning.moves.looking import LOOK_AGAIN, Looking, LookingConfig
 from exploration.planning.moves.nameless import Nameless
 from exploration.planning.moves.open_surface import OpenSurface
 from exploration.planning.moves.rim_looks import RimLooks
@@ -92,7 +92,7 @@ class AnyForm:
         self._holes, self._rim_looks = RoundHoles(study, self.reach), RimLooks(study, self.reach)
         self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
         self._climbing, self._vain = Climbing(study, self.reach), 0
-        self._looking = Looking(study, self.reach)
+        self._looking = Looking(study, self.reach, LOOK_AGAIN if later else LookingConfig())
         self._drafted: Drafted | None = None
         if draft is not None:
             drawn = partial(self._drafted_by, draft)
@@ -175,6 +175,7 @@ class AnyForm:
             or self._nameless.next()
             or (None if self._entering else self._look(frontier))
             or (self._drafted.next() if self._drafted else None)
+            or (self._looking.next() if self._entering else None)
         )
 
     def _nearest(self, walls: Sequence[Wall], rims: Sequence[Sighting]) -> Callable[[], Done] | None:

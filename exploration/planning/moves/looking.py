@@ -28,7 +28,8 @@ from primitives.patch_graph import Face
 class LookingConfig:
     """How far out the pad goes."""
 
-    most: int = 60  # approaches of one exploration
+    most: int = 60  # approaches of one array
+    vain: int = 60  # of them on end that met nothing, from which no more are made
     out: float = 30.0  # [mm] that a ball about all that was felt is larger than that
     start: float = 20.0  # [mm] outside that ball, where an approach begins
     there: float = 1.0  # [mm] from where an approach begins, that is there
@@ -39,17 +40,20 @@ class LookingConfig:
     step: float = 5.0  # [mm] between the places on a way that are looked at
 
 
+LOOK_AGAIN = LookingConfig(vain=4)  # where another array has looked before
+
+
 class Looking:
-    """The approaches of one exploration."""
+    """The approaches of one array."""
 
     def __init__(self, study: Study, reach: Reach, config: LookingConfig = LookingConfig()) -> None:
         self.study, self.reach, self.config = study, reach, config
-        self._left, self._failed = config.most, Attempts(1, config.same)
+        self._left, self._vain, self._failed = config.most, 0, Attempts(1, config.same)
         self._looked = Attempts(1, config.same)
 
     def next(self) -> Callable[[], Done] | None:
         """The approach that sees most; None where none is worth it."""
-        if self._left <= 0:
+        if self._left <= 0 or self._vain >= self.config.vain:
             return None
         felt, own, pad = self.reach.felt, self._own(), self.study.pad
         axes = own_axes(self.study.found.graph.faces)
@@ -107,6 +111,7 @@ class Looking:
         if not met or beside or self._looked.given_up(start[:3, 3]):
             pad.swept.set_aside(view.unseen)  # seen, or behind what is not felt well enough to end the view
         self._looked.note(start[:3, 3])
+        self._vain = 0 if met else self._vain + 1
         if not met:
             guard.go_to(start)
             return None, "looked from afar and met nothing"
