@@ -173,9 +173,8 @@ class AnyForm:
             or self._climbing.next(lain)
             or self._come_down(left)
             or self._nameless.next()
-            or (None if self._entering else self._look(frontier))
+            or (self._looking.next() if self._entering else self._look(frontier))
             or (self._drafted.next() if self._drafted else None)
-            or (self._looking.next() if self._entering else None)
         )
 
     def _nearest(self, walls: Sequence[Wall], rims: Sequence[Sighting]) -> Callable[[], Done] | None:
