@@ -39,7 +39,7 @@ class TrustConfig:
     slanting: tuple[float, float] = (
         0.08,
         5.0,
-    )  # [rad, response widths] the same of a pad that has not settled
+    )  # [rad, response widths] the same of a pad that has not settled; what is seen of a patch then is dropped
     curvature: float = 0.4  # [1/mm] beyond which the rubber blurs too much
     sure: float = 0.08  # of a curvature beyond `narrow`, its greatest relative deviation
     doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
@@ -97,7 +97,7 @@ def keep(
             if _width(surface, seen.image) < (trust.crown if bends else trust.slender):
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
-        found = _patch(seen, where, trust)
+        found = _settled(_patch(seen, where, trust), seen.world_from_sensor, trust)
     told = (
         len(found)
         and float(found.normal_sigma.max()) < trust.turned
@@ -106,6 +106,12 @@ def keep(
     if told:
         sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
         kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
+
+
+def _settled(contacts: Contacts, pose: Floats, trust: TrustConfig) -> Contacts:
+    """Contacts of a patch that a pad lies level on: astride an edge it leans, and lies on no surface."""
+    lean = np.linalg.norm(np.cross(contacts.normals, pose[:3, 2]), axis=1)
+    return contacts.select(lean <= trust.slanting[0])
 
 
 def _on(mask: Bools, seen: Observation, contacts: Contacts) -> Contacts:
