@@ -103,9 +103,9 @@ def test_a_pad_that_lies_on_the_edge_of_a_thin_wall_tells_nothing_far_beside_it(
     assert max(far, default=0.0) < 1.0
 
 
-def presses(tree: Csg, poses, noise=0.05, force=4.0):
+def presses(tree: Csg, poses, noise=0.05, force=4.0, sensor="lts210"):
     """(n,) greatest distance of each kept frame's contacts from the solid [mm]; the pad is let down on it."""
-    spec = load_sensor("lts210")
+    spec = load_sensor(sensor)
     spec = replace(spec, electronics=replace(spec.electronics, noise=noise))
     solid, rng, off = Solid.from_csg(tree), np.random.default_rng(3), []
     for turn, x, y in poses:
@@ -130,6 +130,14 @@ def test_contacts_of_the_ring_round_a_hole_lie_on_the_ring():
     off = presses(ring, [(turn, x, 0.0) for turn in turns for x in (6.0, 11.0)])
     assert len(off) > 4
     assert off.max() < 1.8  # a pitch
+
+
+def test_a_small_pad_that_leans_on_a_sharp_edge_tells_nothing_far_beside_it():
+    slab = Cube((40.0, 40.0, 8.0)).at(0.0, -20.0, -4.0)
+    leans = [(lean, back) for lean in np.linspace(0.2, 0.5, 7) for back in (0.5, 1.0, 1.5, 2.0)]
+    poses = [(se3.rotation_exp([-lean, 0.0, 0.0]) @ DOWN, 0.0, -back) for lean, back in leans]
+    off = np.concatenate([presses(slab, poses, force=force, sensor="fingertip") for force in (1.0, 2.0, 4.0)])
+    assert off.max(initial=0.0) < 0.3
 
 
 def test_a_step_that_the_skin_spans_is_not_taken_for_a_hollow_face():

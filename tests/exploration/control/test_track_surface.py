@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from exploration.control import track_surface
 from exploration.control.feel import feel
 from exploration.control.latency import measure_latency
 from exploration.control.procedures.land import land
 from exploration.control.procedures.stroke_curvature import stroke_curvature
 from exploration.control.track_surface import StrokeConfig, _lies_flush, follow_surface
-from exploration.devices.guard import Guard, GuardLimits
+from exploration.devices.guard import Collision, Guard, GuardLimits
 from exploration.devices.simulated import PoseNoise, simulate
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
@@ -102,3 +103,24 @@ def test_a_pad_that_has_hung_on_a_corner_all_along_lies_on_nothing(over, aside, 
     seen = guard.hold()
     away, area = np.array([1.0, 0.0]), feel(seen.image).area
     assert _lies_flush(seen, away, area, 9.0, 0.5, StrokeConfig()) is lies
+
+
+@pytest.mark.parametrize(("where", "after"), [("look_closely", 3), ("read_surface", 30)])
+def test_what_a_stroke_felt_before_a_fault_is_kept(over, monkeypatch, where, after):
+    """Whether the pad was moving or held still to look; a stroke that meets no walls is a fault still."""
+    guard, _ = over(Cube((90.0, 60.0, 30.0)), se3.pose(DOWN, [-20.0, 0.0, 14.6]))
+    usual, calls = getattr(track_surface, where), []
+
+    def fails(*given):
+        calls.append(1)
+        if len(calls) > after:
+            raise Collision("collision of lts210 by 0.10 mm", guard.hold())
+        return usual(*given)
+
+    monkeypatch.setattr(track_surface, where, fails)
+    stroke = follow_surface(guard, np.array([1.0, 0.0]), 40.0, 1, 1, config=StrokeConfig(walls=True))
+    assert len(calls) == after + 1
+    assert len(stroke.contacts)
+    assert len(stroke.cells) == len(stroke.facing) > 0
+    with pytest.raises(Collision):
+        follow_surface(guard, np.array([1.0, 0.0]), 40.0, 1, 1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exploration.devices.guard import Collision
-from exploration.planning.moves.looking import Looking, own_axes
+from exploration.planning.moves.looking import LOOK_AGAIN, Looking, own_axes
 from exploration.planning.open.views import View
 from primitives import pose as se3
 from primitives.evidence import Contacts
@@ -76,6 +76,20 @@ def test_what_was_looked_at_and_met_nothing_is_done_with():
 
 
 TABLE = SimpleNamespace(surface=SimpleNamespace(signed_distance=lambda points: points[:, 2] + 100.0))
+
+
+def test_an_array_that_looks_again_looks_no_more_after_some_looks_in_vain():
+    look, _ = looking(meets=False)
+    look.config = LOOK_AGAIN
+    for _ in range(LOOK_AGAIN.vain - 1):
+        look._look(VIEW)
+    look.study.pad.come_down = lambda *how: True
+    look._look(VIEW)
+    assert look._vain == 0  # what was met makes up for all of them
+    look.study.pad.come_down = lambda *how: False
+    for _ in range(LOOK_AGAIN.vain):
+        look._look(VIEW)
+    assert look.next() is None
 
 
 def test_a_view_that_ends_on_the_table_is_done_with():
