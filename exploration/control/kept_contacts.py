@@ -39,7 +39,7 @@ class TrustConfig:
     slanting: tuple[float, float] = (
         0.08,
         5.0,
-    )  # [rad, response widths] the same of a pad that has not settled; what is seen of a patch then is dropped
+    )  # [rad, response widths] the same of a pad that has not settled; a whole patch that leans so far is dropped
     curvature: float = 0.4  # [1/mm] beyond which the rubber blurs too much
     sure: float = 0.08  # of a curvature beyond `narrow`, its greatest relative deviation
     doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
@@ -63,6 +63,7 @@ class TrustConfig:
     unseen: float = 2.5  # [spreads] from the pad's end, beyond which edges that it does not see bend nothing
     turned: float = 0.12  # [rad] of a normal, beyond which a frame lies on an edge and tells of no surface
     wide: float = 0.03  # [mm] of a contact's own error, beyond which the same
+    domed: float = 0.5  # probability of being curved, below which a dome is an edge that the pad lies astride
     whole: float = 0.9  # of the pad, which a hollow surface fills; less of one is a step that the skin spans
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
 
@@ -97,7 +98,7 @@ def keep(
             if _width(surface, seen.image) < (trust.crown if bends else trust.slender):
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
-        found = _settled(_patch(seen, where, trust), seen.world_from_sensor, trust)
+        found = _settled(_patch(seen, where, trust, what.kinds["curved"] > trust.domed), seen, trust)
     told = (
         len(found)
         and float(found.normal_sigma.max()) < trust.turned
@@ -108,10 +109,12 @@ def keep(
         kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
 
 
-def _settled(contacts: Contacts, pose: Floats, trust: TrustConfig) -> Contacts:
-    """Contacts of a patch that a pad lies level on: astride an edge it leans, and lies on no surface."""
-    lean = np.linalg.norm(np.cross(contacts.normals, pose[:3, 2]), axis=1)
-    return contacts.select(lean <= trust.slanting[0])
+def _settled(contacts: Contacts, seen: Observation, trust: TrustConfig) -> Contacts:
+    """Contacts of a patch that the pad lies level on: astride an edge it leans, and lies on no surface."""
+    if not len(contacts):
+        return contacts
+    lean = np.cross(contacts.normals.mean(axis=0), seen.world_from_sensor[:3, 2])
+    return contacts if float(np.linalg.norm(lean)) <= trust.slanting[0] else Contacts.of([])
 
 
 def _on(mask: Bools, seen: Observation, contacts: Contacts) -> Contacts:
@@ -141,14 +144,16 @@ def _along(middle: Midline, contacts: Contacts, pose: Floats) -> Contacts:
     return slid(contacts, middle.bent(places), pose)
 
 
-def _patch(seen: Observation, where: tuple[Floats, int, int, int], trust: TrustConfig) -> Contacts:
-    """Contacts of a face of any outline, as far inside its rim as it is wide enough for."""
+def _patch(
+    seen: Observation, where: tuple[Floats, int, int, int], trust: TrustConfig, domed: bool
+) -> Contacts:
+    """Contacts of a face of any outline, perhaps a dome, as far inside its rim as it is wide enough for."""
     found = Contacts.of([])
     felt: Felt | NotTouching = NotTouching()
     for rim in trust.rims:
         felt = feel(seen.image, FeelConfig(rim=rim))
         found = _on(felt.inner, seen, flat_patch(seen.image, felt.inner, *where)) if felt else found
-        if felt and not len(found):
+        if felt and domed and not len(found):
             found = domed_patch(seen.image, felt.inner, *where)
         if len(found):
             break

@@ -91,8 +91,29 @@ def follow_surface(
     press: float = PRESS,
     config: StrokeConfig = StrokeConfig(),
 ) -> Stroke:
-    """Stroke up to `length` [mm] along a (2,) unit `heading` in the pad's plane."""
+    """Stroke up to `length` [mm] along a (2,) unit `heading` in the pad's plane.
+
+    A fault that ends it carries the contacts kept until then.
+    """
     kept: list[Contacts] = []
+    try:
+        return _follow(guard, heading, length, touch, stroke, press, config, kept)
+    except (Collision, OverPress) as fault:
+        fault.kept = Contacts.concatenate(kept)
+        raise
+
+
+def _follow(
+    guard: Guard,
+    heading: Floats,
+    length: float,
+    touch: int,
+    stroke: int,
+    press: float,
+    config: StrokeConfig,
+    kept: list[Contacts],
+) -> Stroke:
+    """The stroke; its contacts are `kept` as they come."""
     cells: list[Floats] = []
     facing: list[Floats] = []
     met: Floats | None = None
@@ -108,67 +129,68 @@ def follow_surface(
     half = 0.5 * float(np.abs(heading) @ np.asarray(guard.sensor.array.size))
     ended: Ended = "length"
     seen = guard.hold()
-    try:
-        while travel < length:
-            felt = feel(seen.image)
-            if not felt:
-                missing += 1
-                if missing > config.lost:
-                    ended = "lost"
-                    break
+    while travel < length:
+        felt = feel(seen.image)
+        if not felt:
+            missing += 1
+            if missing > config.lost:
+                ended = "lost"
+                break
+            servo.rest()
+            seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
+            continue
+        missing = 0
+        areas.append(felt.area)
+        looks = ticks % every == 0 or confirmed
+        if looks and readings and readings[-1].plain:
+            looks, confirmed = False, 0
+        if looks and contact_front(felt, seen, heading) < half - 1.5 * max(seen.image.array.pitch):
+            near = edge_near(sure_lines(seen.image, 3), heading, seen.image, config.stop_share)
+            confirmed = confirmed + 1 if near else 0
+        ticks += 1
+        reach = reach_along(felt, seen, heading)
+        farthest = max(farthest, reach)
+        curving = float(heading @ felt.hessian @ heading) > config.curving
+        receding = not curving and reach < config.recede * farthest and reach < 0.6 * half
+        ending = ending + 1 if receding else 0
+        sharp = felt.curvature[0] if sharp is None else sharp
+        over = over + 1 if felt.curvature[0] > max(config.sharp, config.sharper * sharp) else 0
+        if max(ending - config.confirm, over, confirmed) >= config.confirm:
+            ended = "edge"
+            break
+        if rises(seen.image, heading, config.rising * press):
+            ended = "concavity"
+            break
+        if leaves(guard, seen, heading, fastest, config.room):
+            ended = "workspace"
+            break
+        if since >= config.spacing:
+            since = 0.0
+            closer = look_closely(guard, seen, felt)
+            keep(closer, touch, stroke, kept)
+            cells.append(touched_cells(closer, felt))
+            facing.append(np.broadcast_to(-closer.world_from_sensor[:3, 2], cells[-1].shape))
+            if closer is not seen:
                 servo.rest()
-                seen = guard.move(np.array([0.0, 0.0, 5.0, 0.0, 0.0, 0.0]))
-                continue
-            missing = 0
-            areas.append(felt.area)
-            looks = ticks % every == 0 or confirmed
-            if looks and readings and readings[-1].plain:
-                looks, confirmed = False, 0
-            if looks and contact_front(felt, seen, heading) < half - 1.5 * max(seen.image.array.pitch):
-                near = edge_near(sure_lines(seen.image, 3), heading, seen.image, config.stop_share)
-                confirmed = confirmed + 1 if near else 0
-            ticks += 1
-            reach = reach_along(felt, seen, heading)
-            farthest = max(farthest, reach)
-            curving = float(heading @ felt.hessian @ heading) > config.curving
-            receding = not curving and reach < config.recede * farthest and reach < 0.6 * half
-            ending = ending + 1 if receding else 0
-            sharp = felt.curvature[0] if sharp is None else sharp
-            over = over + 1 if felt.curvature[0] > max(config.sharp, config.sharper * sharp) else 0
-            if max(ending - config.confirm, over, confirmed) >= config.confirm:
-                ended = "edge"
-                break
-            if rises(seen.image, heading, config.rising * press):
-                ended = "concavity"
-                break
-            if leaves(guard, seen, heading, fastest, config.room):
-                ended = "workspace"
-                break
-            if since >= config.spacing:
-                since = 0.0
-                closer = look_closely(guard, seen, felt)
-                keep(closer, touch, stroke, kept)
-                cells.append(touched_cells(closer, felt))
-                facing.append(np.broadcast_to(-closer.world_from_sensor[:3, 2], cells[-1].shape))
-                if closer is not seen:
-                    servo.rest()
-                    seen, felt = closer, feel(closer.image) or felt
-            if travel > config.least_round and _returned(at, start, config):
-                ended = "closed"
-                break
-            reading = read_surface(seen, felt, readings[-1] if readings else None)
-            if reading is not None:
-                readings.append(reading)
-            bend = max(float(np.linalg.norm(servo.bend @ heading)), 1e-6)
-            speed = min(fastest * (0.5 if confirmed else 1.0), config.roll / bend)
+                seen, felt = closer, feel(closer.image) or felt
+        if travel > config.least_round and _returned(at, start, config):
+            ended = "closed"
+            break
+        reading = read_surface(seen, felt, readings[-1] if readings else None)
+        if reading is not None:
+            readings.append(reading)
+        bend = max(float(np.linalg.norm(servo.bend @ heading)), 1e-6)
+        speed = min(fastest * (0.5 if confirmed else 1.0), config.roll / bend)
+        try:
             seen = guard.move(servo.twist(seen, felt, reading, heading, speed))
-            step = float((seen.world_from_sensor[:3, 3] - at[:3, 3]) @ (at[:3, :2] @ heading))
-            at, travel, since = seen.world_from_sensor, travel + step, since + step
-    except (Collision, OverPress) as fault:  # what was felt until then is kept
-        if not config.walls or fault.seen is None:
-            raise
-        lay = bool(areas) and _lies_flush(fault.seen, heading, float(np.median(areas)), half, press, config)
-        ended, met = ("wall", fault.seen.world_from_sensor) if lay else ("lost", None)
+        except (Collision, OverPress) as fault:
+            if not config.walls or fault.seen is None:
+                raise
+            lay = _lies_flush(fault.seen, heading, float(np.median(areas)), half, press, config)
+            ended, met = ("wall", fault.seen.world_from_sensor) if lay else ("lost", None)
+            break
+        step = float((seen.world_from_sensor[:3, 3] - at[:3, 3]) @ (at[:3, :2] @ heading))
+        at, travel, since = seen.world_from_sensor, travel + step, since + step
     if guard.pending.latency > 0.0:
         seen = guard.hold(3 + round(guard.pending.latency / guard.period))
         travel += float((seen.world_from_sensor[:3, 3] - at[:3, 3]) @ (at[:3, :2] @ heading))

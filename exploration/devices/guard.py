@@ -24,6 +24,7 @@ from exploration.sensing.load import Load, load_of
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
+from primitives.evidence import Contacts
 from primitives.pose import apart
 
 _STALE = 0.1  # [s] without a frame, in which a stage of itself ends what it was told
@@ -79,6 +80,7 @@ class Fault(PalpateError):
     def __init__(self, message: str, seen: Observation | None = None) -> None:
         super().__init__(message)
         self.seen = seen  # what was felt at that moment
+        self.kept = Contacts.of([])  # of the stroke that it ended
 
 
 class OverPress(Fault):

@@ -16,7 +16,6 @@ from functools import partial
 from itertools import product
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from exploration.control.procedures.settle import SettleConfig
 from exploration.control.sighting import Sighting
@@ -37,12 +36,13 @@ from exploration.planning.moves.wall_facing import face_wall
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.touching.explained import unexplained_stops
 from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, Findings, outward_normal
 from exploration.planning.touching.overhung import Overhung
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
 from primitives import pose as se3
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit, NoFit
 from primitives.patch_graph import Face, PatchGraph
@@ -54,8 +54,6 @@ class AnyFormConfig:
 
     rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
     overlap: float = 0.22  # of the pad's shorter side, that stays over the rim
-    met: float = 4.0  # [mm] from where a stroke met a wall, within which a face explains it
-    round_off: float = 25.0  # [mm] from the contacts of a round face, or its radius, up to which it explains
     wall_tries: int = 2
     vain: int = 12  # looks at walls that were not there, from which no more of them are believed
     worth: int = 3  # of those, that a wall found makes up for
@@ -113,7 +111,7 @@ class AnyForm:
             try:
                 done, note = move()
             except (OverPress, Collision) as error:
-                self.found.warnings.append(str(error))
+                self.study.back_off(error)
                 done, note = None, f"backed off: {error}"
             face = done
             yield note
@@ -122,7 +120,7 @@ class AnyForm:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
         if len(felt := self.reach.felt.points):
             self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0)))
-        conclude(self.found, self._unexplained_walls, self._frontier)
+        conclude(self.found, self._unexplained, self._frontier)
         if len(self.study.loose):
             graph = self.found.graph
             rest = Face(1 + max((f.id for f in graph.faces), default=-1), _NAMELESS, self.study.loose)
@@ -232,22 +230,11 @@ class AnyForm:
     def _open_walls(self) -> list[Wall]:
         """What strokes met where no known face stands, and nothing that the housing came to."""
         felt, tool = self.reach.felt, self.pad.tool
-        return [wall for wall in self._unexplained_walls() if not self._overhung.holds(wall, felt, tool)]
+        return [wall for wall in self._unexplained() if not self._overhung.holds(wall, felt, tool)]
 
-    def _unexplained_walls(self) -> list[Wall]:
+    def _unexplained(self) -> list[Wall]:
         """What strokes met where no known face stands: under what the housing came to, a wall may yet stand."""
-        walls = self.study.walls
-        at = np.array([wall.point for wall in walls]).reshape(-1, 3)
-        ways = np.array([wall.heading for wall in walls]).reshape(-1, 3)
-        stands = np.zeros(len(walls), dtype=bool)
-        for face in self.found.graph.faces:
-            if isinstance(face.fit, Fit):
-                near = np.abs(face.fit.shape.signed_distance(at)) < self.own.met
-                if face.fit.kind != "plane":
-                    near &= _felt_round(face, at, self.own.round_off)
-                side = 1.0 if face.fit.convex else -1.0
-                stands |= near & (side * (face.fit.shape.normals(at) * ways).sum(axis=1) < -0.3)
-        return [wall for wall, told in zip(walls, stands, strict=True) if not told]
+        return unexplained_stops(self.study.walls, self.found.graph.faces)
 
     def _unread(self, wall: Wall) -> list[Wall]:
         """What it may be, and was not tried for yet."""
@@ -289,13 +276,6 @@ class AnyForm:
         ]
         thick = min(behind, default=np.inf)
         return thick if self.own.least_thick < thick < min(self.pad.size) else None
-
-
-def _felt_round(face: Face, points: Floats, least: float) -> Bools:
-    """Which of (n, 3) points lie no farther from a round face's contacts than it is round."""
-    assert isinstance(face.fit, Fit)
-    far = max(least, getattr(face.fit.shape, "radius", 0.0))
-    return np.asarray(KDTree(face.contacts.points).query(points)[0] < far)
 
 
 def _away(point: Floats, here: Floats) -> float:

@@ -111,7 +111,7 @@ class Explorer:
             try:
                 done, note = move()
             except (OverPress, Collision) as error:
-                self.found.warnings.append(str(error))
+                self._study.back_off(error)
                 self._stopped += self.told is None  # what is told stops moves, and says nothing of the object
                 done, note = None, f"backed off: {error}"
             if done is not None:

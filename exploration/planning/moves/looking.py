@@ -111,7 +111,7 @@ class Looking:
         if not met or beside or self._looked.given_up(start[:3, 3]):
             pad.swept.set_aside(view.unseen)  # seen, or behind what is not felt well enough to end the view
         self._looked.note(start[:3, 3])
-        self._vain = 0 if met else self._vain + 1
+        self._vain = 0 if met and not beside else self._vain + 1
         if not met:
             guard.go_to(start)
             return None, "looked from afar and met nothing"

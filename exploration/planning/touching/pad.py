@@ -178,16 +178,22 @@ class Pad:
         return self._own(Contacts.concatenate(kept))
 
     def stroke(self, heading: Floats, length: float | None = None) -> Stroke:
-        """Follow the surface along a (2,) heading in the pad's plane, to an edge or for `length` mm."""
+        """Follow the surface along a (2,) heading in the pad's plane, to an edge or for `length` mm.
+
+        A fault that ends it carries the contacts kept until then.
+        """
         cost = self.guard.cost
         cost.strokes += 1
         longest = self.config.longest if length is None else length
         walls = StrokeConfig(walls=True)
-        stroke = follow_surface(self.guard, heading, longest, cost.touches, cost.strokes, config=walls)
+        felt = Contacts.of([])
         try:
+            stroke = follow_surface(self.guard, heading, longest, cost.touches, cost.strokes, config=walls)
+            felt = stroke.contacts
             self.lie(stroke.cells, stroke.facing)
-        except (OverPress, Collision):  # what was felt until then is kept
-            stroke = replace(stroke, ended="lost", edges=())
+        except (OverPress, Collision) as fault:
+            fault.kept = self._own(Contacts.concatenate([felt, fault.kept]))
+            raise
         return stroke if self.told is None else replace(stroke, contacts=self._own(stroke.contacts))
 
     def _own(self, contacts: Contacts) -> Contacts:

@@ -9,7 +9,7 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.control.track_surface import Stroke
-from exploration.devices.guard import Collision, OverPress
+from exploration.devices.guard import Collision, Fault, OverPress
 from exploration.planning.faces.attribution import (
     AttributionConfig,
     joined,
@@ -92,6 +92,7 @@ class Study:
                 self._stroke_across(heading, strokes, edges)
         except (OverPress, Collision) as error:
             self.found.warnings.append(str(error))
+            strokes.append(error.kept)
         face = self.take_in(Contacts.concatenate(strokes))
         if face is None:
             self.found.warnings.append("a touch named no face by itself; its contacts are kept")
@@ -107,6 +108,12 @@ class Study:
         self.found.hollow |= taken.hollow
         self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
         return taken.home
+
+    def back_off(self, fault: Fault) -> None:
+        """Warn of a fault that ended a move, and take in what its stroke had felt until then."""
+        self.found.warnings.append(str(fault))
+        if len(fault.kept):
+            self.take_in(fault.kept)
 
     def name_loose(self) -> bool:
         """Whether what no face explained makes faces after all, now that there is more of it."""

@@ -137,7 +137,8 @@ def test_a_small_pad_that_leans_on_a_sharp_edge_tells_nothing_far_beside_it():
     leans = [(lean, back) for lean in np.linspace(0.2, 0.5, 7) for back in (0.5, 1.0, 1.5, 2.0)]
     poses = [(se3.rotation_exp([-lean, 0.0, 0.0]) @ DOWN, 0.0, -back) for lean, back in leans]
     off = np.concatenate([presses(slab, poses, force=force, sensor="fingertip") for force in (1.0, 2.0, 4.0)])
-    assert off.max(initial=0.0) < 0.3
+    assert len(off) > 5
+    assert off.max() < 0.5  # 1.3 of what it read askew
 
 
 def test_a_step_that_the_skin_spans_is_not_taken_for_a_hollow_face():

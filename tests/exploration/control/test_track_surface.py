@@ -106,9 +106,9 @@ def test_a_pad_that_has_hung_on_a_corner_all_along_lies_on_nothing(over, aside, 
 
 
 @pytest.mark.parametrize(("where", "after"), [("look_closely", 3), ("read_surface", 30)])
-def test_what_a_stroke_felt_before_a_fault_is_kept(over, monkeypatch, where, after):
-    """Whether the pad was moving or held still to look; a stroke that meets no walls is a fault still."""
-    guard, _ = over(Cube((90.0, 60.0, 30.0)), se3.pose(DOWN, [-20.0, 0.0, 14.6]))
+def test_a_fault_carries_what_its_stroke_had_felt(over, monkeypatch, where, after):
+    """Whether the pad was moving or held still to look."""
+    guard, solid = over(Cube((90.0, 60.0, 30.0)), se3.pose(DOWN, [-20.0, 0.0, 14.6]))
     usual, calls = getattr(track_surface, where), []
 
     def fails(*given):
@@ -118,9 +118,7 @@ def test_what_a_stroke_felt_before_a_fault_is_kept(over, monkeypatch, where, aft
         return usual(*given)
 
     monkeypatch.setattr(track_surface, where, fails)
-    stroke = follow_surface(guard, np.array([1.0, 0.0]), 40.0, 1, 1, config=StrokeConfig(walls=True))
-    assert len(calls) == after + 1
-    assert len(stroke.contacts)
-    assert len(stroke.cells) == len(stroke.facing) > 0
-    with pytest.raises(Collision):
-        follow_surface(guard, np.array([1.0, 0.0]), 40.0, 1, 1)
+    with pytest.raises(Collision) as caught:
+        follow_surface(guard, np.array([1.0, 0.0]), 40.0, 1, 1, config=StrokeConfig(walls=True))
+    assert len(caught.value.kept)
+    assert np.abs(solid.signed_distance(caught.value.kept.points)).max() < 0.1

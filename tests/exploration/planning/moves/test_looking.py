@@ -106,6 +106,12 @@ def test_the_table_is_no_part_of_what_is_looked_at():
     assert look._ball().radius == pytest.approx(ball.radius)
 
 
+def test_what_is_told_makes_up_for_no_look_in_vain():
+    look, _ = looking(meets=True, told=TABLE, face=None)
+    look._look(VIEW)
+    assert look._vain == 1
+
+
 def test_a_look_that_a_collision_stopped_on_the_way_twice_is_not_tried_again():
     look, swept = looking(meets=True)
 
