@@ -39,7 +39,7 @@ class TrustConfig:
     slanting: tuple[float, float] = (
         0.08,
         5.0,
-    )  # [rad, response widths] the same of a pad that has not settled; a whole patch that leans so far is dropped
+    )  # [rad, response widths] the same of a pad that has not settled
     curvature: float = 0.4  # [1/mm] beyond which the rubber blurs too much
     sure: float = 0.08  # of a curvature beyond `narrow`, its greatest relative deviation
     doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
@@ -98,7 +98,7 @@ def keep(
             if _width(surface, seen.image) < (trust.crown if bends else trust.slender):
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
-        found = _settled(_patch(seen, where, trust, what.kinds["curved"] > trust.domed), seen, trust)
+        found = _patch(seen, where, trust, what.kinds["curved"] > trust.domed)
     told = (
         len(found)
         and float(found.normal_sigma.max()) < trust.turned
@@ -107,14 +107,6 @@ def keep(
     if told:
         sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
         kept.append(replace(found, sigma=frozen(sigma), normal_sigma=frozen(turn)))
-
-
-def _settled(contacts: Contacts, seen: Observation, trust: TrustConfig) -> Contacts:
-    """Contacts of a patch that the pad lies level on: astride an edge it leans, and lies on no surface."""
-    if not len(contacts):
-        return contacts
-    lean = np.cross(contacts.normals.mean(axis=0), seen.world_from_sensor[:3, 2])
-    return contacts if float(np.linalg.norm(lean)) <= trust.slanting[0] else Contacts.of([])
 
 
 def _on(mask: Bools, seen: Observation, contacts: Contacts) -> Contacts:
