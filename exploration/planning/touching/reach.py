@@ -12,12 +12,15 @@ from exploration.control.kept_contacts import touched_cells
 from exploration.control.procedures.approach import retreat, touched
 from exploration.control.procedures.land import LandConfig
 from exploration.control.procedures.settle import SettleConfig
+from exploration.control.steady_flight import FlightConfig, fly
 from exploration.devices.guard import Collision, Observation, OverPress
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.touching.pad import Pad
 from exploration.planning.ways.routes import RoutesConfig, on_the_way, route
 from primitives import pose as se3
 from primitives.arrays import Floats
+
+_HALF_TURN = se3.pose(np.diag([-1.0, -1.0, 1.0]), np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,8 @@ class ReachConfig:
     room: float = 0.6  # [mm] round the housing, where the pad is to lie
     proud: float = 1.6  # [mm] before the skin there, that may be known: blur lays touched places past an edge
     alike: float = 0.85  # cosine from which two ways out are one
-    slow: float = 4.0  # [mm] between stops where nobody has been
-    slow_turn: float = 0.05  # [rad] the same
+    looked: float = 4.0  # [mm] between poses of a way, at which it is asked whether anybody has been there
+    looked_turn: float = 0.05  # [rad] the same
     give: float = 8.0  # [mm] off a place that what is known reaches into, from where it is come at yet
     step: float = 1.6  # [mm] between such tries
 
@@ -72,16 +75,35 @@ class Reach:
         return [pose for pose, free in zip(poses, clear, strict=True) if free]
 
     def touch(self, target: Floats, give: bool = False, settling: SettleConfig | None = None) -> bool:
-        """Go round what is known to before a (4, 4) target, and touch it; may it `give`, from farther off."""
-        off = self.off(target, self.config.give) if give else 0.0
-        target = target @ se3.pose(translation=[0.0, 0.0, -off])
-        under = self._under_lid(target)
-        standoff = self.config.standoff + under
-        if not self._before(target, standoff):
-            return False
-        if under > 0.0:
-            self._inside = (target[:3, 3] - standoff * target[:3, 2], -target[:3, 2])
-        return self.pad.touch(target, standoff, self.config.overtravel + off, settling)
+        """Go round what is known to before a (4, 4) target, and touch it; may it `give`, from farther off.
+
+        The array may lie there turned by half a turn: to the attitude that is nearer the way is shorter.
+        """
+        for either in self._either_way_round(target):
+            off = self.off(either, self.config.give) if give else 0.0
+            goal = either @ se3.pose(translation=[0.0, 0.0, -off])
+            under = self._under_lid(goal)
+            standoff = self.config.standoff + under
+            if self._before(goal, standoff):
+                if under > 0.0:
+                    self._inside = (goal[:3, 3] - standoff * goal[:3, 2], -goal[:3, 2])
+                return self.pad.touch(goal, standoff, self.config.overtravel + off, settling)
+            if self.led:
+                return False
+        return False
+
+    def seconds_to(self, points: Floats, facing: Floats) -> Floats:
+        """[s] about, to where the pad lies at (..., 3) points that look (..., 3) out, as fast as it flies."""
+        here, flight = self.pad.guard.world_from_sensor, FlightConfig()
+        turn = np.arccos(np.clip(-facing @ here[:3, 2], -1.0, 1.0))
+        away = np.linalg.norm(points - here[:3, 3], axis=-1)
+        return np.asarray(away / flight.speed + turn / flight.turn)
+
+    def _either_way_round(self, target: Floats) -> tuple[Floats, Floats]:
+        """A (4, 4) pose and the same half a turn on, that nearer to the attitude of now first."""
+        here, turned = self.pad.guard.world_from_sensor, target @ _HALF_TURN
+        ahead, behind = (float(np.trace(here[:3, :3].T @ pose[:3, :3])) for pose in (target, turned))
+        return (target, turned) if ahead >= behind else (turned, target)
 
     def descend(self, target: Floats, high: float) -> bool:
         """Come down to a (4, 4) target from over `high` mm before it, until something is touched."""
@@ -170,9 +192,10 @@ class Reach:
     def _fly(self, goal: Floats, first: bool) -> bool:
         """Straight to a (4, 4) goal, slowly where nobody has been; false where it touched something."""
         guard = self.pad.guard
-        for stop in self._stops(goal):
+        for stop, known in self._legs(goal):
+            until = (lambda seen: False) if first else (lambda seen: touched(seen.image))
             try:
-                met = guard.go_to(stop, until=None if first else lambda seen: touched(seen.image))
+                met = guard.go_to(stop, until) if known else fly(guard, stop, until)
             except (Collision, OverPress) as error:
                 self._bar(error.seen)
                 raise
@@ -182,14 +205,18 @@ class Reach:
                 return False
         return True
 
-    def _stops(self, goal: Floats) -> list[Floats]:
-        """Where to stand still on the way to a (4, 4) goal: who stops often is slow, and soon at rest."""
+    def _legs(self, goal: Floats) -> list[tuple[Floats, bool]]:
+        """Where each leg of the way to a (4, 4) goal ends, and whether an array has been everywhere on it."""
         tool, seen = self.pad.tool, self.pad.swept
         here = self.pad.guard.world_from_sensor
-        poses = on_the_way(here, goal, tool.mount, self.config.slow, self.config.slow_turn)
+        poses = on_the_way(here, goal, tool.mount, self.config.looked, self.config.looked_turn)
         known = [seen.holds_box(pose, tool.low, tool.high) for pose in poses]
-        stops = [pose for pose, a, b in zip(poses[:-1], known[:-1], known[1:], strict=True) if not (a and b)]
-        return [*stops[1:], goal] if not known[0] else [*stops, goal]
+        legs: list[tuple[Floats, bool]] = []
+        for pose, before, after in zip(poses[1:], known[:-1], known[1:], strict=True):
+            if legs and legs[-1][1] == (before and after):
+                legs.pop()
+            legs.append((pose, before and after))
+        return [*legs[:-1], (goal, legs[-1][1])]
 
     def _bar(self, seen: Observation | None) -> None:
         """Remember where something unknown was in the way, and what of it the skin felt."""

@@ -1,0 +1,46 @@
+"""The pad comes to a place by the attitude that is nearer, and tells about how long that takes."""
+
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.touching.pad import Pad
+from exploration.planning.touching.reach import Reach
+from exploration.planning.ways.routes import Tool
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.csg import Cube
+from models.solid import Solid
+from primitives import pose as se3
+
+UP, X = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+SPEC = load_sensor("lts210")
+BOX = np.array([-150.0, -150.0, -150.0, 150.0, 150.0, 150.0])
+
+
+@pytest.fixture
+def pad():
+    """Over a block of 80 x 80 x 60 mm."""
+    high = se3.pose(se3.frame_along(-UP, X), [0.0, 0.0, 60.0])
+    solid = Solid.from_csg(Cube((80.0, 80.0, 60.0)))
+    stage, arrays = simulate(solid, [SPEC], np.random.default_rng(0), start_pose=high)
+    guard = Guard(stage, arrays, [Calibration.nominal(SPEC)])
+    tools = Tool.each([SPEC], [array.flange_from_sensor for array in arrays])
+    return Pad(guard, BOX, lambda kind, detail: None, tools=tools)
+
+
+@pytest.mark.parametrize("along", [X, -X])
+def test_a_pad_is_not_turned_round_where_half_a_turn_leaves_it_the_same(pad, along):
+    before = pad.guard.world_from_sensor[:3, 0]
+    assert Reach(pad).touch(se3.pose(pad.attitude(UP, along), [10.0, 0.0, 30.0]))
+    assert pad.guard.world_from_sensor[:3, 0] @ before > 0.99
+
+
+def test_the_time_to_a_place_grows_with_the_way_and_with_the_turn(pad):
+    reach = Reach(pad)
+    here = pad.guard.world_from_sensor[:3, 3]
+    near, far = here + 10.0 * X, here + 90.0 * X
+    level, aside, under = reach.seconds_to(np.array([near] * 3), np.array([UP, X, -UP]))
+    assert 0.0 < level < aside < under
+    assert reach.seconds_to(far, UP) > level
