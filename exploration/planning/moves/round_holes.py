@@ -48,6 +48,7 @@ class RoundHolesConfig:
     edge: float = 40.0  # [mm] from its axis, where an edge is beside it
     felt: float = 20.0  # [mm] from that, within which that face was felt
     own_outer: float = 1.0  # [mm] from the outer circle of its ring, within which an edge is that circle
+    strays: int = 3  # contacts of its face so far past an edge, up to which the face ends there yet
     beside: float = 4.0  # [mm] between rims that are tried as one,
     as_wide: float = 4.0  # [mm] and between their radii
     opposed: float = 0.98  # least cosine between the axes of two ends of a hole
@@ -124,9 +125,14 @@ class RoundHoles:
         return off < self.config.off and float(pose[:3, 2] @ rim.axis) < -self.config.flush
 
     def _ends(self, rim: RoundRim) -> list[tuple[Shape, float]]:
-        """What its face ends at beside it: upright faces felt near it, each with the sign of distances past it."""
+        """What its face ends at beside it: upright faces felt near it, each with the sign of distances past it.
+
+        A neck behind a flange is no end of the flange's face, which was felt past it.
+        """
         found: list[tuple[Shape, float]] = []
-        for face in self.study.found.graph.faces:
+        faces = self.study.found.graph.faces
+        own = Contacts.concatenate([face.contacts for face in faces if face.id == rim.face]).points
+        for face in faces:
             if not isinstance(face.fit, Fit) or not len(face.contacts):
                 continue
             shape, side = face.fit.shape, 1.0 if face.fit.convex else -1.0
@@ -134,6 +140,9 @@ class RoundHoles:
             past = side * float(shape.signed_distance(rim.center[None])[0])
             leans = abs(float(shape.normals(foot[None])[0] @ rim.axis))
             near = float(np.linalg.norm(face.contacts.points - foot, axis=1).min()) < self.config.felt
+            beyond = side * shape.signed_distance(own[np.linalg.norm(own - foot, axis=1) < self.config.felt])
+            if np.count_nonzero(beyond > self.config.own_outer) > self.config.strays:
+                continue
             if abs(past + rim.outer) < self.config.own_outer:
                 continue  # the ring's own outer circle, which is told by `outer` already
             if near and leans < self.config.upright and -self.config.edge < past < -0.5 * rim.radius:

@@ -1,5 +1,6 @@
 """Round holes from looks at their rims, and which rims are the two ends of one."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -270,3 +271,18 @@ def test_a_face_ends_at_what_stands_beside_a_hole_and_not_at_a_boss_or_far_off()
     edge, boss, far = flat(0, x, 7.0 * x), flat(1, x, -9.0 * x), flat(2, x, 60.0 * x)
     ((shape, side),) = looking([edge, boss, far])._ends(rim(0.0))
     assert side * shape.signed_distance(np.array([[8.0, 0.0, 0.0]]))[0] > 0.9
+
+
+def test_a_flange_does_not_end_at_the_neck_behind_it():
+    turn = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    ring = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(24)])
+    neck = np.concatenate([16.0 * ring + deep * UP for deep in (-6.0, -9.0, -12.0)])
+    barrel = ranked_face(1, Contacts.of(neck, np.tile(ring, (3, 1))), MergeOptions())
+
+    def flange(outer):
+        points = np.concatenate([radius * ring for radius in np.arange(11.0, outer, 1.5)])
+        return ranked_face(0, Contacts.of(points, np.tile(UP, (len(points), 1))), MergeOptions())
+
+    mouth = replace(rim(0.0, radius=10.0), face=0)
+    assert not looking([flange(24.0), barrel])._ends(mouth)
+    assert len(looking([flange(15.5), barrel])._ends(mouth)) == 1
