@@ -11,14 +11,11 @@ times is given up, and left unknown.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
-from itertools import product
 
 import numpy as np
 
-from exploration.control.procedures.settle import SettleConfig
-from exploration.control.sighting import Sighting
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.inferring.concluding import conclude
 from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
@@ -30,6 +27,7 @@ from exploration.planning.moves.looking import LOOK_AGAIN, Looking, LookingConfi
 from exploration.planning.moves.nameless import Nameless
 from exploration.planning.moves.open_surface import OpenSurface
 from exploration.planning.moves.rim_looks import RimLooks
+from exploration.planning.moves.rolling import Rolling, RollingConfig
 from exploration.planning.moves.round_holes import RoundHoles
 from exploration.planning.moves.slipped import Slipped
 from exploration.planning.moves.wall_facing import face_wall
@@ -37,14 +35,18 @@ from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.explained import unexplained_stops
-from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, Findings, outward_normal
+from exploration.planning.touching.findings import (
+    Attempts,
+    Done,
+    ExplorerConfig,
+    Findings,
+    SeenRim,
+)
 from exploration.planning.touching.overhung import Overhung
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
-from primitives import pose as se3
-from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
-from primitives.fit import Fit, NoFit
+from primitives.fit import NoFit
 from primitives.patch_graph import Face, PatchGraph
 
 
@@ -52,19 +54,15 @@ from primitives.patch_graph import Face, PatchGraph
 class AnyFormConfig:
     """How walls, rims and open surface are gone for."""
 
-    rolls: tuple[float, ...] = (90.0, 60.0, 120.0)  # [deg] over a rim, in turn
-    overlap: float = 0.22  # of the pad's shorter side, that stays over the rim
+    rolling: RollingConfig = field(default_factory=RollingConfig)
     wall_tries: int = 2
     vain: int = 12  # looks at walls that were not there, from which no more of them are believed
     worth: int = 3  # of those, that a wall found makes up for
-    rim_tries: int = 3
-    beside: float = 9.0  # [mm] between tries that count as one thing
-    opposed: float = 0.9  # least cosine between a face and the reverse of another, that bound a plate
-    least_thick: float = 0.5  # [mm] of a plate
+    beside: float = 9.0  # [mm] between tries that count as one
 
 
 _NAMELESS = NoFit("contacts that named no face")
-LATER = AnyFormConfig(rim_tries=1)  # of what other arrays have tried before
+LATER = AnyFormConfig(RollingConfig(tries=1))  # of what other arrays have tried before
 
 
 class AnyForm:
@@ -82,7 +80,7 @@ class AnyForm:
         self.pad, self.found = study.pad, study.found
         self.reach = Reach(self.pad)
         self._walls = Attempts(self.own.wall_tries, self.own.beside)
-        self._rims = Attempts(self.own.rim_tries, self.own.beside)
+        self._rolling = Rolling(study, self.reach, self.own.rolling)
         self._open = OpenSurface(study, self.reach, config)
         self._entering = Entering(study, self.reach) if later else None
         self._slipped = Slipped(study, self.reach) if later else None
@@ -97,7 +95,7 @@ class AnyForm:
             self._drafted = Drafted(study, self.reach, drawn, self._open.alongs, self._looking)
         self._last: tuple[tuple[int, ...], PatchGraph, LocalFrontier] | None = None
         study.reconsider()
-        self._before = {face.id for face in study.found.graph.faces if isinstance(face.fit, Fit)}
+        self._before = self.found.named
 
     def run(self) -> Iterator[str]:
         """Make moves until nothing is left to try; yields what each one did."""
@@ -129,7 +127,7 @@ class AnyForm:
     def _drafted_by(self, draft: Callable[[Findings], Predicted]) -> Predicted:
         """The surface of what would be concluded now; nothing of it is kept."""
         found = self.found
-        kept = {field.name: getattr(found, field.name) for field in fields(found)}
+        kept = {each.name: getattr(found, each.name) for each in fields(found)}
         try:
             for name, value in kept.items():
                 setattr(found, name, list(value) if isinstance(value, list) else value)
@@ -153,21 +151,21 @@ class AnyForm:
         opened, rims = frontier.open, frontier.rims
         walls = self._open_walls()
         self.found.open = len(opened.points) + len(rims) + len(walls)
-        here = self.pad.guard.world_from_sensor[:3, 3]
         left = self._open.left(opened.on(self._own_faces()) if self._entering else opened)
         goal = None if face is None else self._open.near(left, face)
         if face is not None and goal is not None and self._lies():
             return partial(self._open.stroke_to, goal, face)
         ways_in = self._entering.ways_in(frontier.mouths(), self._open.alongs) if self._entering else ()
         if into := list(ways_in):
-            return min(into, key=lambda item: _away(item[0], here))[1]
+            here = self.pad.guard.world_from_sensor[:3, 3]
+            return min(into, key=lambda item: float(np.linalg.norm(item[0] - here)))[1]
         if self._slipped and (move := self._slipped.next(self._open.alongs)) is not None:
             return move
         if self._ledges and (move := self._ledges.next(frontier.openings)) is not None:
             return move
         lain = [wall for wall in walls if wall.lay_on_one_of(self.found.graph.faces)]
         return (
-            self._nearest(lain, [rim for rim, _ in rims])
+            self._nearest(lain, rims)
             or self._climbing.next(lain)
             or self._come_down(left)
             or self._nameless.next()
@@ -175,24 +173,22 @@ class AnyForm:
             or (self._drafted.next() if self._drafted else None)
         )
 
-    def _nearest(self, walls: Sequence[Wall], rims: Sequence[Sighting]) -> Callable[[], Done] | None:
-        """To the wall that may be faced, or the rim that may be rolled over, that is nearest to here."""
-        here = self.pad.guard.world_from_sensor[:3, 3]
+    def _nearest(self, walls: Sequence[Wall], rims: Sequence[SeenRim]) -> Callable[[], Done] | None:
+        """To the wall that may be faced, or the rim that may be rolled over, that is soonest come to."""
+        seconds = self.reach.seconds_to
         standing = [wall for wall in walls if self._unread(wall)] if self._vain < self.own.vain else []
-        todo = [(_away(wall.point, here), partial(self._face_wall, wall)) for wall in standing]
-        leading = [
-            rim for rim in rims if not self._rims.given_up(rim.point) and not self.reach.at_lid(rim.point)
+        todo: list[tuple[float, Callable[[], Done]]] = [
+            (float(seconds(wall.point, -wall.heading)), partial(self._face_wall, wall)) for wall in standing
         ]
-        todo += [(_away(rim.point, here), partial(self._cross, rim)) for rim in leading]
+        todo += self._rolling.ways(rims)
         return min(todo, key=lambda item: item[0])[1] if todo else None
 
     def _come_down(self, left: Predicted) -> Callable[[], Done] | None:
-        """On the nearest open surface."""
+        """On the open surface that is soonest come to."""
         if not len(left.points):
             return None
-        here = self.pad.guard.world_from_sensor[:3, 3]
-        nearest = int(np.argmin(np.linalg.norm(left.points - here, axis=1)))
-        return partial(self._open.come_down, left, nearest)
+        soonest = int(np.argmin(self.reach.seconds_to(left.points, left.normals)))
+        return partial(self._open.come_down, left, soonest)
 
     def _look(self, frontier: LocalFrontier) -> Callable[[], Done] | None:
         """From afar where nobody was, and at the rims of what has no room for an array."""
@@ -247,36 +243,3 @@ class AnyForm:
         done, note = face_wall(self.study, self.reach, reading)
         self._vain = max(0, self._vain - self.own.worth) if done is not None else self._vain + self.reach.led
         return done, note
-
-    def _cross(self, rim: Sighting) -> Done:
-        """Roll over a rim onto the face behind it."""
-        tried = self._rims.count(rim.point)
-        self._rims.note(rim.point)
-        beyond, settling = (0.5 - self.own.overlap) * min(self.pad.size), None
-        if (thick := self._thickness(rim)) is not None:
-            beyond, settling = 0.5 * thick, SettleConfig(shifts=0)
-        rolls = self.own.rolls[tried % len(self.own.rolls) :] + self.own.rolls[: tried % len(self.own.rolls)]
-        for give, roll, shift in product((False, True), rolls, (0.0, 7.0, -7.0)):
-            angle = np.radians(roll)
-            normal = np.cos(angle) * rim.normal + np.sin(angle) * rim.outward
-            down = np.cos(angle) * rim.outward - np.sin(angle) * rim.normal
-            at = rim.point + beyond * down + shift * rim.tangent
-            if self.reach.touch(se3.pose(self.pad.attitude(normal, rim.tangent), at), give, settling):
-                return self.study.face_here(), "crossed a rim"
-            if self.reach.led:
-                return None, "crossed a rim and met nothing"
-        return None, "no way led over a rim"
-
-    def _thickness(self, rim: Sighting) -> float | None:
-        """[mm] from a rim to the face behind its own, where the pad is wider than that: it would roll off."""
-        behind = [
-            abs(float(face.fit.shape.signed_distance(rim.point[None])[0]))
-            for face in self.found.graph.faces
-            if isinstance(face.fit, Fit) and outward_normal(face, rim.point) @ rim.normal < -self.own.opposed
-        ]
-        thick = min(behind, default=np.inf)
-        return thick if self.own.least_thick < thick < min(self.pad.size) else None
-
-
-def _away(point: Floats, here: Floats) -> float:
-    return float(np.linalg.norm(point - here))

@@ -91,7 +91,7 @@ class Explorer:
             return
         while not self.config.spent(self.guard.cost):
             self.found.hollow = self.found.hollow or self._dented()
-            if self.found.hollow and (self._named() or not self._worth_another_look()):
+            if self.found.hollow and (self.found.named or not self._worth_another_look()):
                 self._walls.recall()
                 self._lay()
                 yield from map(self._say, self._any_form())
@@ -139,8 +139,8 @@ class Explorer:
                 self.guard.use(sensor)
                 self.announce("array", {"name": array.array.name})
             last = sensor == len(self.guard.sensors) - 1
-            draft = self._draft if last else None
-            form = AnyForm(self._study, self.config, LATER if sensor else None, bool(sensor), draft)
+            draft, config = (self._draft, self.config) if last else (None, self.config.before_last)
+            form = AnyForm(self._study, config, LATER if sensor else None, bool(sensor), draft)
             yield from form.run()
             self._unless_met(form.reach.come_out)
         form.conclude()
@@ -166,7 +166,7 @@ class Explorer:
 
     def _next(self, face: int | None) -> Callable[[], Done] | None:
         """The next move: cross an edge, touch what is untouched, trace an edge; None when nothing is open."""
-        if not self._named():
+        if not self.found.named:
             self.found.open = 1
             return self._finding.look_again if self._worth_another_look() else None
         crossing = self._crossing.open_sighting(face)
@@ -195,10 +195,6 @@ class Explorer:
             return lambda: self._tracing.trace(nearest)
         self.found.open = len(untouched.points) + len(contradicted.points)
         return None
-
-    def _named(self) -> bool:
-        """Whether any face is known."""
-        return any(isinstance(face.fit, Fit) for face in self.found.graph.faces)
 
     def _worth_another_look(self) -> bool:
         """Whether an object without a face may show one yet."""

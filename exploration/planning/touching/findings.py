@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +29,9 @@ class ExplorerConfig:
     feature: float = 10.0  # [mm] the smallest feature that must not be missed
     max_touches: int = 500
     max_minutes: float = 30.0  # of the stage
+    early: float = (
+        0.65  # of both, that arrays before the last may take: each has places that it alone gets to
+    )
     explained: float = 0.8  # [mm] from a known face, an edge seen needs no crossing
     passes: float = 2.0  # [mm] from a face that a crossing led to, its edge is explained by it
     roll: tuple[float, ...] = (60.0, 95.0)  # [deg] attitudes from which an edge is crossed, in turn
@@ -48,6 +51,13 @@ class ExplorerConfig:
     def spent(self, cost: Cost) -> bool:
         """Whether all touches, or all time, that it may take are taken."""
         return cost.touches >= self.max_touches or cost.seconds >= 60.0 * self.max_minutes
+
+    @property
+    def before_last(self) -> ExplorerConfig:
+        """The same for an array after which another comes."""
+        return replace(
+            self, max_touches=int(self.early * self.max_touches), max_minutes=self.early * self.max_minutes
+        )
 
 
 class Stopped(NamedTuple):
@@ -81,6 +91,11 @@ class Findings:
         """The fitted surface of a face, where it has one."""
         found = next((f.fit for f in self.graph.faces if f.id == face), None)
         return found if isinstance(found, Fit) else None
+
+    @property
+    def named(self) -> frozenset[int]:
+        """The faces that have a shape."""
+        return frozenset(face.id for face in self.graph.faces if isinstance(face.fit, Fit))
 
 
 class Attempts:
