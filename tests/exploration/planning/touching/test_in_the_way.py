@@ -66,7 +66,7 @@ def gone(start, wall):
     reach.config, reach._routes, reach._barred = ReachConfig(), (RoutesConfig(),), []
     reach.lids, reach._suspect = (np.empty((0, 3)), np.empty((0, 3))), np.empty((0, 3))
     reach._obstacles, reach._ways = (lambda: wall), (lambda: UP[None])
-    reach._stops = lambda goal: [goal]
+    reach._legs = lambda goal: [(goal, True)]
     swept = SimpleNamespace(holds=lambda places: np.zeros(len(places), dtype=bool))
     reach.pad = SimpleNamespace(guard=guard, tool=TOOL, swept=swept)
     arrived = reach.go(start @ pose(translation=[30.0, 0.0, -60.0]))
