@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, pinvh
 from scipy.special import chdtri
 
 from primitives.arrays import Floats, frozen
@@ -26,6 +26,8 @@ from primitives.fit import Fit
 from primitives.pose import frame_along
 from primitives.residuals import advance, chart
 from primitives.shapes import Cone, Plane, Shape, Sphere
+
+_TWICE = 2e-6  # [rad, mm] between the two ends of a central difference
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class RegularityOptions:
     significance: float = 1e-3  # a true relation is refused this often
     reach: float = 0.1  # [rad] and share of size: never bend by more, however uncertain the fit
     floor: float = 1e-4  # [rad] and, tenfold, [mm]: errors that no covariance knows of
-    implied: float = 3e-5  # [rad, mm] a relation met this well follows from those before it
+    implied: float = 3e-5  # [rad, mm] a relation as sure as this follows from those before it
     iterations: int = 8
     settled: float = 1e-9  # [rad, mm] of a step, that is no more than differences err by
 
@@ -97,25 +99,32 @@ class _State:
         self.x = np.zeros(int(ends[-1]))
         self.accepted: list[tuple[int, int, Constraint]] = []
         self.relations: list[Relation] = []
+        self._around: dict[int, tuple[Floats, Shape, list[tuple[Shape, Shape]]]] = {}
 
     def shapes(self) -> list[Shape]:
         return [after(self.x[part]) for after, part in zip(self.stepped, self.slices, strict=True)]
 
     def value_and_slope(self, a: int, b: int, constraint: Constraint) -> tuple[Floats, Floats]:
         """The values h and their (k, d) derivative by central differences."""
-        shapes = {i: self.stepped[i](self.x[self.slices[i]]) for i in (a, b)}
-        value = constraint(shapes[a], shapes[b])
+        (one, ones), (other, others) = self._nudged(a), self._nudged(b)
+        value = constraint(one, other)
         slope = np.zeros((len(value), len(self.x)))
-        for i in (a, b):
-            part = self.x[self.slices[i]]
-            for j in range(len(part)):
-                nudge = np.zeros(len(part))
-                nudge[j] = 1e-6
-                plus, minus = (self.stepped[i](part + s * nudge) for s in (1, -1))
-                high = constraint(plus, shapes[b]) if i == a else constraint(shapes[a], plus)
-                low = constraint(minus, shapes[b]) if i == a else constraint(shapes[a], minus)
-                slope[:, self.slices[i].start + j] = (high - low) / 2e-6
+        for j, (plus, minus) in enumerate(ones):
+            slope[:, self.slices[a].start + j] = (constraint(plus, other) - constraint(minus, other)) / _TWICE
+        for j, (plus, minus) in enumerate(others):
+            slope[:, self.slices[b].start + j] = (constraint(one, plus) - constraint(one, minus)) / _TWICE
         return value, slope
+
+    def _nudged(self, i: int) -> tuple[Shape, list[tuple[Shape, Shape]]]:
+        """Shape i, and both sides of it along each of its coordinates, which every pair that it is in asks for."""
+        part = self.x[self.slices[i]]
+        kept = self._around.get(i)
+        if kept is None or not np.array_equal(kept[0], part):
+            step = self.stepped[i]
+            nudges = 0.5 * _TWICE * np.eye(len(part))
+            kept = part, step(part), [(step(part + nudge), step(part - nudge)) for nudge in nudges]
+            self._around[i] = kept
+        return kept[1:]
 
     def cost(self, value: Floats, slope: Floats) -> float:
         spread = slope @ self.posterior @ slope.T + self.options.implied**2 * np.eye(len(value))
@@ -123,16 +132,16 @@ class _State:
 
     def consider(self, kind: str, a: int, b: int, constraint: Constraint) -> None:
         value, slope = self.value_and_slope(a, b, constraint)
-        if np.abs(value).max() <= self.options.implied:
-            self.relations.append(Relation(kind, a, b, 0.0))
-            self.accepted.append((a, b, constraint))
-            return
-        cost = self.cost(value, slope)
+        met = float(np.abs(value).max()) <= self.options.implied
+        cost = 0.0 if met else self.cost(value, slope)
         if cost > chdtri(len(value), self.options.significance):
             return
         self.relations.append(Relation(kind, a, b, cost))
+        spread = slope @ self.posterior @ slope.T
+        if met and float(np.diag(spread).max()) <= self.options.implied**2:
+            return  # those before it leave it no room, and it adds nothing
         self.accepted.append((a, b, constraint))
-        gain = self.posterior @ slope.T @ _pseudo_inverse(slope @ self.posterior @ slope.T)
+        gain = self.posterior @ slope.T @ _pseudo_inverse(spread)
         self.x = self.x - gain @ value
         self.posterior = self.posterior - gain @ slope @ self.posterior
 
@@ -177,7 +186,7 @@ def _stepper(fit: Fit) -> Callable[[Floats], Shape]:
 
 def _pseudo_inverse(matrix: Floats) -> Floats:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    return np.asarray(np.linalg.pinv(matrix * np.outer(scale, scale), rcond=1e-9) * np.outer(scale, scale))
+    return np.asarray(pinvh(matrix * np.outer(scale, scale), rtol=1e-9) * np.outer(scale, scale))
 
 
 def _floor(shape: Shape, angle: float) -> Floats:

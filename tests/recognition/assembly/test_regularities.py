@@ -9,7 +9,7 @@ from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.pose import pose, random_rotation, rotation_exp
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere
-from recognition.assembly.regularities import RegularityOptions, regularize
+from recognition.assembly.regularities import RegularityOptions, _coincident, _parallel, _State, regularize
 
 TILT = np.deg2rad(0.05)
 OFFSET = 0.01  # [mm]
@@ -153,3 +153,25 @@ def test_a_nearly_cylindrical_cone_stays_on_its_contacts():
     assert counts(adjusted) == {"parallel": 1}
     away = adjusted.shapes[0].signed_distance(points)
     assert np.sqrt(np.mean(away**2)) < 2 * found.rms
+
+
+def test_a_relation_that_follows_from_others_is_told_and_is_no_constraint_of_its_own():
+    rng = np.random.default_rng(4)
+    heights = 10.0 * np.arange(8)
+    state = _State([given(Plane(h * np.eye(3)[2], np.eye(3)[2]), rng) for h in heights], RegularityOptions())
+    for kind, a, b, constraint in _parallel(state):
+        state.consider(kind, a, b, constraint)
+    assert len(state.relations) == 8 * 7 / 2
+    assert len(state.accepted) == 7
+    state.polish()
+    normals = np.array([shape.direction for shape in state.shapes()])
+    assert np.allclose(normals, normals[0], atol=1e-9)
+
+
+def test_what_was_met_before_and_is_not_sure_becomes_a_constraint_all_the_same():
+    flat = [given(Plane(np.zeros(3), np.eye(3)[2])) for _ in range(2)]
+    state = _State(flat, RegularityOptions())
+    for kind, a, b, constraint in _coincident(state):
+        state.consider(kind, a, b, constraint)
+    assert len(state.accepted) == 1
+    assert np.sqrt(np.diag(state.posterior)).max() < OFFSET  # two faces tell more than one
