@@ -83,7 +83,7 @@ def arrange(
     inner, outer = beside.copy(), beside.copy()
     inner[np.arange(len(surface)), surface] = False
     outer[np.arange(len(surface)), surface] = True
-    found, cell = _distinct(np.concatenate([to_surface > 0, _distances(shapes, felt) > 0, inner, outer]))
+    found, cell = distinct_rows(np.concatenate([to_surface > 0, _distances(shapes, felt) > 0, inner, outer]))
     count, g, n, s = len(found), len(grid), len(points), len(surface)
     of_grid, behind, before = cell[:g], cell[g : g + n], cell[g + n : g + 2 * n]
     went, passed = cell[g + 2 * n : g + len(felt)], _beside(grid, free, options.passed)
@@ -140,7 +140,7 @@ def _beside(grid: Floats, places: Floats, within: float) -> Bools:
     return np.asarray(KDTree(places).query(grid, distance_upper_bound=within)[0] < within)
 
 
-def _distinct(rows: Bools) -> tuple[Bools, Ints]:
+def distinct_rows(rows: Bools) -> tuple[Bools, Ints]:
     """The distinct rows, and which of them each row is."""
     packed = np.ascontiguousarray(np.packbits(rows, axis=1))
     keys = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()

@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import combinations
+from itertools import combinations, groupby
 
 import numpy as np
 
 from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import frame_along
 from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
+from recognition.assembly.arrangement import distinct_rows
 from recognition.assembly.box_kernel import greatest_boxes
 
 _PARALLEL = 1e-3  # [rad] within which directions are one
@@ -64,8 +65,7 @@ class Vocabulary:
         self.frames = list(_frames(self.directions))
         self._held = lru_cache(maxsize=_KEPT)(self._held_by)
         self._round = list(self._round_candidates())
-        masks = [self.mask(candidate) for candidate in self._round]
-        self._masks = np.array(masks, dtype=float).reshape(len(masks), len(outside))
+        self._alike = [self._alike_cells(list(own)) for _, own in groupby(self._round, lambda c: c.body)]
 
     def mask(self, candidate: Candidate) -> Bools:
         """(c,) the cells that a candidate holds."""
@@ -105,7 +105,7 @@ class Vocabulary:
 
     def best(self, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
         """The candidates whose cells are worth most, best first."""
-        totals = self._masks @ worth
+        totals = self._round_totals(worth)
         found = [(float(totals[i]), self._round[i]) for i in _greatest(totals, most)]
         for number in range(len(self.frames)):
             found += self._best_boxes(number, worth, most)
@@ -114,7 +114,21 @@ class Vocabulary:
 
     def rounds(self, worth: Floats, most: int) -> list[Candidate]:
         """Round ones alone."""
-        return [self._round[i] for i in _greatest(self._masks @ worth, most)]
+        return [self._round[i] for i in _greatest(self._round_totals(worth), most)]
+
+    def _alike_cells(self, candidates: Sequence[Candidate]) -> tuple[Ints, Floats]:
+        """Which of a few lots each (c,) cell is in, and the (k, lots) of them that candidates of one body hold.
+
+        Ends of one round surface tell few cells apart, so that what they hold is added up lot by lot.
+        """
+        masks = np.stack([self.mask(candidate) for candidate in candidates], axis=1)
+        lots, lot = distinct_rows(masks)
+        return lot, frozen(lots.T, float)
+
+    def _round_totals(self, worth: Floats) -> Floats:
+        """What the cells of each round candidate are worth together."""
+        sums = [held @ np.bincount(lot, worth, held.shape[1]) for lot, held in self._alike]
+        return np.concatenate(sums) if sums else np.empty(0)
 
     def grown(self, cell: int, worth: Floats) -> Candidate | None:
         """Sides of planes round a cell, as few as are worth most."""

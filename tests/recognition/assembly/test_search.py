@@ -28,6 +28,15 @@ def test_no_single_step_betters_what_the_search_ends_with(seed):
     assert min((state.cost for state in after), default=np.inf) > found.cost - 1e-9
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_the_round_candidates_that_hold_most_are_found_without_adding_up_each(seed):
+    vocabulary, worth = Vocabulary(SHAPES, OUTSIDE), np.random.default_rng(seed).standard_normal(len(OUTSIDE))
+    ranked = vocabulary.rounds(worth, 1000)
+    totals = [float(worth[vocabulary.mask(candidate)].sum()) for candidate in ranked]
+    assert len(ranked) == 4 * 15  # four radii, and all slabs of four planes, open ends among them
+    assert (np.diff(totals) < 2e-3).all()
+
+
 def test_a_counterbore_taken_to_go_through_ends_at_its_ledge_and_leaves_the_bore():
     def cylinder(radius, low, high):
         slab = (None if low is None else HEIGHTS.index(low), None if high is None else HEIGHTS.index(high))
