@@ -15,9 +15,8 @@ from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocke
 from exploration.planning.touching.pace import Pace
 from exploration.planning.touching.within_reach import begun_within, kept_within
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
-from exploration.planning.ways.search import beside_first, deepening_sweeps, sweeps
+from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, sweeps
 from primitives.arrays import Floats
-from primitives.pose import pose
 
 _SHORT = 10.0  # [mm] of a sweep's end, from which something stopped it
 _STEEP = 0.6  # of an approach's way that leads down, from which it comes from above
@@ -105,7 +104,8 @@ class GuardedHand:
         while left:
             start, end = left.pop(0)
             try:
-                self._come_from_above(start, box[5])
+                for stop in from_above(self.here, start, box[5]):
+                    self.guard.go_to(stop)
                 length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
                 made = self._last = self._touched(Approach(start, length))
             except (OverPress, Collision) as error:
@@ -118,12 +118,6 @@ class GuardedHand:
             if not made.met and float(np.linalg.norm(made.pose[:3, 3] - end[:3, 3])) > _SHORT:
                 left = beside_first(left, made.pose[:3, 3])
             self.leave()
-
-    def _come_from_above(self, start: Floats, top: float) -> None:
-        """Straight up to a height [mm], over the (4, 4) start of a sweep, and down to it where all is free."""
-        for x, y in (self.here[:2, 3], start[:2, 3]):
-            self.guard.go_to(pose(start[:3, :3], [x, y, max(top, self.here[2, 3])]))
-        self.guard.go_to(start)
 
     def touch(self, approach: Approach, ball: Ball) -> LoneTouch:
         """One guarded approach."""

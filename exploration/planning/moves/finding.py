@@ -10,7 +10,7 @@ from exploration.devices.guard import Collision, OverPress
 from exploration.planning.known.told import Told
 from exploration.planning.touching.findings import Done, ExplorerConfig
 from exploration.planning.touching.study import Study
-from exploration.planning.ways.search import sweeps
+from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, sweeps
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -26,21 +26,27 @@ class Finding:
         self.looked = 0  # times that the object was looked for again
 
     def find(self) -> bool:
-        """Sweep the workspace until something is met; false where nothing is."""
+        """Sweep the workspace until something is met; false where nothing is.
+
+        An object that nothing holds up is near the middle; what lies on a table is at the bottom.
+        """
         floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
         box = np.array([*self.box[:2], floor, *self.box[3:]])
-        for start, end in sweeps(box, self.pad.size, self.config.feature):
-            if self.config.spent(self.guard.cost):
-                return False
+        over = deepening_sweeps if self.told is None else sweeps
+        left = list(over(box, self.pad.size, self.config.feature))
+        while left and not self.config.spent(self.guard.cost):
+            start, end = left.pop(0)
             try:
-                self.guard.go_to(start)
+                for stop in from_above(self.guard.world_from_sensor, start, box[5]):
+                    self.guard.go_to(stop)
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
                 settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
                 if settled or self.pad.touches():
                     return True
             except (OverPress, Collision) as error:
                 self.study.found.warnings.append(str(error))
-            self._rise_to(start)
+                if error.seen is not None:
+                    left = beside_first(left, error.seen.world_from_sensor[:3, 3])
         return False
 
     def look_again(self) -> Done:
@@ -64,11 +70,3 @@ class Finding:
             self.guard.go_to(back)
             return None, "looked for the object again in vain"
         return self.study.face_here(), "came down where something was touched"
-
-    def _rise_to(self, start: Floats) -> None:
-        """As high as where a sweep began, straight up, or until the guard stops it."""
-        x, y, _ = self.guard.world_from_sensor[:3, 3]
-        try:
-            self.guard.go_to(se3.pose(start[:3, :3], [x, y, start[2, 3]]))
-        except (OverPress, Collision) as error:
-            self.study.found.warnings.append(str(error))

@@ -61,6 +61,12 @@ def beside_first(
     return sorted(left, key=away)
 
 
+def from_above(here: Floats, start: Floats, top: float) -> list[Floats]:
+    """(4, 4) stops from here straight up to a height [mm], over the (4, 4) start of a sweep, and down to it."""
+    high = max(top, float(here[2, 3]))
+    return [*(se3.pose(start[:3, :3], [x, y, high]) for x, y in (here[:2, 3], start[:2, 3])), start]
+
+
 def _down(x: float, y: float, z: float) -> Floats:
     """(4, 4) pose of a pad that faces down."""
     return se3.pose(np.diag([1.0, -1.0, -1.0]), [x, y, z])
