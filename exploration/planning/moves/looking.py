@@ -30,6 +30,7 @@ class LookingConfig:
 
     most: int = 60  # approaches of one array
     vain: int = 60  # of them on end that met nothing, from which no more are made
+    unnamed: int = 10  # the same that met what names no face, as all round a crumpled side
     out: float = 30.0  # [mm] that a ball about all that was felt is larger than that
     start: float = 20.0  # [mm] outside that ball, where an approach begins
     there: float = 1.0  # [mm] from where an approach begins, that is there
@@ -48,12 +49,12 @@ class Looking:
 
     def __init__(self, study: Study, reach: Reach, config: LookingConfig = LookingConfig()) -> None:
         self.study, self.reach, self.config = study, reach, config
-        self._left, self._vain, self._failed = config.most, 0, Attempts(1, config.same)
-        self._looked = Attempts(1, config.same)
+        self._left, self._vain, self._unnamed = config.most, 0, 0
+        self._failed, self._looked = Attempts(1, config.same), Attempts(1, config.same)
 
     def next(self) -> Callable[[], Done] | None:
         """The approach that sees most; None where none is worth it."""
-        if self._left <= 0 or self._vain >= self.config.vain:
+        if self._left <= 0 or self._vain >= self.config.vain or self._unnamed >= self.config.unnamed:
             return None
         felt, own, pad = self.reach.felt, self._own(), self.study.pad
         axes = own_axes(self.study.found.graph.faces)
@@ -112,6 +113,7 @@ class Looking:
             pad.swept.set_aside(view.unseen)  # seen, or behind what is not felt well enough to end the view
         self._looked.note(start[:3, 3])
         self._vain = 0 if met and not beside else self._vain + 1
+        self._unnamed = self._unnamed + met if home is None else 0
         if not met:
             guard.go_to(start)
             return None, "looked from afar and met nothing"

@@ -112,6 +112,20 @@ def test_what_is_told_makes_up_for_no_look_in_vain():
     assert look._vain == 1
 
 
+def test_looks_that_meet_what_names_no_face_are_made_no_more_after_some():
+    look, _ = looking(meets=True, face=None)
+    look._left = 1000
+    for _ in range(look.config.unnamed - 1):
+        look._look(VIEW)
+    look.study.face_here = lambda: 1
+    look._look(VIEW)
+    assert look._unnamed == 0
+    look.study.face_here = lambda: None
+    for _ in range(look.config.unnamed):
+        look._look(VIEW)
+    assert look.next() is None
+
+
 def test_a_look_that_a_collision_stopped_on_the_way_twice_is_not_tried_again():
     look, swept = looking(meets=True)
 
