@@ -5,7 +5,8 @@ leans, a cone or a cylinder, as well as the cylinder that stands upright on its 
 else.  A cylinder along a known direction has three parameters, where a cone has six: Schwarz's criterion says what
 the contacts pay for (our derivation).  On a low rim the skin bends over both its edges wherever it lies, as on a
 piece of a sphere: what such contacts err by together is added to their own sigmas.  The rim of a plate, which ends
-at two flats across it, is a cylinder as long as it bulges no more than that.
+at two flats across it, is a cylinder as long as it bulges no more than that; so is a sliver of a rim that begins
+at one flat and looks straight out.
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ _LOW = 8.0  # [mm] along a direction, up to which a face lies beside its edges t
 _BENT = 0.06, 0.1  # [mm], [rad] that contacts and their normals err by there
 _PLATE = 1.5  # [mm] from the flats at both ends of a plate's rim, within which it was felt
 _BULGE = 0.08  # [mm] rms from a cylinder, up to which such a rim is one
+_LEVEL = 0.1  # most cosine between a direction and the median normal of a rim that looks straight out
+_SLIVER = 3.0  # [mm] along a direction, up to which a rim that ends at one flat says nothing of its bulge
+_TOGETHER = 0.9  # share of a low face's contacts, at least, that lie so low: one may be of what is beside it
 _ACROSS = 0.3  # most cosine between a direction and the median contact's normal
 _STEP = 3.0  # [mm] along a cylinder, at which it is the same again
 _SAME = 0.995  # cosine from which two directions are one
@@ -82,8 +86,9 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     if isinstance(shape, Cylinder) and any(abs(float(shape.direction @ way)) > _UPRIGHT for way in ways):
         return None
     paid = np.log(_RESIDUALS * len(felt))
-    best, most = None, 0.0
+    best, most, all_felt = None, 0.0, felt
     for way in ways:
+        felt = _together(all_felt, way)
         if np.median(np.abs(felt.normals @ way)) > _ACROSS:
             continue
         told = _bent(felt) if float(np.ptp(felt.points @ way)) < _LOW else felt
@@ -101,15 +106,24 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     return best
 
 
+def _together(felt: Contacts, way: Floats) -> Contacts:
+    """Those contacts that lie low along a (3,) way, where nearly all do; else all."""
+    along = felt.points @ way
+    low = np.abs(along - np.median(along)) < 0.5 * _LOW
+    return felt.select(low) if float(np.mean(low)) >= _TOGETHER else felt
+
+
 def _rims_plate(felt: Contacts, way: Floats, flats: list[Plane]) -> bool:
-    """Whether contacts reach from a flat across a (3,) way to another."""
+    """Whether contacts reach from a flat across a (3,) way to another, or a little way from one, looking out."""
     along = felt.points @ way
     levels = [
         float(flat.origin @ flat.normal) * np.sign(flat.normal @ way)
         for flat in flats
         if abs(float(flat.normal @ way)) > _SAME
     ]
-    return all(any(abs(end - level) < _PLATE for level in levels) for end in (along.min(), along.max()))
+    ends = [any(abs(end - level) < _PLATE for level in levels) for end in (along.min(), along.max())]
+    level = float(np.median(np.abs(felt.normals @ way))) < _LEVEL
+    return all(ends) or (any(ends) and level and float(np.ptp(along)) < _SLIVER)
 
 
 def _bent(felt: Contacts) -> Contacts:

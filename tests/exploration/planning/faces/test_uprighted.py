@@ -123,3 +123,22 @@ def test_the_rim_of_a_plate_is_a_cylinder_where_it_ends_at_both_its_flats():
     assert own.fit.kind == "cylinder"
     assert abs(own.fit.shape.direction @ Z) > 0.9999
     assert own.fit.shape.radius == pytest.approx(44.0, abs=0.2)
+
+
+def sliver(rng, middle):
+    """Of a ball of radius 26 whose equator is 2 mm over the plate: a band of 1.6 mm, and one contact beside it."""
+    ball = Sphere([0, 0, 2.0], 26.0)
+    turn, up = np.linspace(0.0, 5.0, 30), np.append(rng.uniform(middle - 0.8, middle + 0.8, 29), 9.0)
+    away = np.sqrt(26.0**2 - (up - 2.0) ** 2)
+    at = np.column_stack([away * np.cos(turn), away * np.sin(turn), up])
+    contacts = Contacts.of(at, ball.normals(at), 0.02, 0.03)
+    return Face(1, fit("sphere", contacts), contacts)
+
+
+def test_a_sliver_of_a_rim_beside_one_flat_is_a_cylinder_where_it_looks_straight_out():
+    rng = np.random.default_rng(8)
+    rim, dome = sliver(rng, 1.4), sliver(rng, 20.0)
+    own = uprighted(PatchGraph((plate(rng), rim), ())).faces[1].fit
+    assert own.kind == "cylinder"
+    assert own.shape.radius == pytest.approx(26.0, abs=0.1)
+    assert uprighted(PatchGraph((plate(rng), dome), ())).faces[1] is dome
