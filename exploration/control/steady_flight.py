@@ -25,8 +25,10 @@ class FlightConfig:
 
     speed: float = 75.0  # [mm/s] of the flange
     turn: float = 1.25  # [rad/s]
+    share: float = 0.9  # of what the stage can do, at most
     search: float = 50.0  # [mm/s] the way that the skin looks, at most
-    last: float = 0.06  # [s] before the goal, from where the stage ends the move by itself
+    last: float = 0.06  # [s] before the goal at least, from where the stage ends the move by itself
+    stuck: float = 0.5  # [s] without coming nearer, after which the stage is asked for the rest of the way
 
 
 def fly(
@@ -35,24 +37,32 @@ def fly(
     until: Callable[[Observation], bool],
     config: FlightConfig = FlightConfig(),
 ) -> Observation | None:
-    """Steadily to a (4, 4) world_from_sensor; the observation that met `until`, or None once arrived."""
+    """Steadily to a (4, 4) world_from_sensor; the observation that met `until`, or None once arrived.
+
+    A goal that the stage's axes cannot take is refused as its own straight moves are.
+    """
+    stage = guard.stage.limits
+    speed, turn = (
+        min(config.speed, config.share * stage.speed),
+        min(config.turn, config.share * stage.turn_speed),
+    )
+    last = max(config.last, guard.pending.latency + guard.period + speed / (2.0 * stage.acceleration))
     ahead = felt_speed(guard, config.search)
     flange_from_sensor = guard.sensor.flange_from_sensor
     flange_goal = goal @ se3.inverse(flange_from_sensor)
+    nearest, nearer = np.inf, 0.0
     while True:
         here = guard.world_from_sensor
         flange = here @ se3.inverse(flange_from_sensor)
         line = flange_goal[:3, 3] - flange[:3, 3]
-        turn = se3.rotation_log(flange_goal[:3, :3] @ flange[:3, :3].T)
-        seconds = max(
-            float(np.linalg.norm(line)) / config.speed,
-            float(np.linalg.norm(turn)) / config.turn,
-            float((goal[:3, 3] - here[:3, 3]) @ here[:3, 2]) / ahead,
-        )
-        if seconds < config.last:
+        turned = se3.rotation_log(flange_goal[:3, :3] @ flange[:3, :3].T)
+        moved = line + np.cross(turned, here[:3, 3] - flange[:3, 3])  # of the sensor, by the same twist
+        left = max(float(np.linalg.norm(line)) / speed, float(np.linalg.norm(turned)) / turn)
+        nearest, nearer = (left, 0.0) if left < nearest else (nearest, nearer + guard.period)
+        if left < last or (nearer > config.stuck and not guard.stage.held):
             return guard.go_to(goal, until)
-        moved = line + np.cross(turn, here[:3, 3] - flange[:3, 3])
-        seen = guard.move(np.concatenate([moved @ here[:3, :3], turn @ here[:3, :3]]) / seconds)
+        seconds = max(left, float(moved @ here[:3, 2]) / ahead)
+        seen = guard.move(np.concatenate([moved @ here[:3, :3], turned @ here[:3, :3]]) / seconds)
         if until(seen):
             guard.hold()
             return seen

@@ -5,9 +5,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from exploration.control.procedures.approach import touched
+from exploration.control.procedures.approach import felt_speed, touched
 from exploration.control.steady_flight import FlightConfig, fly
 from exploration.devices.guard import Guard, Observation
+from exploration.devices.protocols import StageLimits
+from exploration.devices.simulated import simulate
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
 from models.csg import Cube
 from models.solid import Solid
 from primitives import pose as se3
@@ -69,3 +73,33 @@ def test_a_skin_that_meets_something_on_a_flight_is_stopped_within_its_depth(ove
     met = fly(guard, se3.pose(DOWN, [0.0, 0.0, 0.0]), lambda seen: touched(seen.image))
     assert met is not None
     assert 17.0 < guard.world_from_sensor[2, 3] < 20.5
+
+
+@pytest.mark.parametrize("toward", [True, False])
+def test_the_skin_leads_no_faster_than_it_can_be_stopped(over: Over, toward: bool) -> None:
+    guard, _ = over(Cube((10.0, 10.0, 10.0)), se3.pose(DOWN, [60.0, 0.0, 90.0 if toward else 0.0]))
+    poses, times = flown(guard, se3.pose(DOWN, [60.0, 0.0, 0.0 if toward else 90.0]))
+    speed = np.abs(np.diff(poses[:, 2, 3])) / np.diff(times)
+    assert np.median(speed) == pytest.approx(felt_speed(guard, 50.0) if toward else 75.0, rel=0.05)
+
+
+def test_on_a_slower_stage_line_and_turn_end_together_all_the_same() -> None:
+    solid, spec = Solid.from_csg(Cube((10.0, 10.0, 10.0))), load_sensor("lts210")
+    slow = StageLimits(speed=50.0, turn_speed=1.0)
+    start = se3.pose(DOWN, [0.0, 0.0, 150.0])
+    stage, arrays = simulate(solid, [spec], np.random.default_rng(0), start_pose=start, limits=slow)
+    guard = Guard(stage, arrays, [Calibration.nominal(spec)])
+    poses, _ = flown(guard, se3.pose(se3.rotation_exp(np.array([1.5, 0.0, 0.0])) @ DOWN, [100.0, 0.0, 180.0]))
+    gone = np.linalg.norm(poses[:, :3, 3] - poses[0, :3, 3], axis=1) / np.linalg.norm([100.0, 30.0])
+    turned = np.array([se3.turn_between(poses[0], pose) for pose in poses]) / 1.5
+    assert np.abs(gone - turned).max() < 0.02
+
+
+def test_a_goal_that_is_never_come_nearer_to_is_left_to_the_stage(over: Over) -> None:
+    guard, _ = over(Cube((10.0, 10.0, 10.0)), se3.pose(DOWN, [0.0, 0.0, 150.0]))
+    asked: list[Floats] = []
+    guard.move = lambda twist: guard.observe()  # type: ignore[method-assign]  # axes that take no such twist
+    guard.go_to = lambda pose, until=None: asked.append(pose)  # type: ignore[method-assign, assignment]
+    goal = se3.pose(se3.rotation_exp(np.array([0.5, 0.0, 0.0])) @ DOWN, [0.0, 0.0, 150.0])
+    assert fly(guard, goal, nothing) is None
+    assert len(asked) == 1
