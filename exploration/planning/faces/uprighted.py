@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit, squares
 from primitives.patch_graph import Face, PatchGraph
@@ -86,9 +86,8 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     if isinstance(shape, Cylinder) and any(abs(float(shape.direction @ way)) > _UPRIGHT for way in ways):
         return None
     paid = np.log(_RESIDUALS * len(felt))
-    best, most, all_felt = None, 0.0, felt
+    best, most = None, 0.0
     for way in ways:
-        felt = _together(all_felt, way)
         if np.median(np.abs(felt.normals @ way)) > _ACROSS:
             continue
         told = _bent(felt) if float(np.ptp(felt.points @ way)) < _LOW else felt
@@ -97,33 +96,43 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
             continue
         own, chi2 = squares(face.fit, told).sum(), squares(made, told).sum()
         gain = float(own - chi2) / _SLACK + (len(face.fit.sigma) - _PARAMETERS) * paid
-        if made.rms < _BULGE and _rims_plate(felt, way, flats):
+        if made.rms < _BULGE and all(_at_flats(felt, way, flats)):
             gain = max(gain, paid)
         if gain > most:
             rows = face.fit.inliers
             dof = max(_RESIDUALS * len(felt) - _PARAMETERS, 1)
             best, most = replace(made, inliers=rows, chi2=float(chi2), dof=dof), gain
-    return best
+    return best or next((rim for way in ways if (rim := _sliver(face.fit, felt, way, flats))), None)
 
 
-def _together(felt: Contacts, way: Floats) -> Contacts:
-    """Those contacts that lie low along a (3,) way, where nearly all do; else all."""
+def _sliver(own: Fit, felt: Contacts, way: Floats, flats: list[Plane]) -> Fit | None:
+    """The cylinder along a (3,) way through nearly all contacts, where they are of a low rim beside a flat."""
     along = felt.points @ way
-    low = np.abs(along - np.median(along)) < 0.5 * _LOW
-    return felt.select(low) if float(np.mean(low)) >= _TOGETHER else felt
+    low = np.abs(along - np.median(along)) < 0.5 * _SLIVER
+    rim = felt.select(low)
+    level = float(np.median(np.abs(rim.normals @ way))) < _LEVEL
+    if float(np.mean(low)) < _TOGETHER or not level or not any(_at_flats(rim, way, flats)):
+        return None
+    told = _bent(rim)
+    made = fit("cylinder", _drawn_out(told, way))
+    if not isinstance(made, Fit) or made.rms > _BULGE:
+        return None
+    rows = own.inliers.copy()
+    rows[np.flatnonzero(rows)[~low]] = False
+    dof = max(_RESIDUALS * len(rim) - _PARAMETERS, 1)
+    return replace(made, inliers=frozen(rows, bool), chi2=float(squares(made, told).sum()), dof=dof)
 
 
-def _rims_plate(felt: Contacts, way: Floats, flats: list[Plane]) -> bool:
-    """Whether contacts reach from a flat across a (3,) way to another, or a little way from one, looking out."""
+def _at_flats(felt: Contacts, way: Floats, flats: list[Plane]) -> tuple[bool, bool]:
+    """Whether contacts reach a flat across a (3,) way, at either end."""
     along = felt.points @ way
     levels = [
         float(flat.origin @ flat.normal) * np.sign(flat.normal @ way)
         for flat in flats
         if abs(float(flat.normal @ way)) > _SAME
     ]
-    ends = [any(abs(end - level) < _PLATE for level in levels) for end in (along.min(), along.max())]
-    level = float(np.median(np.abs(felt.normals @ way))) < _LEVEL
-    return all(ends) or (any(ends) and level and float(np.ptp(along)) < _SLIVER)
+    low, high = (any(abs(end - level) < _PLATE for level in levels) for end in (along.min(), along.max()))
+    return low, high
 
 
 def _bent(felt: Contacts) -> Contacts:

@@ -141,4 +141,5 @@ def test_a_sliver_of_a_rim_beside_one_flat_is_a_cylinder_where_it_looks_straight
     own = uprighted(PatchGraph((plate(rng), rim), ())).faces[1].fit
     assert own.kind == "cylinder"
     assert own.shape.radius == pytest.approx(26.0, abs=0.1)
+    assert own.inliers.sum() == 29  # what lies beside the rim is none of it
     assert uprighted(PatchGraph((plate(rng), dome), ())).faces[1] is dome
