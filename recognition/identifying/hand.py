@@ -15,7 +15,7 @@ from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocke
 from exploration.planning.touching.pace import Pace
 from exploration.planning.touching.within_reach import begun_within, kept_within
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
-from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, sweeps
+from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, not_below, sweeps
 from primitives.arrays import Floats
 
 _SHORT = 10.0  # [mm] of a sweep's end, from which something stopped it
@@ -116,7 +116,8 @@ class GuardedHand:
             if made.met and len(made.contacts):
                 return
             if not made.met and float(np.linalg.norm(made.pose[:3, 3] - end[:3, 3])) > _SHORT:
-                left = beside_first(left, made.pose[:3, 3])
+                place = made.pose[:3, 3]
+                left = beside_first(not_below(left, place), place)
             self.leave()
 
     def touch(self, approach: Approach, ball: Ball) -> LoneTouch:

@@ -10,7 +10,7 @@ from exploration.devices.guard import Collision, OverPress
 from exploration.planning.known.told import Told
 from exploration.planning.touching.findings import Done, ExplorerConfig
 from exploration.planning.touching.study import Study
-from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, sweeps
+from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, not_below, sweeps
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -23,6 +23,7 @@ class Finding:
     def __init__(self, study: Study, box: Floats, config: ExplorerConfig, told: Told | None) -> None:
         self.study, self.pad, self.guard = study, study.pad, study.pad.guard
         self.box, self.config, self.told = box, config, told
+        self.touches = 0  # until it was found
         self.looked = 0  # times that the object was looked for again
 
     def find(self) -> bool:
@@ -42,11 +43,13 @@ class Finding:
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
                 settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
                 if settled or self.pad.touches():
+                    self.touches = self.guard.cost.touches
                     return True
             except (OverPress, Collision) as error:
                 self.study.found.warnings.append(str(error))
                 if error.seen is not None:
-                    left = beside_first(left, error.seen.world_from_sensor[:3, 3])
+                    place = error.seen.world_from_sensor[:3, 3]
+                    left = beside_first(not_below(left, place), place)
         return False
 
     def look_again(self) -> Done:

@@ -61,6 +61,17 @@ def beside_first(
     return sorted(left, key=away)
 
 
+def not_below(
+    left: Sequence[tuple[Floats, Floats]], place: Floats, within: float = 1.0
+) -> list[tuple[Floats, Floats]]:
+    """Sweeps without those that go on below a (3,) place [mm] where one was stopped."""
+    return [
+        (start, end)
+        for start, end in left
+        if float(np.linalg.norm(start[:2, 3] - place[:2])) > within or start[2, 3] > place[2]
+    ]
+
+
 def from_above(here: Floats, start: Floats, top: float) -> list[Floats]:
     """(4, 4) stops from here straight up to a height [mm], over the (4, 4) start of a sweep, and down to it."""
     high = max(top, float(here[2, 3]))

@@ -1,6 +1,6 @@
 import numpy as np
 
-from exploration.planning.ways.search import beside_first, deepening_sweeps, sweeps
+from exploration.planning.ways.search import beside_first, deepening_sweeps, not_below, sweeps
 
 BOX = np.array([-300.0, -300.0, -300.0, 300.0, 300.0, 300.0])
 
@@ -57,3 +57,12 @@ def test_sweeps_beside_a_place_that_stopped_one_come_first_and_none_before_the_o
             assert start[2, 3] == reached.get(tuple(start[:2, 3]), 300.0)
             reached[tuple(start[:2, 3])] = end[2, 3]
         assert len(told) == len(lines) - done
+
+
+def test_no_sweep_goes_on_below_where_one_was_stopped():
+    lines = list(deepening_sweeps(BOX, (28.8, 18.0)))
+    start, end = lines[0]
+    stopped = 0.5 * (start[:3, 3] + end[:3, 3])
+    kept = not_below(lines[1:], stopped)
+    assert 0 < len(lines) - 1 - len(kept) <= 2
+    assert not any(np.allclose(begin[:2, 3], stopped[:2]) for begin, _ in kept)
