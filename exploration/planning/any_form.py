@@ -165,7 +165,7 @@ class AnyForm:
             return move
         lain = [wall for wall in walls if wall.lay_on_one_of(self.found.graph.faces)]
         return (
-            self._nearest(lain, rims)
+            self._soonest(lain, rims)
             or self._climbing.next(lain)
             or self._come_down(left)
             or self._nameless.next()
@@ -173,7 +173,7 @@ class AnyForm:
             or (self._drafted.next() if self._drafted else None)
         )
 
-    def _nearest(self, walls: Sequence[Wall], rims: Sequence[SeenRim]) -> Callable[[], Done] | None:
+    def _soonest(self, walls: Sequence[Wall], rims: Sequence[SeenRim]) -> Callable[[], Done] | None:
         """To the wall that may be faced, or the rim that may be rolled over, that is soonest come to."""
         seconds = self.reach.seconds_to
         standing = [wall for wall in walls if self._unread(wall)] if self._vain < self.own.vain else []

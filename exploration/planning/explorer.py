@@ -139,8 +139,9 @@ class Explorer:
                 self.guard.use(sensor)
                 self.announce("array", {"name": array.array.name})
             last = sensor == len(self.guard.sensors) - 1
-            draft, config = (self._draft, self.config) if last else (None, self.config.before_last)
-            form = AnyForm(self._study, config, LATER if sensor else None, bool(sensor), draft)
+            own = self.config if last else self.config.before_others(self.guard.cost)
+            draft = self._draft if last else None
+            form = AnyForm(self._study, own, LATER if sensor else None, bool(sensor), draft)
             yield from form.run()
             self._unless_met(form.reach.come_out)
         form.conclude()
@@ -198,7 +199,8 @@ class Explorer:
 
     def _worth_another_look(self) -> bool:
         """Whether an object without a face may show one yet."""
-        return max(self.guard.cost.touches, self._finding.looked) < self.config.first_tries
+        made = self.guard.cost.touches - self._finding.touches
+        return max(made, self._finding.looked) < self.config.first_tries
 
     def _around(self) -> Floats:
         """(6,) box [mm] in which a boundary that is open anywhere is open too: what was touched, and round it.

@@ -113,7 +113,8 @@ class Looking:
             pad.swept.set_aside(view.unseen)  # seen, or behind what is not felt well enough to end the view
         self._looked.note(start[:3, 3])
         self._vain = 0 if met and not beside else self._vain + 1
-        self._unnamed = self._unnamed + met if home is None else 0
+        if met and not pad.on_told():
+            self._unnamed = self._unnamed + 1 if home is None else 0
         if not met:
             guard.go_to(start)
             return None, "looked from afar and met nothing"

@@ -82,11 +82,11 @@ class OpenSurface:
         (self._stuck if stroke.travel < self.config.stuck else self._tried).note(goal)
         return None if stroke.ended in ("wall", "lost") else home, "stroked what was open"
 
-    def come_down(self, left: Predicted, nearest: int) -> Done:
+    def come_down(self, left: Predicted, chosen: int) -> Done:
         """Lie on open surface where the pad has room, with as much of it under the pad as may be."""
-        point, face = left.points[nearest], int(left.face[nearest])
+        point, face = left.points[chosen], int(left.face[chosen])
         self._tried.note(point)
-        for pose in lying_places(left, nearest, self.alongs(left.normals[nearest]), self.study.pad.size):
+        for pose in lying_places(left, chosen, self.alongs(left.normals[chosen]), self.study.pad.size):
             if self.reach.clear(pose):
                 met = self.reach.touch(pose)
                 home = self.study.face_here() if met else None

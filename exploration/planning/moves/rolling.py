@@ -1,7 +1,7 @@
 """Rolling over a rim that no known face explains, onto the face behind it.
 
-A rim that was come over three times in vain is left alone, and so are all rims of a face once several of them on
-end led to nothing new: round a flange or a rounded corner a rim shows everywhere, and nowhere leads farther.
+A rim that was come over three times in vain is left alone, and so are all rims of a face once several of them led
+to nothing: round a flange or a rounded corner a rim shows everywhere, and nowhere leads farther.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class RollingConfig:
     overlap: float = 0.22  # of the pad's shorter side, that stays over the rim
     tries: int = 3  # at one rim
     beside: float = 9.0  # [mm] between tries that count as one
-    vain: int = 8  # on end over rims of one face, that led to no new one, from which no more are made
+    vain: int = 8  # over rims of one face, that led to no other, since one led to a new one; then no more
     opposed: float = 0.9  # least cosine between a face and the reverse of another, that bound a plate
     least_thick: float = 0.5  # [mm] of a plate
 
@@ -56,12 +56,12 @@ class Rolling:
 
     def _cross(self, rim: Sighting, face: int) -> Done:
         before = self.study.found.named
-        done = self._roll_over(rim)
+        home, note = self._roll_over(rim)
         if self.study.found.named - before:
             self._vain[face] = 0
-        elif self.reach.led:
+        elif self.reach.led and home in (None, face):
             self._vain[face] = self._vain.get(face, 0) + 1
-        return done
+        return home, note
 
     def _roll_over(self, rim: Sighting) -> Done:
         pad, config = self.study.pad, self.config

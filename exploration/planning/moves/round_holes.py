@@ -48,7 +48,11 @@ class RoundHolesConfig:
     edge: float = 40.0  # [mm] from its axis, where an edge is beside it
     felt: float = 20.0  # [mm] from that, within which that face was felt
     own_outer: float = 1.0  # [mm] from the outer circle of its ring, within which an edge is that circle
-    strays: int = 3  # contacts of its face so far past an edge, up to which the face ends there yet
+    just_past: tuple[float, float] = (
+        1.0,
+        4.0,
+    )  # [mm] past an edge, where its face goes on if it does not end,
+    strays: int = 3  # and contacts there, up to which it does
     beside: float = 4.0  # [mm] between rims that are tried as one,
     as_wide: float = 4.0  # [mm] and between their radii
     opposed: float = 0.98  # least cosine between the axes of two ends of a hole
@@ -141,7 +145,8 @@ class RoundHoles:
             leans = abs(float(shape.normals(foot[None])[0] @ rim.axis))
             near = float(np.linalg.norm(face.contacts.points - foot, axis=1).min()) < self.config.felt
             beyond = side * shape.signed_distance(own[np.linalg.norm(own - foot, axis=1) < self.config.felt])
-            if np.count_nonzero(beyond > self.config.own_outer) > self.config.strays:
+            first, end = self.config.just_past
+            if np.count_nonzero((beyond > first) & (beyond < end)) > self.config.strays:
                 continue
             if abs(past + rim.outer) < self.config.own_outer:
                 continue  # the ring's own outer circle, which is told by `outer` already

@@ -29,9 +29,7 @@ class ExplorerConfig:
     feature: float = 10.0  # [mm] the smallest feature that must not be missed
     max_touches: int = 500
     max_minutes: float = 30.0  # of the stage
-    early: float = (
-        0.65  # of both, that arrays before the last may take: each has places that it alone gets to
-    )
+    early: float = 0.65  # of what is left of both, that an array before the last may take
     explained: float = 0.8  # [mm] from a known face, an edge seen needs no crossing
     passes: float = 2.0  # [mm] from a face that a crossing led to, its edge is explained by it
     roll: tuple[float, ...] = (60.0, 95.0)  # [deg] attitudes from which an edge is crossed, in turn
@@ -52,11 +50,13 @@ class ExplorerConfig:
         """Whether all touches, or all time, that it may take are taken."""
         return cost.touches >= self.max_touches or cost.seconds >= 60.0 * self.max_minutes
 
-    @property
-    def before_last(self) -> ExplorerConfig:
-        """The same for an array after which another comes."""
+    def before_others(self, cost: Cost) -> ExplorerConfig:
+        """The same for an array after which another comes: it may take a share of what is left."""
+        touches, minutes = cost.touches, cost.seconds / 60.0
         return replace(
-            self, max_touches=int(self.early * self.max_touches), max_minutes=self.early * self.max_minutes
+            self,
+            max_touches=touches + int(self.early * max(0, self.max_touches - touches)),
+            max_minutes=minutes + self.early * max(0.0, self.max_minutes - minutes),
         )
 
 

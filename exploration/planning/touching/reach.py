@@ -18,9 +18,9 @@ from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.touching.pad import Pad
 from exploration.planning.ways.routes import RoutesConfig, on_the_way, route
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 
-_HALF_TURN = se3.pose(np.diag([-1.0, -1.0, 1.0]), np.zeros(3))
+_HALF_TURN = frozen(np.diag([-1.0, -1.0, 1.0, 1.0]))
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Reach:
         return False
 
     def seconds_to(self, points: Floats, facing: Floats) -> Floats:
-        """[s] about, to where the pad lies at (..., 3) points that look (..., 3) out, as fast as it flies."""
+        """[s] about, to where the pad lies at (..., 3) points that look (..., 3) out, first flown, then turned."""
         here, flight = self.pad.guard.world_from_sensor, FlightConfig()
         turn = np.arccos(np.clip(-facing @ here[:3, 2], -1.0, 1.0))
         away = np.linalg.norm(points - here[:3, 3], axis=-1)

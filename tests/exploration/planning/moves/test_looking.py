@@ -51,6 +51,7 @@ def looking(meets, told=None, face=1):
     swept = Space()
     guard = SimpleNamespace(world_from_sensor=np.eye(4), go_to=lambda pose: None)
     pad = SimpleNamespace(swept=swept, guard=guard, told=told, come_down=lambda *how: meets)
+    pad.on_told = lambda: told is not None
     felt = SimpleNamespace(points=RING.project(np.random.default_rng(0).uniform(-30, 30, (40, 3))))
     reach = SimpleNamespace(felt=felt, led=True, come_out=lambda: None)
     reach.go = lambda start: guard.__setattr__("world_from_sensor", start) or True
@@ -110,6 +111,7 @@ def test_what_is_told_makes_up_for_no_look_in_vain():
     look, _ = looking(meets=True, told=TABLE, face=None)
     look._look(VIEW)
     assert look._vain == 1
+    assert look._unnamed == 0
 
 
 def test_looks_that_meet_what_names_no_face_are_made_no_more_after_some():
