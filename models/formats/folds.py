@@ -51,8 +51,11 @@ def unfolded(vertices: Floats, triangles: Ints) -> tuple[Ints, Ints, int]:
     rows, bad = np.arange(len(triangles)), folded(vertices, triangles)
     if not bad.any() or bad.all():
         return triangles, rows, 0
-    patch, faces = filled(vertices, triangles[~bad])
-    mended = np.concatenate([triangles[~bad], patch])
+    rest = triangles[~bad]
+    if not open_edges(rest):
+        return rest, rows[~bad], 1  # a sheet without thickness, closed in itself
+    patch, faces = filled(vertices, rest)
+    mended = np.concatenate([rest, patch])
     if not len(patch) or open_edges(mended):
         return triangles, rows, 0
     return mended, np.concatenate([rows[~bad], np.full(len(patch), -1)]), faces

@@ -34,7 +34,7 @@ def filled(vertices: Floats, triangles: Ints, config: HoleConfig | None = None) 
     limits = config or HoleConfig()
     rims = _rims(triangles)
     none = np.empty((0, 3), dtype=np.int64), len(rims)
-    if len(rims) > limits.holes or any(len(rim) > limits.most for rim in rims):
+    if not rims or len(rims) > limits.holes or any(len(rim) > limits.most for rim in rims):
         return none
     size = float(np.ptp(vertices, axis=0).max())
     planes = [_plane(vertices[rim]) for rim in rims]

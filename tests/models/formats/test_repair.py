@@ -132,6 +132,14 @@ def test_a_sheet_folded_on_itself_is_refused(tmp_path) -> None:
         load(tmp_path, np.concatenate([sheet, sheet[:, ::-1]]))
 
 
+def test_a_sheet_without_thickness_beside_a_solid_is_left_out(tmp_path) -> None:
+    a, b, c, d = np.array([[30.0, 0, 0], [50.0, 0, 0], [50.0, 20.0, 0], [30.0, 20.0, 0]])
+    sheet = [[a, b, c], [a, c, d], [a, d, b], [b, d, c]]  # both its sides, cut along different diagonals
+    part = load(tmp_path, [*BOX.triangles, *sheet])
+    assert part.solid.volume == pytest.approx(24000)
+    assert part.solid.bounds[1][0] == pytest.approx(10.0)
+
+
 def test_a_soup_of_triangles_is_refused(tmp_path) -> None:
     soup = np.random.default_rng(0).normal(size=(3000, 3, 3)) * 50
     with pytest.raises(PalpateError, match="9000 open edges"):
