@@ -130,21 +130,36 @@ class Explorer:
         return self._frontier.dented()
 
     def _any_form(self) -> Iterator[str]:
-        """Face by face, with one array after the other: each goes for what those before it found no room for."""
-        for sensor, array in enumerate(self.guard.sensors):
+        """Face by face, with one array after the other: each goes for what those before it found no room for.
+
+        One whose share was spent goes on once all have had theirs, where something is left.
+        """
+        cut_short: list[tuple[int, AnyForm]] = []
+        for sensor in range(len(self.guard.sensors)):
             if self.config.spent(self.guard.cost) and sensor:
                 break
-            if sensor != self.guard.active:
-                self._unless_met(partial(retreat, self.guard, self.config.change))
-                self.guard.use(sensor)
-                self.announce("array", {"name": array.array.name})
+            self._use(sensor)
             last = sensor == len(self.guard.sensors) - 1
             own = self.config if last else self.config.before_others(self.guard.cost)
             draft = self._draft if last else None
             form = AnyForm(self._study, own, LATER if sensor else None, bool(sensor), draft)
             yield from form.run()
             self._unless_met(form.reach.come_out)
+            cut_short += [(sensor, form)] if own.spent(self.guard.cost) else []
+        for sensor, waiting in cut_short:
+            if not self.config.spent(self.guard.cost):
+                self._use(sensor)
+                waiting.config = self.config
+                yield from waiting.run()
+                self._unless_met(waiting.reach.come_out)
         form.conclude()
+
+    def _use(self, sensor: int) -> None:
+        """Turn another of the arrays to the object, off it."""
+        if sensor != self.guard.active:
+            self._unless_met(partial(retreat, self.guard, self.config.change))
+            self.guard.use(sensor)
+            self.announce("array", {"name": self.guard.sensor.array.name})
 
     def _unless_met(self, move: Callable[[], None]) -> None:
         """Move, and stay where the guard stopped it: what comes next finds its way from there."""

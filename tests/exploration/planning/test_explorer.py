@@ -91,6 +91,30 @@ def test_a_collision_while_arrays_are_changed_is_told_and_the_next_one_goes_on(m
     assert explorer.found.warnings == 3 * ["collision of lts210 by 0.05 mm"]
 
 
+def test_an_array_whose_share_was_spent_goes_on_once_all_have_had_theirs(monkeypatch):
+    explorer, _ = explorer_over(Cube((10.0, 10.0, 10.0)), seed=0, max_touches=100)
+    guard = explorer.guard
+    guard.sensors, guard.calibrations = 2 * guard.sensors, 2 * guard.calibrations
+    wanted = {0: 80, 1: 10}  # touches that each array could still make good use of
+
+    class Form:
+        reach = SimpleNamespace(come_out=lambda: None)
+
+        def __init__(self, study, config, *_):
+            self.config, self.conclude = config, lambda: None
+
+        def run(self):
+            own, begun = guard.active, guard.cost.touches
+            while wanted[own] and not self.config.spent(guard.cost):
+                wanted[own] -= 1
+                guard.cost.touches += 1
+            yield f"array {own}: {guard.cost.touches - begun}"
+
+    monkeypatch.setattr(module, "retreat", lambda *_: None)
+    monkeypatch.setattr(module, "AnyForm", Form)
+    assert list(explorer._any_form()) == ["array 0: 65", "array 1: 10", "array 0: 15"]
+
+
 @pytest.mark.slow
 def test_a_step_is_explored_to_its_inside_edge_without_a_fault():
     tree = Cube((60, 40, 15)).at(0, 0, 7.5) | Cube((30, 40, 35)).at(-15, 0, 17.5)
@@ -121,7 +145,7 @@ def test_an_object_is_taken_for_hollow_where_move_after_move_is_stopped_though_a
     def stopped():
         raise Collision("something is in the way")
 
-    explorer._next, explorer._named = lambda face: stopped, lambda: True
+    explorer._next = lambda face: stopped
     explorer._any_form = lambda: iter(())
     notes = [findings.note for findings in explorer.run()]
     assert sum(note.startswith("backed off") for note in notes) == 3
