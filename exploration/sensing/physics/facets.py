@@ -18,6 +18,7 @@ from primitives.surface import TriangleSurface
 _PARALLEL = (
     1e-7  # difference of unit normals, and [mm] off the plane over the facet's size, that count as none
 )
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 _SLACK = 5.0  # [mm] that the pad may move before facets are listed again
 
 
@@ -86,10 +87,14 @@ def _outline(
     if len(names) != len(t):
         return None
     loop = vertices[names]
-    sides = np.roll(loop, -1, axis=0) - loop
-    size = float(np.ptp(loop, axis=0).max())
+    ahead = np.concatenate([loop[1:], loop[:1]])
+    sides = ahead - loop
+    after = np.concatenate([sides[1:], sides[:1]])
+    size = float((loop.max(axis=0) - loop.min(axis=0)).max())
     normal = normals[members[0]]
-    turns = np.cross(sides, np.roll(sides, -1, axis=0)) @ normal
+    turns = (
+        sides[:, _NEXT] * after[:, _LAST] - sides[:, _LAST] * after[:, _NEXT]
+    ) @ normal  # their cross products
     flat = np.abs((loop - loop[0]) @ normal).max() <= 10 * _PARALLEL * size
     return loop if flat and turns.min() >= -_PARALLEL * size * size else None
 
