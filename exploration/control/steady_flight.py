@@ -42,15 +42,13 @@ def fly(
     A goal that the stage's axes cannot take is refused as its own straight moves are.
     """
     stage = guard.stage.limits
-    speed, turn = (
-        min(config.speed, config.share * stage.speed),
-        min(config.turn, config.share * stage.turn_speed),
-    )
+    speed = min(config.speed, config.share * stage.speed)
+    turn = min(config.turn, config.share * stage.turn_speed)
     last = max(config.last, guard.pending.latency + guard.period + speed / (2.0 * stage.acceleration))
     ahead = felt_speed(guard, config.search)
     flange_from_sensor = guard.sensor.flange_from_sensor
     flange_goal = goal @ se3.inverse(flange_from_sensor)
-    nearest, nearer = np.inf, 0.0
+    nearest, since = np.inf, 0.0  # [s] before the goal, and since it came so near
     while True:
         here = guard.world_from_sensor
         flange = here @ se3.inverse(flange_from_sensor)
@@ -58,8 +56,8 @@ def fly(
         turned = se3.rotation_log(flange_goal[:3, :3] @ flange[:3, :3].T)
         moved = line + np.cross(turned, here[:3, 3] - flange[:3, 3])  # of the sensor, by the same twist
         left = max(float(np.linalg.norm(line)) / speed, float(np.linalg.norm(turned)) / turn)
-        nearest, nearer = (left, 0.0) if left < nearest else (nearest, nearer + guard.period)
-        if left < last or (nearer > config.stuck and not guard.stage.held):
+        nearest, since = (left, 0.0) if left < nearest else (nearest, since + guard.period)
+        if left < last or (since > config.stuck and not guard.stage.held):
             return guard.go_to(goal, until)
         seconds = max(left, float(moved @ here[:3, 2]) / ahead)
         seen = guard.move(np.concatenate([moved @ here[:3, :3], turned @ here[:3, :3]]) / seconds)

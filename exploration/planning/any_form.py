@@ -35,13 +35,7 @@ from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.explained import unexplained_stops
-from exploration.planning.touching.findings import (
-    Attempts,
-    Done,
-    ExplorerConfig,
-    Findings,
-    SeenRim,
-)
+from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, Findings, SeenRim
 from exploration.planning.touching.overhung import Overhung
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall

@@ -14,6 +14,7 @@ from exploration.planning.ways.search import beside_first, deepening_sweeps, fro
 from primitives import pose as se3
 from primitives.arrays import Floats
 
+_SHORT = 5.0  # [mm] of the end of a sweep, from where something stopped it
 _GOLDEN = 0.6180339887498949  # of what was touched, from one look to the next: spreads them evenly
 
 
@@ -45,11 +46,12 @@ class Finding:
                 if settled or self.pad.touches():
                     self.touches = self.guard.cost.touches
                     return True
+                place = self.guard.world_from_sensor[:3, 3]
             except (OverPress, Collision) as error:
                 self.study.found.warnings.append(str(error))
-                if error.seen is not None:
-                    place = error.seen.world_from_sensor[:3, 3]
-                    left = beside_first(not_below(left, place), place)
+                place = (error.seen.world_from_sensor if error.seen else self.guard.world_from_sensor)[:3, 3]
+            if place[2] > end[2, 3] + _SHORT:
+                left = beside_first(not_below(left, place), place)
         return False
 
     def look_again(self) -> Done:

@@ -48,11 +48,8 @@ class RoundHolesConfig:
     edge: float = 40.0  # [mm] from its axis, where an edge is beside it
     felt: float = 20.0  # [mm] from that, within which that face was felt
     own_outer: float = 1.0  # [mm] from the outer circle of its ring, within which an edge is that circle
-    just_past: tuple[float, float] = (
-        1.0,
-        4.0,
-    )  # [mm] past an edge, where its face goes on if it does not end,
-    strays: int = 3  # and contacts there, up to which it does
+    just_past: tuple[float, float] = (1.0, 4.0)  # [mm] past an edge, where a face was felt that goes on
+    strays: int = 3  # contacts there, up to which it ends all the same
     beside: float = 4.0  # [mm] between rims that are tried as one,
     as_wide: float = 4.0  # [mm] and between their radii
     opposed: float = 0.98  # least cosine between the axes of two ends of a hole
