@@ -134,10 +134,12 @@ class AnyForm:
     def _frontier(self) -> LocalFrontier:
         """Of this moment: the last one, where nothing was felt since."""
         graph, felt, free = self.found.graph, self.reach.felt, self.pad.free.points
-        known = (id(graph), len(felt.points), len(free))
+        pits = self.pad.pits.sure
+        known = (id(graph), len(felt.points), len(free), len(pits))
         if self._last is None or self._last[0] != known:
             last = self._last[-1] if self._last else None
-            self._last = known, graph, LocalFrontier(graph.faces, felt, free, self.config.feature, last=last)
+            now = LocalFrontier(graph.faces, felt, free, self.config.feature, last=last, pits=pits)
+            self._last = known, graph, now
         return self._last[-1]
 
     def _next(self, face: int | None) -> Callable[[], Done] | None:

@@ -126,7 +126,9 @@ class Explorer:
             return True
         self._felt.take(self.pad.felt)
         faces, free = self.found.graph.faces, self.pad.free.points
-        self._frontier = LocalFrontier(faces, self._felt, free, self.config.feature, last=self._frontier)
+        self._frontier = LocalFrontier(
+            faces, self._felt, free, self.config.feature, last=self._frontier, pits=self.pad.pits.sure
+        )
         return self._frontier.dented()
 
     def _any_form(self) -> Iterator[str]:

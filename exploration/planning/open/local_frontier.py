@@ -15,11 +15,13 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
+from exploration.planning.known.seen_pits import SeenPit
 from exploration.planning.known.surface_map import SurfaceMap, clusters
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.gaps import gaps
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.mouths import Mouth, mouths
+from exploration.planning.open.pit_rims import pit_rims
 from exploration.planning.open.rim_sightings import by_heading, rim_sighting
 from exploration.planning.open.ring_ends import ring_ends
 from exploration.planning.open.round_rims import RoundRim
@@ -55,8 +57,10 @@ class LocalFrontier:
         feature: float,
         config: LocalFrontierConfig | None = None,
         last: LocalFrontier | None = None,
+        pits: Sequence[SeenPit] = (),
     ) -> None:
         self.config, self.reach = config or LocalFrontierConfig(), min(max(feature / 2.0, 3.0), 8.0)
+        self.pits = pits
         old = {} if last is None else {id(own.face): own for own in last.known}
         seen = (0, 0) if last is None else last.extent
         self.known: list[KnownFace] = [
@@ -132,7 +136,15 @@ class LocalFrontier:
                 at, ways = rim.places()
                 if self._explained(own, at, -ways).mean() < self.config.known and not self._filled(rim):
                     found.append(rim)
-        return found
+        return [*found, *(rim for rim in pit_rims(self.pits, self.known) if not self._known_as(rim, found))]
+
+    def _known_as(self, rim: RoundRim, others: Sequence[RoundRim]) -> bool:
+        """Whether a narrow hole is one of other openings, or a face is known behind its rim."""
+        if any(other.holds(rim.center) for other in others):
+            return True
+        own = next(own for own in self.known if own.face.id == rim.face)
+        at, ways = rim.places()
+        return bool(self._explained(own, at, -ways).mean() >= self.config.known)
 
     def _filled(self, rim: RoundRim) -> bool:
         """Whether a boss stands in a round gap: the face is not there, and no more is a hole."""
@@ -144,7 +156,7 @@ class LocalFrontier:
 
     def dented(self) -> bool:
         """Whether a flat face is not there among places where it is: no convex object has such."""
-        return any(own.dented for own in self.known)
+        return any(own.dented for own in self.known) or bool(pit_rims(self.pits, self.known))
 
     def placed(self) -> list[Face]:
         """The faces, flat ones without contacts where the face is not there.
