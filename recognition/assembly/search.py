@@ -19,6 +19,7 @@ from primitives.arrays import Bools, Floats
 from recognition.assembly.vocabulary import Candidate, Vocabulary
 
 _SPILT = 0.05  # of a cell's weight, that what is cut off again costs: of equal bodies the tighter stands
+_SHUNNED = 20.0  # times its weight, that a cell costs which a list before filled in vain
 _DEEP = 1e-4  # of a cell's weight, to lap into what is held: primitives that abut leave a slit
 
 
@@ -63,10 +64,12 @@ def shortest(
     options = options or SearchOptions()
     start = State((), np.zeros(len(solid), dtype=bool), float(weight[solid].sum()), 0.0)
     best = _grown(start, vocabulary, solid, weight, options)
+    best = min(best, _unfilled(best, vocabulary, solid, weight, options), key=lambda state: state.cost)
     while best.wrong > options.leaf:
         tried = chain(
             _bored(best, vocabulary, solid, weight, options),
             _capped(best, vocabulary, solid, weight, options),
+            _rounded(best, vocabulary, solid, weight, options),
         )
         better = min(tried, key=lambda after: after.cost, default=best)
         if better.cost >= best.cost - 1e-9:
@@ -111,6 +114,23 @@ def _grown(
     return best
 
 
+def _unfilled(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> State:
+    """Another list, which leaves free from the first what this one fills and could not take away again.
+
+    The corners of a rounded slab are such: no primitive holds them alone, and two boxes and four cylinders do
+    without them.
+    """
+    extra = ~solid & state.held
+    if float(weight[extra].sum()) <= options.leaf:
+        return state
+    dear = np.where(extra, _SHUNNED * weight, weight)
+    start = State((), np.zeros(len(solid), dtype=bool), float(dear[solid].sum()), 0.0)
+    other = _grown(start, vocabulary, solid, dear, options)
+    return replayed(other.steps, vocabulary, solid, weight, options)
+
+
 def _bored(
     state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
 ) -> Iterator[State]:
@@ -119,11 +139,29 @@ def _bored(
     A bore that was felt is free with much weight, and whoever adds what stands round it fills it first.
     """
     worth = weight * (solid & ~state.held).astype(float) - weight * (~solid & ~state.held)
-    for hole in vocabulary.rounds(weight * np.where(solid, -1.0, 1.0), options.tried):
+    for hole in vocabulary.of_each(weight * np.where(solid, -1.0, 1.0), options.tried):
         outside = np.where(vocabulary.mask(hole), 0.0, worth)
         found = [candidate for _, candidate in vocabulary.best(outside, options.tried)]
         for candidate in (*found, *_prisms(outside, np.maximum(outside, 0.0), vocabulary, options)):
             steps = (*state.steps, Step("add", candidate), Step("subtract", hole))
+            yield replayed(steps, vocabulary, solid, weight, options)
+
+
+def _rounded(
+    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
+) -> Iterator[State]:
+    """With a corner taken off and a round body put there, where neither of the two pays for itself.
+
+    What a rounded edge leaves out of a corner is bounded by the round surface alone, and is no primitive.
+    """
+    extra, lost = weight * (~solid & state.held), weight * (solid & state.held)
+    if float(extra.sum()) <= 2 * options.leaf:
+        return
+    for body in vocabulary.of_each(np.where(solid, weight, -weight), options.tried):
+        inside = vocabulary.mask(body)
+        worth = np.where(inside, 0.0, extra - lost)
+        for _, corner in vocabulary.best(worth, options.tried):
+            steps = (*state.steps, Step("subtract", corner), Step("add", body))
             yield replayed(steps, vocabulary, solid, weight, options)
 
 

@@ -116,6 +116,14 @@ class Vocabulary:
         """Round ones alone."""
         return [self._round[i] for i in _greatest(self._round_totals(worth), most)]
 
+    def of_each(self, worth: Floats, most: int) -> list[Candidate]:
+        """Round ones alone, the best of each of a few bodies: other ends of one body crowd out no other body."""
+        ranked = self.rounds(worth, len(self._round))
+        first: dict[int | None, Candidate] = {}
+        for candidate in ranked:
+            first.setdefault(candidate.body, candidate)
+        return list(first.values())[:most]
+
     def _alike_cells(self, candidates: Sequence[Candidate]) -> tuple[Ints, Floats]:
         """Which of a few lots each (c,) cell is in, and the (k, lots) of them that candidates of one body hold.
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from models.csg import Cone as ConeSolid
+from models.csg import Cube, Prism
 from models.csg import Cylinder as CylinderSolid
-from models.csg import Prism
 from models.csg import Torus as TorusSolid
 from models.parts import build
 from models.solid import Solid, iou
@@ -260,3 +260,29 @@ def test_a_hexagonal_bar_is_added_together_with_the_bore_that_weighs_more_than_i
         ("subtract", "cylinder"),
     ]
     assert found.wrong == 0.0
+
+
+def test_a_rounded_slab_with_a_pocket_is_two_boxes_and_four_cylinders_less_a_box():
+    tree = Cube((76, 70, 28)).at(0, 0, 14) | Cube((100, 46, 28)).at(0, 0, 14)
+    for x, y in ((-38, -23), (-38, 23), (38, -23), (38, 23)):
+        tree = tree | CylinderSolid(12, 28).at(x, y, 14)
+    tree, rng = tree - Cube((60, 40, 30)).at(0, 0, 25), np.random.default_rng(0)
+    truth = Solid.from_csg(tree, 0.005).placed(pose(random_rotation(rng), rng.uniform(-80, 80, 3)))
+    found = assemble(touched_faces(truth, rng), BOX)
+    assert found
+    assert iou(found.solid, truth) > 0.999
+    kinds = sorted((piece.operation, piece.kind) for piece in found.pieces)
+    assert kinds == [("add", "cube")] * 2 + [("add", "cylinder")] * 4 + [("subtract", "cube")]
+
+
+def test_a_bored_neck_on_a_pot_is_found_among_the_many_ends_that_the_pot_may_have():
+    def neck(radius, length):
+        return CylinderSolid(radius, length).turned("x", np.pi / 2).at(0, -34, 25)
+
+    tree = CylinderSolid(40, 50).at(0, 0, 25) | CylinderSolid(55, 8).at(0, 0, 4) | neck(18, 40)
+    tree = tree - CylinderSolid(33, 60).at(0, 0, 38) - neck(12, 50)
+    truth, rng = Solid.from_csg(tree, 0.005), np.random.default_rng(0)
+    found = assemble(touched_faces(truth, rng), BOX)
+    assert found
+    assert iou(found.solid, truth) > 0.995
+    assert len(found.pieces) <= 7
