@@ -21,6 +21,7 @@ from exploration.planning.inferring.far_ends import far_ends, shut
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.outlines import outline_walls
+from exploration.planning.inferring.parted_ends import parted_ends
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
@@ -44,6 +45,9 @@ _BY_RIMS = "a face that no pad could lie on is inferred from its rims on two oth
 _BY_RIM = "a face that no pad could lie on is inferred from its rim on another, upright on it"
 _BY_TURN = "a face that no pad could lie on is inferred from its rim on a turned one, upright on its axis"
 _BY_LAST = "the flat end of a turned face that no pad could lie on is inferred from where that was felt last"
+_BY_GAP = (
+    "an end of a turned face is inferred between where that was felt last and where an array went past it"
+)
 _BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
 _BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the faces at its ends are not"
 _BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where both its sides end"
@@ -65,7 +69,7 @@ def conclude(
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     _add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
-    _add_ends(found, frontier)
+    _add_ends(found, frontier, inside)
     through = slots(known := frontier().known)
     looked, beside = (
         [
@@ -132,13 +136,16 @@ def _add_walls(
         add(found, lot, _BY_RIMS)
 
 
-def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier]) -> None:
+def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats) -> None:
     """Flat ends of turned faces."""
     for lot in turned_ends(unexplained(found.wall_rims, found.graph.faces), found.graph.faces):
         add(found, lot, _BY_TURN)
     for lot in felt_ends((now := frontier()).known, now.ends()):
         if home_of(found.graph.faces, lot, "plane") is None:
             add(found, lot, _BY_LAST)
+    for lot in parted_ends(found.graph.faces, inside):
+        if home_of(found.graph.faces, lot, "plane") is None:
+            add(found, lot, _BY_GAP)
 
 
 def _guessed(found: Findings, now: LocalFrontier) -> list[RoundRim]:

@@ -1,0 +1,50 @@
+"""Ends of a turned face beside a gap that an array went into."""
+
+import numpy as np
+import pytest
+
+from exploration.planning.inferring.parted_ends import parted_ends
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.patch_graph import Face, MergeOptions, ranked_face
+
+Z = np.eye(3)[2]
+TURN = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+RING = np.column_stack([np.cos(TURN), np.sin(TURN), np.zeros(24)])
+
+
+def knuckles(*heights):
+    """A round bar of radius 8, felt at some heights."""
+    points = np.concatenate([8.0 * RING + z * Z for z in heights])
+    return ranked_face(0, Contacts.of(points, np.tile(RING, (len(heights), 1)), 0.02, 0.02), MergeOptions())
+
+
+def bore():
+    points = np.concatenate([6.5 * RING + z * Z for z in (3.0, 15.0, 28.0)])
+    face = ranked_face(1, Contacts.of(points, -np.tile(RING, (3, 1)), 0.02, 0.02), MergeOptions())
+    assert isinstance(face, Face)
+    assert not face.fit.convex
+    return face
+
+
+def went(deepest):
+    """From one side, in to so far from the axis, between z = 14 and 18."""
+    return np.array(
+        [[x, y, z] for x in np.arange(deepest, 8.0) for y in (-2.0, 0.0, 2.0) for z in (14.0, 16.0, 18.0)]
+    )
+
+
+def test_a_bar_that_an_array_went_through_ends_on_both_sides_of_it():
+    low, high = parted_ends([knuckles(2.0, 6.0, 10.0, 22.0, 26.0)], went(0.0))
+    assert low.points[:, 2] == pytest.approx(12.0)
+    assert high.points[:, 2] == pytest.approx(20.0)
+    assert (low.normals @ Z > 0.99).all()
+    assert (high.normals @ Z < -0.99).all()
+    assert (low.touch == NOT_FELT).all()
+    assert np.hypot(*low.points[:, :2].T).max() < 8.0
+
+
+def test_a_keyway_contacts_at_that_height_and_a_bore_part_nothing():
+    assert parted_ends([knuckles(2.0, 10.0, 22.0)], went(5.5)) == []
+    assert parted_ends([knuckles(2.0, 6.0, 10.0, 13.0, 16.0, 19.0, 22.0)], went(0.0)) == []
+    assert parted_ends([knuckles(2.0, 10.0, 22.0), bore()], went(0.0)[went(0.0)[:, 0] < 5.5]) == []
+    assert parted_ends([knuckles(2.0, 10.0, 22.0)], np.empty((0, 3))) == []
