@@ -41,6 +41,7 @@ class RankOptions:
     slim: float = 0.1  # [rad] semi-angle up to which errors that contacts share may make a cone of a cylinder
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
+    bluntest: float = 1.5  # [rad] semi-angle from which a cone is a plane that was felt badly
     unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
     fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-5, iterations=15, starts=2))
 
@@ -106,7 +107,7 @@ def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> boo
     if isinstance(shape, Torus) and not _ringlike(shape, options, contacts):
         return False
     if isinstance(shape, Cone):
-        return shape.semi_angle > options.least_angle
+        return options.least_angle < shape.semi_angle < options.bluntest
     if isinstance(shape, Cylinder | Sphere) and shape.radius >= options.flattest * _across(shape, contacts):
         return False
     return not isinstance(shape, Cylinder | Sphere | Torus) or shape.radius < options.largest_radius

@@ -17,11 +17,13 @@ from primitives.fit import Fit, NoFit, fit
 from primitives.patch_graph import Face
 
 _ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
+_PARALLEL = 0.998  # least cosine between the normals of an inferred wall and a felt face that are parallel
 _OFF = 3.0  # sigmas of theirs, that they lie off it at most
 
 
 def add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> Fit | None:
     """Add a face that is known to be of one `kind`, or join it to the one that it turns out to be; its fit."""
+    lot = straightened(lot, found.graph.faces) if kind == "plane" else lot
     home = home_of(found.graph.faces, lot, kind)
     made = fit(kind, lot) if home is None else _widened(home, lot)
     if home is not None and isinstance(made, Fit):
@@ -56,6 +58,23 @@ def home_of(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
     return None if best is None else best[1]
 
 
+def straightened(lot: Contacts, faces: Sequence[Face]) -> Contacts:
+    """Contacts of an inferred wall, put on one plane where that is parallel to a flat face.
+
+    A few rims tell where a wall is to a tenth of a millimeter each, and each stands for many contacts: a plane
+    through them all would lean by what the rims err.
+    """
+    ways = [f.fit.shape.direction for f in faces if isinstance(f.fit, Fit) and f.fit.kind == "plane"]
+    mean = lot.normals.mean(axis=0)
+    nearest = max(ways, key=lambda way: abs(float(way @ mean)), default=None)
+    if nearest is None or abs(float(nearest @ mean)) < _PARALLEL:
+        return lot
+    normal = nearest * np.sign(nearest @ mean)
+    off = lot.points @ normal
+    points = lot.points - np.outer(off - off.mean(), normal)
+    return replace(lot, points=frozen(points), normals=frozen(np.broadcast_to(normal, points.shape)))
+
+
 def change(found: Findings, other: Callable[[Face], Face]) -> None:
     """Put another face in the place of each."""
     found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
@@ -66,7 +85,7 @@ def _widened(home: Face, lot: Contacts) -> Fit | NoFit:
     if not isinstance(home.fit, Fit):
         return home.fit
     if not _felt(home):
-        return fit(home.fit.kind, Contacts.concatenate([home.contacts, lot]))
+        return fit(home.fit.kind, straightened(Contacts.concatenate([home.contacts, lot]), [home]))
     return replace(home.fit, inliers=frozen(np.append(home.fit.inliers, np.zeros(len(lot))), bool))
 
 

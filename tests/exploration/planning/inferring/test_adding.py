@@ -1,0 +1,38 @@
+"""Inferred walls among the faces that were felt."""
+
+import numpy as np
+import pytest
+
+from exploration.planning.inferring.adding import add, straightened
+from exploration.planning.touching.findings import Findings
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
+
+X, Y, Z = np.eye(3)
+
+
+def felt_side():
+    points = np.array([[0.0, y, z] for y in range(0, 60, 6) for z in range(0, 30, 6)])
+    return ranked_face(0, Contacts.of(points, np.tile(X, (len(points), 1)), 0.01, 0.01), MergeOptions())
+
+
+def rim_wall(x, y, normal=X):
+    """As one rim tells of a wall: many places a few mm apart, all off by the same."""
+    points = np.array([[x, y + a, 2.0 + b] for a in range(-3, 4) for b in range(6)])
+    return Contacts.of(points, np.tile(normal, (len(points), 1)), 0.1, 0.02, touch=NOT_FELT)
+
+
+def test_a_wall_of_several_rims_stands_parallel_to_a_felt_face_however_each_of_them_errs():
+    found = Findings(graph=PatchGraph(faces=(felt_side(),)))
+    for x, y in ((20.1, 5.0), (19.9, 25.0), (20.15, 45.0)):
+        fit = add(found, rim_wall(x, y), "why")
+    assert len(found.graph.faces) == 2
+    assert abs(float(fit.shape.normal @ X)) == pytest.approx(1.0, abs=1e-9)
+    assert float(abs(fit.shape.origin @ X)) == pytest.approx(20.05, abs=0.02)
+
+
+def test_one_that_is_parallel_to_none_is_left_as_the_rims_tell():
+    leaning = np.array([np.cos(0.1), np.sin(0.1), 0.0])
+    lot = rim_wall(20.0, 5.0, leaning)
+    assert straightened(lot, [felt_side()]) is lot
+    assert straightened(lot, []) is lot
