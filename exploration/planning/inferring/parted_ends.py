@@ -59,8 +59,8 @@ def parted_ends(
         for k in np.flatnonzero(np.diff(heights) > config.gap):
             below, above = float(heights[k]), float(heights[k + 1])
             between = free[(free > below + config.clear) & (free < above - config.clear)]
-            came = np.count_nonzero((shell > below + config.clear) & (shell < above - config.clear))
-            if min(len(between), came) < config.places:
+            came = shell[(shell > below + config.clear) & (shell < above - config.clear)]
+            if min(len(between), len(came)) < config.places:
                 continue
             for felt_at, free_at, way in ((below, between[0], 1.0), (above, between[-1], -1.0)):
                 if abs(free_at - felt_at) < config.most:
