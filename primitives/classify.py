@@ -42,6 +42,8 @@ class RankOptions:
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
     bluntest: float = 1.5  # [rad] semi-angle from which a cone is a plane that was felt badly
+    of_a_line: int = 8  # contacts of each of two flat sides, that a cone may be in disguise,
+    as_near: float = 1.1  # times the misfit of the cone, likewise
     unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
     fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-5, iterations=15, starts=2))
 
@@ -107,10 +109,35 @@ def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> boo
     if isinstance(shape, Torus) and not _ringlike(shape, options, contacts):
         return False
     if isinstance(shape, Cone):
-        return options.least_angle < shape.semi_angle < options.bluntest
+        return options.least_angle < shape.semi_angle < options.bluntest and not _two_flats(
+            found, contacts, options
+        )
     if isinstance(shape, Cylinder | Sphere) and shape.radius >= options.flattest * _across(shape, contacts):
         return False
     return not isinstance(shape, Cylinder | Sphere | Torus) or shape.radius < options.largest_radius
+
+
+def _two_flats(found: Fit, contacts: Contacts, options: RankOptions) -> bool:
+    """Whether a cone was felt along two of its lines alone, which two planes explain as well.
+
+    So it is with the narrow sides of a plate beside a corner of it: any two planes are tangent to some cone.
+    """
+    if not isinstance(found.shape, Cone) or found.shape.semi_angle < options.slim:
+        return False
+    out = (contacts.points - found.shape.apex) @ found.shape.frame[:, :2]
+    way = np.linalg.svd(out, full_matrices=False)[2][0]
+    side = out @ way > 0.0
+    lots = [contacts.points[side], contacts.points[~side]]
+    if min(len(lot) for lot in lots) < options.of_a_line:
+        return False
+    near = max(found.rms, float(np.median(contacts.sigma)))
+    return all(_off_flat(lot) < options.as_near * near for lot in lots)
+
+
+def _off_flat(points: Floats) -> float:
+    """[mm] rms of (n, 3) points from the plane nearest to them."""
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return float(spread[-1] / np.sqrt(len(points)))
 
 
 def _across(shape: Cylinder | Sphere, contacts: Contacts) -> float:

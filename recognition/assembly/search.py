@@ -168,9 +168,10 @@ def _rounded(
 def _capped(
     state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
 ) -> Iterator[State]:
-    """With what two round surfaces have in common put first, as a flange with a turned edge.
+    """With what two round surfaces have in common put first, as a flange with a turned edge, or a part of one.
 
-    Added later it would have to be kept by one of them alone, and all that is held before with it.
+    Added later it would have to be kept by one of them alone, and all that is held before with it; and the ball
+    of which a dome is a part would have to be taken away again from under the plate that it is on.
     """
     missing, free = weight * (solid & ~state.held), weight * (~solid & ~state.held)
     for body in vocabulary.rounds(missing - _SPILT * free, options.tried):
@@ -179,6 +180,9 @@ def _capped(
             if cap.body != body.body:
                 steps = (Step("add", body), Step("intersect", cap), *state.steps)
                 yield replayed(steps, vocabulary, solid, weight, options)
+        for _, rest in vocabulary.best(-inside, options.tried):
+            steps = (Step("add", body), Step("subtract", rest), *state.steps)
+            yield replayed(steps, vocabulary, solid, weight, options)
 
 
 def mended(

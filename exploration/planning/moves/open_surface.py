@@ -1,7 +1,12 @@
-"""Surface that goes on where nothing was felt: stroked toward from where the pad lies, or come down on."""
+"""Surface that goes on where nothing was felt: stroked toward from where the pad lies, or come down on.
+
+Where something that was felt leaves the pad no room there, as the side of a boss, it comes down from over that, on
+what stands on the open place.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +16,7 @@ from exploration.planning.open.lying import lying_places
 from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
+from primitives import pose as se3
 from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
 
@@ -24,6 +30,10 @@ class OpenSurfaceConfig:
     misses: int = 5  # in a row on one face, from which it is taken to end where it was felt
     known: int = 60  # contacts of a face, from which
     known_misses: int = 12  # as many are
+    over: float = 24.0  # [mm] over open surface that leaves no room, from which it is come down on
+    apart: float = 9.0  # [mm] between such places that are one
+    top: float = 0.6  # [mm] over it, from which a felt place is the top of what stands there
+    alike: float = 0.7  # least cosine between the ways that the two look
     off: float = 2.0  # [mm] from a pad that met nothing, within which surface would have been met
 
 
@@ -37,6 +47,7 @@ class OpenSurface:
         self.config = config or OpenSurfaceConfig()
         self._tried = Attempts(explorer.tries - 1, self.config.beside)
         self._stuck = Attempts(1, self.config.beside)  # what no stroke led to; it may be come down on yet
+        self._over = Attempts(1, self.config.apart)  # where it was come down from over what leaves no room
         self._missed: dict[int, int] = {}  # times in a row that the pad met something else, by face
         self._nothing: list[Floats] = []  # (4, 4) poses at which it met nothing
 
@@ -86,16 +97,41 @@ class OpenSurface:
         """Lie on open surface where the pad has room, with as much of it under the pad as may be."""
         point, face = left.points[chosen], int(left.face[chosen])
         self._tried.note(point)
-        for pose in lying_places(left, chosen, self.alongs(left.normals[chosen]), self.study.pad.size):
+        places = list(lying_places(left, chosen, self.alongs(left.normals[chosen]), self.study.pad.size))
+        for pose in places:
             if self.reach.clear(pose):
                 met = self.reach.touch(pose)
+                if met:  # what of it is open after this, another touch tells no more of
+                    lain = self.study.pad.guard.world_from_sensor
+                    self._tried.note(*left.points[self._under(left, lain) & (left.face == face)])
                 home = self.study.face_here() if met else None
                 self._nothing += [pose] if self.reach.led and not met else []
                 self._missed[face] = 0 if home == face else self._missed.get(face, 0) + 1
                 note = "what seemed open was not there" if home is None else "came down on what was open"
                 return home, note
         self._tried.note(point)
-        return None, "the pad has no room on what is open"
+        return (self._from_over(places) if places else None) or (None, "the pad has no room on what is open")
+
+    def _from_over(self, places: Sequence[Floats]) -> Done | None:
+        """Down on what stands on an open place, if its top is not known; None where nobody can come over it."""
+        for pose in places:
+            up = self.reach.off(pose, self.config.over)
+            if up <= 0.0 or self._over.given_up(pose[:3, 3]) or self._topped(pose):
+                continue
+            self._over.note(pose[:3, 3])
+            met = self.reach.touch(pose @ se3.pose(translation=[0.0, 0.0, -up]))
+            if met:
+                return self.study.face_here(), "came down on what stands where surface was open"
+            if self.reach.led:
+                return None, "nothing stands where surface was open"
+        return None
+
+    def _topped(self, pose: Floats) -> bool:
+        """Whether the top of what stands under a pad at a (4, 4) pose was felt."""
+        felt, half = self.reach.felt, 0.5 * np.asarray(self.study.pad.size)
+        local = (felt.points - pose[:3, 3]) @ pose[:3, :3]
+        over = (np.abs(local[:, :2]) < half).all(axis=1) & (local[:, 2] < -self.config.top)
+        return bool((over & (felt.facing @ -pose[:3, 2] > self.config.alike)).any())
 
     def alongs(self, normal: Floats) -> list[Floats]:
         """Directions for the pad's x axis in a plane: along and across the faces that stand on it."""

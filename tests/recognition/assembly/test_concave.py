@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from models.csg import Cone as ConeSolid
-from models.csg import Cube, Prism
+from models.csg import Cube, Prism, Sphere
 from models.csg import Cylinder as CylinderSolid
 from models.csg import Torus as TorusSolid
 from models.parts import build
@@ -286,3 +286,13 @@ def test_a_bored_neck_on_a_pot_is_found_among_the_many_ends_that_the_pot_may_hav
     assert found
     assert iou(found.solid, truth) > 0.995
     assert len(found.pieces) <= 7
+
+
+def test_a_dome_on_a_plate_is_a_ball_less_what_is_under_the_plate_and_the_plate():
+    dome = Sphere(34).at(0, -3, -7) - Cube((90, 90, 60)).at(0, 0, -30)
+    tree, rng = dome | Cube((80, 85, 9)).at(0, 0, 4.5), np.random.default_rng(0)
+    truth = Solid.from_csg(tree, 0.005).placed(pose(random_rotation(rng), rng.uniform(-80, 80, 3)))
+    found = assemble(touched_faces(truth, rng), BOX)
+    assert found
+    assert iou(found.solid, truth) > 0.999
+    assert len(found.pieces) == 3
