@@ -43,7 +43,9 @@ class RankOptions:
     blunt_share: float = 0.1  # of the prior of cones
     bluntest: float = 1.5  # [rad] semi-angle from which a cone is a plane that was felt badly
     of_a_line: int = 8  # contacts of each of two flat sides, that a cone may be in disguise,
-    as_near: float = 1.1  # times the misfit of the cone, likewise
+    as_near: float = 1.1  # times the misfit of the cone, likewise,
+    one_way: float = 0.12  # [rad] between the ways that the contacts of one side look, likewise
+    far_worse: float = 4.0  # times the chi2 of such a cone, from which another shape is none either
     unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
     fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-5, iterations=15, starts=2))
 
@@ -65,6 +67,7 @@ def rank(
     tried = [kind for kind in kinds if options.prior.get(kind, 0.0) > 0.0]
     fits = [found for kind in tried if _usable(found := fit(kind, contacts, options.fit), options, contacts)]
     good = [found for found in fits if isinstance(found, Fit)]
+    good = _without_two_flats(good, contacts, options)
     if not good:
         return ()
     if _cylinder_in_disguise(good, contacts, options):
@@ -109,29 +112,51 @@ def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> boo
     if isinstance(shape, Torus) and not _ringlike(shape, options, contacts):
         return False
     if isinstance(shape, Cone):
-        return options.least_angle < shape.semi_angle < options.bluntest and not _two_flats(
-            found, contacts, options
-        )
+        return options.least_angle < shape.semi_angle < options.bluntest
     if isinstance(shape, Cylinder | Sphere) and shape.radius >= options.flattest * _across(shape, contacts):
         return False
     return not isinstance(shape, Cylinder | Sphere | Torus) or shape.radius < options.largest_radius
 
 
+def _without_two_flats(good: list[Fit], contacts: Contacts, options: RankOptions) -> list[Fit]:
+    """The fits without a cone that two planes explain as well, and without what is far worse than that cone."""
+    cone = next((found for found in good if _two_flats(found, contacts, options)), None)
+    if cone is None:
+        return good
+    worst = options.far_worse * max(1.0, cone.chi2 / max(cone.dof, 1))
+    return [found for found in good if found is not cone and found.chi2 / max(found.dof, 1) < worst]
+
+
 def _two_flats(found: Fit, contacts: Contacts, options: RankOptions) -> bool:
-    """Whether a cone was felt along two of its lines alone, which two planes explain as well.
+    """Whether a cone was felt along two narrow strips alone, which two planes explain as well.
 
     So it is with the narrow sides of a plate beside a corner of it: any two planes are tangent to some cone.
     """
     if not isinstance(found.shape, Cone) or found.shape.semi_angle < options.slim:
         return False
     out = (contacts.points - found.shape.apex) @ found.shape.frame[:, :2]
-    way = np.linalg.svd(out, full_matrices=False)[2][0]
-    side = out @ way > 0.0
-    lots = [contacts.points[side], contacts.points[~side]]
-    if min(len(lot) for lot in lots) < options.of_a_line:
+    side = out @ np.linalg.svd(out, full_matrices=False)[2][0] > 0.0
+    if min(side.sum(), (~side).sum()) < options.of_a_line:
         return False
-    near = max(found.rms, float(np.median(contacts.sigma)))
-    return all(_off_flat(lot) < options.as_near * near for lot in lots)
+    near = options.as_near * max(found.rms, float(np.median(contacts.sigma)))
+    lots = [(contacts.select(lot), out[lot]) for lot in (side, ~side)]
+    return all(_off_flat(lot.points) < near and _faces_one_way(lot, away, options) for lot, away in lots)
+
+
+def _faces_one_way(lot: Contacts, out: Floats, options: RankOptions) -> bool:
+    """Whether contacts look one way; where they do not tell, whether (n, 2) ways `out` of an axis are one."""
+    told = lot.has_normal
+    ways = (
+        lot.normals[told]
+        if told.any()
+        else out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-9)
+    )
+    mean = ways.mean(axis=0)
+    length = float(np.linalg.norm(mean))
+    unsure = 3.0 * float(np.median(lot.normal_sigma[told])) if told.any() else 0.0
+    return length > 0.0 and float(np.quantile(ways @ mean / length, 0.1)) > np.cos(
+        max(options.one_way, unsure)
+    )
 
 
 def _off_flat(points: Floats) -> float:

@@ -135,7 +135,7 @@ class AnyForm:
         """Of this moment: the last one, where nothing was felt since."""
         graph, felt, free = self.found.graph, self.reach.felt, self.pad.free.points
         pits = self.pad.pits.sure
-        known = (id(graph), len(felt.points), len(free), len(pits))
+        known = (id(graph), len(felt.points), len(free), sum(pit.times for pit in pits))
         if self._last is None or self._last[0] != known:
             last = self._last[-1] if self._last else None
             now = LocalFrontier(graph.faces, felt, free, self.config.feature, last=last, pits=pits)

@@ -110,3 +110,51 @@ def test_a_rounded_rim_that_every_touch_met_elsewhere_is_rarely_a_cone():
             parts.append(Contacts.of(np.column_stack(at), normals, 0.06, 0.1, touch=number))
         named.append(rank(Contacts.concatenate(parts))[0].fit.kind)
     assert named.count("cone") <= 5
+
+
+def cone_felt_along(turns, semi_angle, wide=0.0):
+    """Contacts of a cone, 20 to 60 mm from its apex, along strips at some turns round its axis."""
+    cone, rng = Cone(np.zeros(3), np.array([0, 0, 1.0]), semi_angle), np.random.default_rng(0)
+    along, across = np.repeat(np.linspace(20.0, 60.0, 12), 3), np.tile([-wide / 2, 0.0, wide / 2], 12)
+    lots = []
+    for turn in turns:
+        around = turn + across / (along * np.sin(semi_angle))
+        lots.append(
+            np.column_stack(
+                [
+                    along * np.sin(semi_angle) * np.cos(around),
+                    along * np.sin(semi_angle) * np.sin(around),
+                    along * np.cos(semi_angle),
+                ]
+            )
+        )
+    points = np.concatenate(lots)
+    normals = cone.normals(points)
+    points = points + 0.05 * rng.standard_normal((len(points), 1)) * normals
+    return Contacts.of(points, normals, 0.05, 0.02, touch=np.repeat(np.arange(len(turns)), 36))
+
+
+@pytest.mark.parametrize(("lines", "semi_angle"), [(3, 0.35), (3, 0.2), (4, 0.785), (4, 1.2)])
+def test_a_cone_that_was_felt_along_three_lines_or_more_is_one(lines, semi_angle):
+    touched = cone_felt_along(np.arange(lines) * 2.0 * np.pi / lines, semi_angle)
+    assert rank(touched)[0].fit.kind == "cone"
+
+
+def test_two_flat_sides_beside_a_corner_are_no_cone_and_nothing_else_that_is_far_off():
+    rng = np.random.default_rng(1)
+    along = rng.uniform(5.0, 60.0, 40)
+    sides = [(np.array([0, 1.0, 0]), np.array([1.0, 0, 0])), (np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))]
+    points = np.concatenate(
+        [np.outer(along, way) + np.outer(rng.uniform(-1.5, 1.5, 40), [0, 0, 1.0]) for way, _ in sides]
+    )
+    normals = np.concatenate([np.tile(-normal, (40, 1)) for _, normal in sides])
+    touched = Contacts.of(points + 0.02 * rng.standard_normal((80, 3)), normals, 0.06, 0.1)
+    assert all(one.fit.kind != "cone" and one.fit.chi2 < 10 * one.fit.dof for one in rank(touched))
+
+
+def test_a_cone_of_nearly_a_right_angle_is_a_plane():
+    flat = np.random.default_rng(2).uniform(-30.0, 30.0, (60, 2))
+    height = 0.01 * np.linalg.norm(flat, axis=1)
+    way = np.column_stack([-0.01 * flat / np.linalg.norm(flat, axis=1, keepdims=True), np.ones(60)])
+    touched = Contacts.of(np.column_stack([flat, height]), way, 0.1, 0.02)
+    assert rank(touched)[0].fit.kind == "plane"

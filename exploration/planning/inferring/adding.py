@@ -25,7 +25,7 @@ def add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> Fit | 
     """Add a face that is known to be of one `kind`, or join it to the one that it turns out to be; its fit."""
     lot = straightened(lot, found.graph.faces) if kind == "plane" else lot
     home = home_of(found.graph.faces, lot, kind)
-    made = fit(kind, lot) if home is None else _widened(home, lot)
+    made = fit(kind, lot) if home is None else _widened(home, lot, found.graph.faces)
     if home is not None and isinstance(made, Fit):
         both = Contacts.concatenate([home.contacts, lot])
         change(found, lambda face: Face(face.id, made, both) if face is home else face)
@@ -59,18 +59,24 @@ def home_of(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
 
 
 def straightened(lot: Contacts, faces: Sequence[Face]) -> Contacts:
-    """Contacts of an inferred wall, put on one plane where that is parallel to a flat face.
+    """Contacts of an inferred wall, put on one plane where that is parallel to a felt flat face.
 
     A few rims tell where a wall is to a tenth of a millimeter each, and each stands for many contacts: a plane
-    through them all would lean by what the rims err.
+    through them all would lean by what the rims err.  One that leans by more than that is left as it is.
     """
-    ways = [f.fit.shape.direction for f in faces if isinstance(f.fit, Fit) and f.fit.kind == "plane"]
+    ways = [
+        face.fit.shape.direction
+        for face in faces
+        if isinstance(face.fit, Fit) and face.fit.kind == "plane" and _felt(face)
+    ]
     mean = lot.normals.mean(axis=0)
     nearest = max(ways, key=lambda way: abs(float(way @ mean)), default=None)
-    if nearest is None or abs(float(nearest @ mean)) < _PARALLEL:
+    if nearest is None or not abs(float(nearest @ mean)) >= _PARALLEL:
         return lot
     normal = nearest * np.sign(nearest @ mean)
     off = lot.points @ normal
+    if float(off.std()) > _OFF * float(np.median(lot.sigma)):
+        return lot
     points = lot.points - np.outer(off - off.mean(), normal)
     return replace(lot, points=frozen(points), normals=frozen(np.broadcast_to(normal, points.shape)))
 
@@ -80,12 +86,12 @@ def change(found: Findings, other: Callable[[Face], Face]) -> None:
     found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
 
 
-def _widened(home: Face, lot: Contacts) -> Fit | NoFit:
+def _widened(home: Face, lot: Contacts, faces: Sequence[Face]) -> Fit | NoFit:
     """The fit of a face with inferred contacts: what was felt says where it is, and they only how far it goes."""
     if not isinstance(home.fit, Fit):
         return home.fit
     if not _felt(home):
-        return fit(home.fit.kind, straightened(Contacts.concatenate([home.contacts, lot]), [home]))
+        return fit(home.fit.kind, straightened(Contacts.concatenate([home.contacts, lot]), faces))
     return replace(home.fit, inliers=frozen(np.append(home.fit.inliers, np.zeros(len(lot))), bool))
 
 

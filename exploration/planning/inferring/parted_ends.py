@@ -1,8 +1,8 @@
 """Ends of a turned face on either side of a gap that an array went into, as between the knuckles of a hinge.
 
-Contacts on one axis and of one radius make one face, however far apart they lie.  Where an array was as deep as
-near the axis, and nothing was felt at that height, the face is parted: it ends between the last contact and the
-place that was free.  How exactly, their distance says (our derivation).
+Contacts on one axis and of one radius make one face, however far apart they lie.  Where nothing was felt at some
+height, and an array was there on both sides of the axis, the face is parted: it ends between the last contact and
+the place that was free.  How exactly, their distance says (our derivation).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.planning.open.round_rims import around
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
@@ -29,6 +30,7 @@ class PartedEndsConfig:
     shell: tuple[float, float] = (0.7, 1.0)  # of it, and [mm] under the face, between which it was, too
     bore: float = 1.5  # [mm] from a round hollow, in which it may have been instead
     places: int = 3  # of either, at least
+    around: float = 3.3  # [rad] round the axis, over which it was: past it, and no notch from one side
     most: float = 8.0  # [mm] between a contact and such a place, from which nobody knows where the end is
     ring: int = 12  # places round an end
     out: tuple[float, ...] = (0.5, 0.8)  # of the radius, where they are
@@ -61,6 +63,10 @@ def parted_ends(
             between = free[(free > below + config.clear) & (free < above - config.clear)]
             came = shell[(shell > below + config.clear) & (shell < above - config.clear)]
             if min(len(between), len(came)) < config.places:
+                continue
+            here = (away[:, 2] > below + config.clear) & (away[:, 2] < above - config.clear)
+            here &= radial < shape.radius - under
+            if around(np.arctan2(away[here, 1], away[here, 0])) < config.around:
                 continue
             for felt_at, free_at, way in ((below, between[0], 1.0), (above, between[-1], -1.0)):
                 if abs(free_at - felt_at) < config.most:

@@ -7,7 +7,7 @@ taxel, and one that is never seen again is noise.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class SeenPitsConfig:
     times: int = 3  # seen
 
 
-@dataclass
+@dataclass(frozen=True)
 class SeenPit:
     """One place, and how often it was seen."""
 
@@ -54,14 +54,17 @@ class SeenPits:
             self._note(SeenPit(se3.transform_points(pose, local)[0], -pose[:3, 2], pit.radius, pit.center))
 
     def _note(self, new: SeenPit) -> None:
-        for old in self._all:
+        for k, old in enumerate(self._all):
             near = float(np.linalg.norm(old.center - new.center)) < self.config.beside
             if near and float(old.normal @ new.normal) > self.config.facing:
                 share = 1.0 / (old.times + 1)
-                old.center = old.center + share * (new.center - old.center)
-                old.radius += share * (new.radius - old.radius)
-                old.times += 1
-                old.moved = max(old.moved, float(np.linalg.norm(new.first - old.first)))
+                self._all[k] = replace(
+                    old,
+                    center=old.center + share * (new.center - old.center),
+                    radius=old.radius + share * (new.radius - old.radius),
+                    times=old.times + 1,
+                    moved=max(old.moved, float(np.linalg.norm(new.first - old.first))),
+                )
                 return
         self._all.append(new)
 

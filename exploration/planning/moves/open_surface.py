@@ -31,6 +31,7 @@ class OpenSurfaceConfig:
     known: int = 60  # contacts of a face, from which
     known_misses: int = 12  # as many are
     over: float = 24.0  # [mm] over open surface that leaves no room, from which it is come down on
+    lain: int = 2  # times that a pad lay over a place, from which another touch tells no more of it
     apart: float = 9.0  # [mm] between such places that are one
     top: float = 0.6  # [mm] over it, from which a felt place is the top of what stands there
     alike: float = 0.7  # least cosine between the ways that the two look
@@ -49,6 +50,7 @@ class OpenSurface:
         self._stuck = Attempts(1, self.config.beside)  # what no stroke led to; it may be come down on yet
         self._over = Attempts(1, self.config.apart)  # where it was come down from over what leaves no room
         self._missed: dict[int, int] = {}  # times in a row that the pad met something else, by face
+        self._lain: list[tuple[Floats, int]] = []  # (4, 4) poses at which it lay where a face was open
         self._nothing: list[Floats] = []  # (4, 4) poses at which it met nothing
 
     def left(self, opened: Predicted) -> Predicted:
@@ -57,6 +59,10 @@ class OpenSurface:
         keep = ~np.isin(opened.face, done)
         for pose in self._nothing:
             keep &= ~self._under(opened, pose)
+        lain = np.zeros(len(keep), dtype=np.int64)
+        for pose, face in self._lain:
+            lain += self._under(opened, pose) & (opened.face == face)
+        keep &= lain < self.config.lain
         believed = Predicted(opened.points[keep], opened.normals[keep], opened.face[keep])
         return self._tried.unfinished(believed)
 
@@ -101,9 +107,8 @@ class OpenSurface:
         for pose in places:
             if self.reach.clear(pose):
                 met = self.reach.touch(pose)
-                if met:  # what of it is open after this, another touch tells no more of
-                    lain = self.study.pad.guard.world_from_sensor
-                    self._tried.note(*left.points[self._under(left, lain) & (left.face == face)])
+                if met:
+                    self._lain.append((self.study.pad.guard.world_from_sensor, face))
                 home = self.study.face_here() if met else None
                 self._nothing += [pose] if self.reach.led and not met else []
                 self._missed[face] = 0 if home == face else self._missed.get(face, 0) + 1
@@ -131,6 +136,7 @@ class OpenSurface:
         felt, half = self.reach.felt, 0.5 * np.asarray(self.study.pad.size)
         local = (felt.points - pose[:3, 3]) @ pose[:3, :3]
         over = (np.abs(local[:, :2]) < half).all(axis=1) & (local[:, 2] < -self.config.top)
+        over &= local[:, 2] > -self.config.over
         return bool((over & (felt.facing @ -pose[:3, 2] > self.config.alike)).any())
 
     def alongs(self, normal: Floats) -> list[Floats]:

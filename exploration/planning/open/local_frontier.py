@@ -136,7 +136,9 @@ class LocalFrontier:
                 at, ways = rim.places()
                 if self._explained(own, at, -ways).mean() < self.config.known and not self._filled(rim):
                     found.append(rim)
-        return [*found, *(rim for rim in pit_rims(self.pits, self.known) if not self._known_as(rim, found))]
+        for rim in pit_rims(self.pits, self.known):
+            found += [] if self._known_as(rim, found) else [rim]
+        return found
 
     def _known_as(self, rim: RoundRim, others: Sequence[RoundRim]) -> bool:
         """Whether a narrow hole is one of other openings, or a face is known behind its rim."""

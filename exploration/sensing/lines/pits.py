@@ -33,6 +33,7 @@ class PitsConfig:
     around: int = 2  # taxels round a pit, over which the blur spreads it
     radii: tuple[float, float] = (1.2, 6.0)  # [mm] of a pit's area
     contact: int = 24  # taxels on the face
+    longer: float = 2.0  # times as long as it is wide, from which it is a slot's mouth and no pit
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,18 @@ def _inside(image: TactileImage, face: Floats, share: Floats, low: Bools, config
         if config.radii[0] < radius < config.radii[1]:
             weight = np.maximum(missing, 0.0) / np.maximum(missing, 0.0).sum()
             center = np.array([weight.sum(axis=0) @ image.array.x, weight.sum(axis=1) @ image.array.y])
+            if _slender(image, weight, center) > config.longer:
+                continue
             found.append(Pit(center, float((weight * face).sum()), radius))
     return found
+
+
+def _slender(image: TactileImage, weight: Floats, center: Floats) -> float:
+    """How many times as long as wide what (rows, columns) `weight` tells of is, blurred as it is."""
+    x, y = image.array.x - center[0], image.array.y - center[1]
+    xx, yy, xy = weight.sum(axis=0) @ x**2, weight.sum(axis=1) @ y**2, y @ weight @ x
+    least, most = np.linalg.eigvalsh(np.array([[xx, xy], [xy, yy]]))
+    return float(np.sqrt(most / max(least, 1e-9)))
 
 
 def _plane(image: TactileImage, on: Bools) -> Floats | None:

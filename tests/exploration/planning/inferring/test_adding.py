@@ -31,8 +31,23 @@ def test_a_wall_of_several_rims_stands_parallel_to_a_felt_face_however_each_of_t
     assert float(abs(fit.shape.origin @ X)) == pytest.approx(20.05, abs=0.02)
 
 
-def test_one_that_is_parallel_to_none_is_left_as_the_rims_tell():
+def test_one_that_is_parallel_to_none_or_leans_by_more_than_rims_err_is_left_as_it_is():
     leaning = np.array([np.cos(0.1), np.sin(0.1), 0.0])
     lot = rim_wall(20.0, 5.0, leaning)
     assert straightened(lot, [felt_side()]) is lot
     assert straightened(lot, []) is lot
+    high = np.array([[20.0 + 0.05 * z, 5.0 + y, float(z)] for z in range(0, 60, 5) for y in range(6)])
+    drafted = Contacts.of(high, np.tile([1.0, 0.0, -0.05], (len(high), 1)), 0.1, 0.02, touch=NOT_FELT)
+    assert straightened(drafted, [felt_side()]) is drafted
+
+
+def test_where_no_felt_face_is_parallel_later_rims_turn_a_wall():
+    found = Findings(graph=PatchGraph(faces=(felt_side(),)))
+    way = np.array([np.sin(0.5), np.cos(0.5), 0.0])
+    along, wrong = np.cross(Z, way), way + 0.03 * np.cross(Z, way)
+    for k, normal in enumerate((wrong / np.linalg.norm(wrong), way, way, way)):
+        places = np.array(
+            [30.0 * way + (8.0 * k + a) * along + b * Z for a in range(-3, 4) for b in range(6)]
+        )
+        fit = add(found, Contacts.of(places, np.tile(normal, (42, 1)), 0.1, 0.02, touch=NOT_FELT), "why")
+    assert abs(float(fit.shape.normal @ way)) > np.cos(0.005)

@@ -27,14 +27,13 @@ def bore():
 
 
 def went(deepest):
-    """From one side, in to so far from the axis, between z = 14 and 18."""
-    return np.array(
-        [[x, y, z] for x in np.arange(deepest, 8.0) for y in (-2.0, 0.0, 2.0) for z in (14.0, 16.0, 18.0)]
-    )
+    """From one side, in to so far from the axis, between z = 14 and 18; less than 0 is past it."""
+    x = np.arange(deepest, 8.0)
+    return np.array([[a, b, c] for a in x for b in (-2.0, 0.0, 2.0) for c in (14.0, 16.0, 18.0)])
 
 
 def test_a_bar_that_an_array_went_through_ends_on_both_sides_of_it():
-    low, high = parted_ends([knuckles(2.0, 6.0, 10.0, 22.0, 26.0)], went(0.0))
+    low, high = parted_ends([knuckles(2.0, 6.0, 10.0, 22.0, 26.0)], went(-7.0))
     assert low.points[:, 2] == pytest.approx(12.0)
     assert high.points[:, 2] == pytest.approx(20.0)
     assert (low.normals @ Z > 0.99).all()
@@ -43,8 +42,11 @@ def test_a_bar_that_an_array_went_through_ends_on_both_sides_of_it():
     assert np.hypot(*low.points[:, :2].T).max() < 8.0
 
 
-def test_a_keyway_contacts_at_that_height_and_a_bore_part_nothing():
-    assert parted_ends([knuckles(2.0, 10.0, 22.0)], went(5.5)) == []
-    assert parted_ends([knuckles(2.0, 6.0, 10.0, 13.0, 16.0, 19.0, 22.0)], went(0.0)) == []
-    assert parted_ends([knuckles(2.0, 10.0, 22.0), bore()], went(0.0)[went(0.0)[:, 0] < 5.5]) == []
-    assert parted_ends([knuckles(2.0, 10.0, 22.0)], np.empty((0, 3))) == []
+def test_a_keyway_a_notch_contacts_at_that_height_and_a_bore_part_nothing():
+    bar = knuckles(2.0, 10.0, 22.0)
+    assert len(parted_ends([bar], went(-7.0))) == 2
+    assert parted_ends([bar], went(5.5)) == []
+    assert parted_ends([bar], went(1.0)) == []
+    assert parted_ends([knuckles(2.0, 6.0, 10.0, 13.0, 16.0, 19.0, 22.0)], went(-7.0)) == []
+    assert parted_ends([bar, bore()], went(-7.0)) == []
+    assert parted_ends([bar], np.empty((0, 3))) == []

@@ -79,3 +79,41 @@ def test_what_no_stroke_led_to_is_come_down_on_yet():
     assert np.allclose(surface.left(opened).points, points[:1])
     assert surface.near(surface.left(opened), 7) is None
     assert surface.near(opened, 8) is None
+
+
+def test_what_a_pad_lay_over_twice_is_not_come_down_on_again():
+    surface = OpenSurface(*pad_that_lands_on([7, 7, 7], range(99)), ExplorerConfig())
+    points = np.array(
+        [[3.0, 3.0, 0.0], [-3.0, 3.0, 0.0], [-3.0, -3.0, 0.0], [7.5, 0.0, 0.0], [3.0, -3.0, 0.0]]
+    )
+    opened = Predicted(points, np.tile(UP, (5, 1)), np.array([7, 7, 7, 7, 8]))
+    surface.come_down(opened, 0)
+    assert len(surface.left(opened).points) == 5
+    surface.come_down(opened, 1)
+    assert np.allclose(surface.left(opened).points, points[3:])
+
+
+def boss_in_the_way(top, met=True):
+    """A surface, whose open place something felt leaves no room at; its top was felt, or was not."""
+    study, reach = pad_that_lands_on([9 if met else None], ())
+    way = UP if top else np.array([1.0, 0.0, 0.0])
+    reach.clear, reach.off = lambda pose: False, lambda pose, most: 4.8
+    reach.felt = SimpleNamespace(points=np.array([[1.0, 0.0, 3.0]]), facing=way[None])
+    at: list[np.ndarray] = []
+    land = reach.touch
+    reach.touch = lambda pose: at.append(pose) or land(pose)
+    return OpenSurface(study, reach, ExplorerConfig()), at
+
+
+def test_what_stands_on_open_surface_is_come_down_on_from_over_what_is_known_of_it():
+    opened = Predicted(np.zeros((1, 3)), UP[None], np.array([7]))
+    surface, at = boss_in_the_way(top=False)
+    assert surface.come_down(opened, 0) == (9, "came down on what stands where surface was open")
+    assert at[0][2, 3] == 4.8
+    assert surface.come_down(opened, 0)[0] is None
+    assert len(at) == 1
+    surface, at = boss_in_the_way(top=True)
+    assert surface.come_down(opened, 0) == (None, "the pad has no room on what is open")
+    assert at == []
+    surface, at = boss_in_the_way(top=False, met=False)
+    assert surface.come_down(opened, 0) == (None, "nothing stands where surface was open")

@@ -51,3 +51,9 @@ def test_one_off_every_face_or_turned_from_it_is_none(stray):
     now = LocalFrontier([face], felt, FREE, 10.0, pits=[stray])
     assert now.openings == []
     assert not now.dented()
+
+
+def test_a_hole_that_was_seen_as_two_is_one_opening():
+    face, felt = plate()
+    twice = [pit([4.0, 1.0, 0.1]), pit([5.7, 1.0, 0.0])]
+    assert len(LocalFrontier([face], felt, FREE, 10.0, pits=twice).openings) == 1

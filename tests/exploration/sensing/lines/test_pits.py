@@ -64,3 +64,8 @@ def test_a_hole_is_told_from_noise_and_a_dead_taxel_is_none():
     depth[4, 7], sigma[4, 7] = 0.0, np.inf
     assert pits(replace(whole, depth=depth, sigma=sigma)) == []
     assert pits(replace(whole, depth=0.0 * depth)) == []
+
+
+@pytest.mark.parametrize("long", [10.0, 14.0, 20.0])
+def test_a_slots_mouth_is_none(long):
+    assert pits(image([], on=lambda x, y: (np.abs(x) > 0.5 * long) | (np.abs(y) > 1.8))) == []
