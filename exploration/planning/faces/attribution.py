@@ -44,6 +44,9 @@ class AttributionConfig:
     clean: float = 0.0125  # [mm] if none of them errs by more
     poor: float = 0.04  # [mm] median deviation from which contacts must be of two touches to make a face
     least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one at once
+    flat_share: float = 0.6  # of them, that lie on one plane where the others are strays,
+    flat_off: float = 0.15  # [mm] from it at most,
+    flat_facing: float = 0.998  # and least cosine of their normals with its own
     pool: float = 20.0  # [mm] within which the unexplained contacts of several visits are put together
     facing: float = 0.95  # least cosine of their normals with the first one's
     wide: float = 30.0  # [mm] within which contacts are put together that may face any way
@@ -92,7 +95,7 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
     rest, gone = contacts.select(owner < 0), dict[int, int]()
     loose = Contacts.concatenate([loose, rest])
     enough = len(rest) >= config.least_share * len(contacts)
-    alone = (rest, _beside(rest, rest, config)) if enough else ()
+    alone = (rest, _beside(rest, rest, config), _flat_part(rest, config)) if enough else ()
     about = _about(loose, rest, config)
     for lot in (*alone, _beside(loose, rest, config), about):
         if not _enough(lot, config) or _hearsay(lot, config):
@@ -194,6 +197,17 @@ def _beside(contacts: Contacts, rest: Contacts, config: AttributionConfig) -> Co
         return rest
     near = np.linalg.norm(contacts.points - rest.points[0], axis=1) < config.pool
     return contacts.select(near & (contacts.normals @ rest.normals[0] > config.facing))
+
+
+def _flat_part(rest: Contacts, config: AttributionConfig) -> Contacts:
+    """Those contacts that lie on one plane, where they are most: a pad that came down askew reads a few others."""
+    if len(rest) < config.least_contacts:
+        return rest.select(np.zeros(len(rest), dtype=bool))
+    normal = np.median(rest.normals, axis=0)
+    normal = normal / max(float(np.linalg.norm(normal)), 1e-9)
+    off = rest.points @ normal
+    flat = (rest.normals @ normal > config.flat_facing) & (np.abs(off - np.median(off)) < config.flat_off)
+    return rest.select(flat & (flat.mean() >= config.flat_share))
 
 
 def _about(contacts: Contacts, rest: Contacts, config: AttributionConfig) -> Contacts:

@@ -31,6 +31,9 @@ class OpenSurfaceConfig:
     known: int = 60  # contacts of a face, from which
     known_misses: int = 12  # as many are
     over: float = 24.0  # [mm] over open surface that leaves no room, from which it is come down on
+    flush: float = (
+        0.6  # [mm] from a pad that lies on a face, within which places of that face are: no boss tilts it
+    )
     lain: int = 2  # times that a pad lay over a place, from which another touch tells no more of it
     apart: float = 9.0  # [mm] between such places that are one
     top: float = 0.6  # [mm] over it, from which a felt place is the top of what stands there
@@ -61,7 +64,7 @@ class OpenSurface:
             keep &= ~self._under(opened, pose)
         lain = np.zeros(len(keep), dtype=np.int64)
         for pose, face in self._lain:
-            lain += self._under(opened, pose) & (opened.face == face)
+            lain += self._under(opened, pose, self.config.flush) & (opened.face == face)
         keep &= lain < self.config.lain
         believed = Predicted(opened.points[keep], opened.normals[keep], opened.face[keep])
         return self._tried.unfinished(believed)
@@ -80,10 +83,10 @@ class OpenSurface:
         felt = next((len(f.contacts) for f in self.study.found.graph.faces if f.id == face), 0)
         return self.config.known_misses if felt >= self.config.known else self.config.misses
 
-    def _under(self, opened: Predicted, pose: Floats) -> Bools:
-        """(n,) which places a pad at a (4, 4) pose would have felt."""
-        local = np.abs((opened.points - pose[:3, 3]) @ pose[:3, :3])
-        return np.asarray((local < [*(0.5 * np.asarray(self.study.pad.size)), self.config.off]).all(axis=1))
+    def _under(self, opened: Predicted, pose: Floats, off: float | None = None) -> Bools:
+        """(n,) which places a pad at a (4, 4) pose would have felt, up to `off` mm from it."""
+        reach = [*(0.5 * np.asarray(self.study.pad.size)), self.config.off if off is None else off]
+        return np.asarray((np.abs((opened.points - pose[:3, 3]) @ pose[:3, :3]) < reach).all(axis=1))
 
     def stroke_to(self, goal: Floats, face: int) -> Done:
         """From where the pad lies, over a (3,) goal and on."""

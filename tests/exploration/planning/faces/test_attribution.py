@@ -194,3 +194,19 @@ def test_one_flush_frame_makes_a_narrow_face_where_it_shows_nothing_else(corner,
     taken = take_in(corner, NONE, flush, AttributionConfig(convex=False))
     assert len(taken.graph.faces) == faces
     assert len(taken.loose) == (0 if faces == 3 else 4)
+
+
+@pytest.mark.parametrize("convex", [True, False])
+def test_a_pad_that_came_down_askew_spoils_no_face_that_it_felt_afterwards(convex):
+    askew = np.array([0.22, 0.0, 0.976]) / np.hypot(0.22, 0.976)
+    first = np.array([[-8.3, 1.9, 12.2], [-20.9, 12.3, 15.1], [-22.6, 3.3, 15.5], [-20.9, -9.3, 15.1]])
+    strays = Contacts.of(first, np.tile(askew, (4, 1)), 0.027, 0.004, touch=5)
+    top = replace(side(2, 1.0, n=50, seed=5), touch=np.full(50, 5))
+    own = replace(CONFIG, convex=convex)
+    taken = take_in(PatchGraph(options=CONVEX), NONE, Contacts.concatenate([strays, top]), own)
+    (face,) = taken.graph.faces
+    assert taken.home == face.id
+    assert face.fit.kind == "plane"
+    assert abs(float(face.fit.shape.normal @ [0.0, 0.0, 1.0])) > 0.9999
+    assert len(face.contacts) == 50
+    assert len(taken.loose) == 4
