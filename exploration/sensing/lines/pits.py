@@ -75,8 +75,6 @@ def _inside(image: TactileImage, face: Floats, share: Floats, low: Bools, config
         if not inner or float(share[mine].min()) > config.deep:
             continue
         others = binary_dilation(low & ~mine, _ALL_ROUND)
-        if (mine & others).any() or (binary_dilation(mine, _ALL_ROUND) & low & ~mine).any():
-            continue
         near = binary_dilation(mine, _ALL_ROUND, config.around) & ~others
         missing = np.where(near, 1.0 - share, 0.0)
         radius = float(np.sqrt(max(missing.sum() * area, 0.0) / np.pi))
