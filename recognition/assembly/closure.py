@@ -61,7 +61,7 @@ def hull(shapes: Sequence[Shape], box: Floats, options: ClosureOptions | None = 
     low, high = np.asarray(box, dtype=float)
     reach = np.concatenate([high, -low]) + options.past_walls
     planes = np.concatenate([*tangents, np.column_stack([_WALLS, -reach])])
-    inside = _greatest_ball(planes, options.least_ball)
+    inside = greatest_ball(planes, options.least_ball)
     if inside is None:
         return NotClosed("the faces contradict each other: no space lies inside all of them")
     cells = HalfspaceIntersection(planes, inside)
@@ -106,7 +106,8 @@ def _spread_normals(count: int) -> Floats:
     return np.stack([across * np.cos(turn), across * np.sin(turn), z], axis=1)
 
 
-def _greatest_ball(planes: Floats, least: float) -> Floats | None:
+def greatest_ball(planes: Floats, least: float) -> Floats | None:
+    """The (3,) center of the greatest ball in (n, 4) half-spaces, none where its radius is below `least` [mm]."""
     constraints = np.column_stack([planes[:, :3], np.ones(len(planes))])
     found = linprog(
         [0, 0, 0, -1], A_ub=constraints, b_ub=-planes[:, 3], bounds=[(None, None)] * 3 + [(None, None)]

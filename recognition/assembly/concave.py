@@ -20,13 +20,14 @@ from primitives.arrays import Bools, Floats
 from primitives.errors import PalpateError
 from primitives.shapes import Plane, Shape, Sphere, Torus
 from recognition.assembly.arrangement import arrange
-from recognition.assembly.closure import NotClosed
+from recognition.assembly.closure import NotClosed, greatest_ball
 from recognition.assembly.exchange import exchanged
 from recognition.assembly.labels import solid_cells
+from recognition.assembly.lists import Listed, Step, Target
 from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces, ring_piece, round_piece, slab_cube
 from recognition.assembly.prisms import prism
-from recognition.assembly.search import SearchOptions, State, Step, shortest
+from recognition.assembly.search import shortest
 from recognition.assembly.separators import separators, stops
 from recognition.assembly.vocabulary import Vocabulary, frame_of
 
@@ -59,7 +60,7 @@ def concave_pieces(
     found = _listed(whole, points, normals, nowhere, room, told, heard)
     if (
         not isinstance(found, NotClosed)
-        and found.state.wrong + found.against > _ENDS
+        and found.list.wrong + found.against > _ENDS
         and (more := stops(whole))
     ):
         again = _listed([*whole, *more], points, normals, nowhere, room, told, heard)
@@ -67,26 +68,26 @@ def concave_pieces(
             found = again
     if isinstance(found, NotClosed):
         return found
-    vocabulary, state = found.vocabulary, found.state
+    vocabulary = found.vocabulary
     corners = np.array(np.meshgrid(*np.stack([low, high]).T)).reshape(3, -1).T
     # What takes away reaches farther where it is open than what it is taken from: else a film is left there.
     farther = corners + _FARTHER * (corners - corners.mean(axis=0))
     made = [
         _piece(step, vocabulary, corners if step.operation == "add" else farther, room)
-        for step in state.steps
+        for step in found.list.steps
     ]
     return tuple(replace(piece, ends=_felt(piece.ends, measured)) for piece in made)
 
 
 @dataclass(frozen=True)
-class _Listed:
+class _Explained:
     vocabulary: Vocabulary
-    state: State
+    list: Listed
     against: float  # [nats] of contacts that contradict the labels of their cells
 
     @property
     def cost(self) -> float:
-        return self.state.cost + self.against
+        return self.list.cost + self.against
 
 
 def _listed(
@@ -97,7 +98,7 @@ def _listed(
     room: Floats,
     inferred: Sequence[bool],
     heard: Bools,
-) -> _Listed | NotClosed:
+) -> _Explained | NotClosed:
     """The shortest list that the cells between the surfaces ask for, of which the first may be `inferred`."""
     nobody = np.zeros(len(shapes), dtype=bool)
     nobody[: len(inferred)] = inferred
@@ -105,15 +106,15 @@ def _listed(
     solid = solid_cells(found)
     if not solid.any():
         return NotClosed("the contacts' normals leave no cell solid")
-    vocabulary = Vocabulary(shapes, found.outside)
     scale = _SPACE * len(points) / max(float(found.volume.sum()), 1e-9)
     against_solid = found.free_votes + found.swept_votes
     weight = _VOTE * (found.solid_votes + against_solid) + scale * found.volume
-    state = exchanged(shortest(vocabulary, solid, weight), vocabulary, solid, weight, SearchOptions())
-    if not state.steps:
+    target = Target(Vocabulary(shapes, found.outside), solid, weight)
+    best = exchanged(shortest(target), target)
+    if not best.steps:
         return NotClosed("no list of primitives explains the contacts")
     against = _VOTE * float(np.where(solid, against_solid, found.solid_votes).sum())
-    return _Listed(vocabulary, state, against)
+    return _Explained(target.vocabulary, best, against)
 
 
 def _felt(
@@ -192,9 +193,7 @@ def _polyhedron(sides: Sequence[tuple[int, bool]], shapes: Sequence[Shape], room
 
 
 def _corners_of(halves: Floats) -> Polyhedron:
-    from recognition.assembly.closure import _greatest_ball
-
-    inside = _greatest_ball(halves, 1e-6)
+    inside = greatest_ball(halves, 1e-6)
     if inside is None:
         raise PalpateError("the sides of a prism hold no space")
     raw = np.asarray(HalfspaceIntersection(halves, inside).intersections)

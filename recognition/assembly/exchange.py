@@ -13,85 +13,73 @@ from dataclasses import replace
 
 import numpy as np
 
-from primitives.arrays import Bools, Floats
 from primitives.shapes import Plane
-from recognition.assembly.search import SearchOptions, State, Step, pruned, replayed
+from recognition.assembly.lists import Listed, Step, Target
+from recognition.assembly.search import pruned
 from recognition.assembly.vocabulary import Candidate, Slab, Vocabulary
 
 _ROUNDS = 8  # exchanges at most
 _GAPS = 240  # that one more primitive is looked for to fill, in each
 
 
-def exchanged(
-    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
-) -> State:
+def exchanged(state: Listed, target: Target) -> Listed:
     """The cheapest list that single exchanges lead to."""
     for _ in range(_ROUNDS):
-        if state.wrong <= options.leaf:
+        if state.wrong <= target.options.leaf:
             break
-        better = _bettered(state, vocabulary, solid, weight, options)
+        better = _bettered(state, target)
         if better.cost >= state.cost - 1e-9:
             break
-        state = pruned(better, vocabulary, solid, weight, options)
-    return _boxed(state, vocabulary, solid, weight, options)
+        state = pruned(better, target)
+    return _boxed(state, target)
 
 
-def _boxed(
-    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
-) -> State:
+def _boxed(state: Listed, target: Target) -> Listed:
     """With boxes for the prisms that hold the same cells: a person reads them sooner."""
     for place, step in enumerate(state.steps):
         if step.candidate.kind == "prism":
-            inside = np.where(vocabulary.mask(step.candidate), 1.0, -1.0)
-            for _, candidate in vocabulary.best(inside, 1):
+            inside = np.where(target.vocabulary.mask(step.candidate), 1.0, -1.0)
+            for _, candidate in target.vocabulary.best(inside, 1):
                 steps = (*state.steps[:place], Step(step.operation, candidate), *state.steps[place + 1 :])
-                other = replayed(steps, vocabulary, solid, weight, options)
+                other = target.listed(steps)
                 state = other if other.cost < state.cost - 1e-9 else state
     return state
 
 
-def _bettered(
-    state: State, vocabulary: Vocabulary, solid: Bools, weight: Floats, options: SearchOptions
-) -> State:
+def _bettered(state: Listed, target: Target) -> Listed:
     """The cheapest list that another end of one primitive leads to, with one more or without.
 
     One more costs a leaf and mends at most what is missing: where that is not enough none is looked for, nor where
     more gaps than can be gone through promise more.
     """
-    best, gaps = state, []
+    leaf, best, gaps = target.options.leaf, state, []
     for place, step in enumerate(state.steps):
-        for candidate in _other_ends(step.candidate, vocabulary):
+        for candidate in _other_ends(step.candidate, target.vocabulary):
             steps = (*state.steps[:place], Step(step.operation, candidate), *state.steps[place + 1 :])
-            other = replayed(steps, vocabulary, solid, weight, options)
+            other = target.listed(steps)
             best = min(best, other, key=lambda after: after.cost)
-            for more, lot in (("add", solid & ~other.held), ("subtract", ~solid & other.held)):
-                if (mended := float(weight[lot].sum())) > options.leaf:
-                    gaps.append((other.cost + options.leaf - mended, place, more, other))
+            for more, lot in (("add", target.missing(other)), ("subtract", target.extra(other))):
+                if (mended := float(target.weight[lot].sum())) > leaf:
+                    gaps.append((other.cost + leaf - mended, place, more, other))
     for least, place, more, other in sorted(gaps, key=lambda gap: gap[0])[:_GAPS]:
         if least >= best.cost - 1e-9:
             break
-        tried = _with_one_more(other, (place, more), vocabulary, solid, weight, options)
+        tried = _with_one_more(other, (place, more), target)
         best = min((best, *tried), key=lambda after: after.cost)
     return best
 
 
-def _with_one_more(
-    state: State,
-    more: tuple[int, str],
-    vocabulary: Vocabulary,
-    solid: Bools,
-    weight: Floats,
-    options: SearchOptions,
-) -> Iterator[State]:
+def _with_one_more(state: Listed, more: tuple[int, str], target: Target) -> Iterator[Listed]:
     """With one added right after a place, that holds most of what is missing, or one subtracted at the end."""
     place, operation = more
     if operation == "add":
-        worth, place = weight * ((solid & ~state.held).astype(float) - (~solid & ~state.held)), place + 1
+        right, wrong, place = target.missing(state), target.free(state), place + 1
     else:
-        worth, place = weight * ((~solid & state.held).astype(float) - (solid & state.held)), len(state.steps)
-    for _, candidate in vocabulary.best(worth, 2):
+        right, wrong, place = target.extra(state), target.kept(state), len(state.steps)
+    worth = target.weight * (right.astype(float) - wrong)
+    for _, candidate in target.vocabulary.best(worth, 2):
         steps = (*state.steps[:place], Step(operation, candidate), *state.steps[place:])
-        yield replayed(steps, vocabulary, solid, weight, options)
+        yield target.listed(steps)
 
 
 def _other_ends(candidate: Candidate, vocabulary: Vocabulary) -> Iterator[Candidate]:

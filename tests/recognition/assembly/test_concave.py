@@ -19,7 +19,8 @@ from recognition.assembly import assemble
 from recognition.assembly.arrangement import Arrangement
 from recognition.assembly.exchange import exchanged
 from recognition.assembly.labels import _densities, solid_cells
-from recognition.assembly.search import SearchOptions, State, Step, mended, shortest
+from recognition.assembly.lists import Step, Target
+from recognition.assembly.search import mended, shortest
 from recognition.assembly.separators import separators, stops
 from recognition.assembly.vocabulary import Candidate, Vocabulary
 from recognition.truth import LabeledFaces, TruthOptions, sample_surface
@@ -145,12 +146,12 @@ def test_what_would_refill_a_hole_is_added_before_it():
     planes = [Plane(k * n, n) for n in np.eye(3)[:2] for k in range(4)]
     centers = np.array([[x, y, 0.0] for x in np.arange(-0.5, 4.0) for y in np.arange(-0.5, 4.0)])
     vocabulary = Vocabulary(planes, np.stack([p.signed_distance(centers) > 0 for p in planes], axis=1))
-    (x, y), options, weight = centers.T[:2], SearchOptions(), np.full(len(centers), 100.0)
+    (x, y), weight = centers.T[:2], np.full(len(centers), 100.0)
     upright, across = (abs(x - 1.5) < 1) & (abs(y - 1.5) < 2), (abs(x - 1.5) < 2) & (abs(y - 1.5) < 1)
     cross = (upright | across) & ~(upright & across)
     bar, hole = (vocabulary.best(np.where(m, 1.0, -1.0), 1)[0][1] for m in (upright, upright & across))
-    early = State((Step("add", bar), Step("subtract", hole)), upright & ~across, 200.0, 40.0)
-    after = mended(early, vocabulary, cross, weight, options)
+    target = Target(vocabulary, cross, weight)
+    after = mended(target.listed((Step("add", bar), Step("subtract", hole))), target)
     assert [step.operation for step in after.steps] == ["add", "add", "subtract"]
     assert (after.held == cross).all()
 
@@ -169,14 +170,12 @@ def test_a_bar_that_was_left_open_past_its_round_end_ends_at_its_axis():
         for axis in vocabulary.frames[frame][:2]
     )
     open_ = Candidate("cube", frame=frame, slabs=(*slabs, (None, None)))
-    left = vocabulary.mask(open_)
-    early = State((Step("add", open_),), left, float(weight[left != bar].sum()), 20.0)
-    after = exchanged(early, vocabulary, bar, weight, SearchOptions())
+    target = Target(vocabulary, bar, weight)
+    after = exchanged(target.listed((Step("add", open_),)), target)
     assert [step.candidate.kind for step in after.steps] == ["cube", "cylinder"]
     assert (after.held == bar).all()
     long = Candidate("prism", sides=((0, True), (1, False), (2, True)))
-    early = State((Step("add", long),), left, float(weight[left != bar].sum()), 24.0)
-    after = exchanged(early, vocabulary, bar, weight, SearchOptions())
+    after = exchanged(target.listed((Step("add", long),)), target)
     assert [step.candidate.kind for step in after.steps] == ["cube", "cylinder"]
     assert (after.held == bar).all()
 
@@ -192,7 +191,7 @@ def test_a_ring_round_a_bore_that_was_felt_is_added_and_bored():
     base = (abs(grid[:, 0]) < 15) & (grid[:, 1] > 0) & (grid[:, 1] < 4)
     part = (base | ~outside[:, 4]) & outside[:, 5]
     weight = np.where(outside[:, 5], 1.0, 20.0)
-    found = shortest(Vocabulary([*foot, *rings], outside), part, weight)
+    found = shortest(Target(Vocabulary([*foot, *rings], outside), part, weight))
     assert (found.held == part).all()
     assert [step.operation for step in found.steps] == ["add", "add", "subtract"]
 
@@ -254,7 +253,7 @@ def test_a_hexagonal_bar_is_added_together_with_the_bore_that_weighs_more_than_i
     block = ~outside[:, :6].any(axis=1) & outside[:, 6] & ~outside[:, 7]
     bore = ~outside[:, 8]
     weight = np.where(block & ~bore, 1000.0, np.where(bore, 2000.0, 100.0))
-    found = shortest(vocabulary, block & ~bore, weight)
+    found = shortest(Target(vocabulary, block & ~bore, weight))
     assert [(step.operation, step.candidate.kind) for step in found.steps] == [
         ("add", "prism"),
         ("subtract", "cylinder"),
