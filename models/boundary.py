@@ -23,8 +23,8 @@ from models.boundaries.topology import count_shells, genus
 from models.brep import Brep, Edge, Face
 from models.recovery import Recovered, recover
 from models.solid import Solid
-from primitives.arrays import Floats, Ints, frozen
-from primitives.shapes import Plane, Shape, Sphere
+from primitives.arrays import Bools, Floats, Ints, frozen
+from primitives.shapes import Shape
 
 
 @dataclass(frozen=True)
@@ -150,31 +150,32 @@ def _majority(face: Ints, surface: Ints, areas: Floats) -> list[int]:
 def _merged(labels: Ints, surfaces: tuple[LabeledSurface, ...], tolerance: float) -> Ints:
     """(t,) labels with the first of all surfaces that are the same surface."""
     first = np.arange(len(surfaces))
-    for i, later in enumerate(surfaces):
-        for j in range(i):
-            a, b = surfaces[j].shape, later.shape
-            if a is None or b is None or a.kind != b.kind or first[j] != j:
-                continue
-            if surfaces[j].convex == later.convex and _same(a, b, tolerance):
-                first[i] = j
-                break
+    kinds: dict[tuple[str, bool | None], list[int]] = {}
+    for i, surface in enumerate(surfaces):
+        if surface.shape is not None:
+            kinds.setdefault((surface.shape.kind, surface.convex), []).append(i)
+    for (kind, _), rows in kinds.items():
+        shapes = [shape for i in rows if (shape := surfaces[i].shape) is not None]
+        table = np.array([[*shape.direction, *shape.anchor, *shape.sizes] for shape in shapes])
+        for k, i in enumerate(rows):
+            before = np.flatnonzero(first[rows[:k]] == rows[:k])
+            same = before[_same(kind, table[before], table[k], tolerance)]
+            first[i] = rows[same[0]] if len(same) else i
     return np.asarray(first[labels])
 
 
-def _same(a: Shape, b: Shape, tolerance: float) -> bool:
-    if not np.allclose(a.sizes, b.sizes, rtol=0, atol=tolerance):
-        return False
-    if isinstance(a, Plane):
-        aligned = float(a.direction @ b.direction) > 0
-    else:
-        aligned = isinstance(a, Sphere) or a.kind == "cylinder" or float(a.direction @ b.direction) > 0
-    turned = 0.0 if isinstance(a, Sphere) else float(np.linalg.norm(np.cross(a.direction, b.direction)))
-    apart = b.anchor - a.anchor
-    if isinstance(a, Plane):
-        apart = a.direction * (apart @ a.direction)
-    elif a.kind == "cylinder":
-        apart = apart - a.direction * (apart @ a.direction)
-    return aligned and turned < tolerance and float(np.linalg.norm(apart)) < tolerance
+def _same(kind: str, these: Floats, that: Floats, tolerance: float) -> Bools:
+    """(n,) which of some shapes are another of their kind: rows of direction, anchor and sizes."""
+    direction, apart = these[:, :3], that[3:6] - these[:, 3:6]
+    along = (apart * direction).sum(axis=1, keepdims=True) * direction
+    apart = {"plane": along, "cylinder": apart - along}.get(kind, apart)
+    same = (np.abs(these[:, 6:] - that[6:]) <= tolerance).all(axis=1)
+    same &= np.linalg.norm(apart, axis=1) < tolerance
+    if kind != "sphere":
+        same &= np.linalg.norm(np.cross(direction, that[:3]), axis=1) < tolerance
+    if kind not in ("sphere", "cylinder"):
+        same &= direction @ that[:3] > 0
+    return np.asarray(same)
 
 
 def _faces(surface: Ints, neighbors: Ints) -> Ints:
