@@ -22,6 +22,7 @@ from scipy.linalg import block_diag, pinvh
 from scipy.special import chdtri
 
 from primitives.arrays import Floats, frozen
+from primitives.errors import PalpateError
 from primitives.fit import Fit
 from primitives.pose import frame_along
 from primitives.residuals import advance, chart
@@ -104,6 +105,15 @@ class _State:
     def shapes(self) -> list[Shape]:
         return [after(self.x[part]) for after, part in zip(self.stepped, self.slices, strict=True)]
 
+    def _are_shapes(self, x: Floats) -> bool:
+        """Whether every shape still is one after a stacked step `x`: no radius is negative, say."""
+        try:
+            for after, part in zip(self.stepped, self.slices, strict=True):
+                after(x[part])
+        except PalpateError:
+            return False
+        return True
+
     def value_and_slope(self, a: int, b: int, constraint: Constraint) -> tuple[Floats, Floats]:
         """The values h and their (k, d) derivative by central differences."""
         (one, ones), (other, others) = self._nudged(a), self._nudged(b)
@@ -136,13 +146,17 @@ class _State:
         cost = 0.0 if met else self.cost(value, slope)
         if cost > chdtri(len(value), self.options.significance):
             return
-        self.relations.append(Relation(kind, a, b, cost))
-        spread = slope @ self.posterior @ slope.T
+        relation, spread = Relation(kind, a, b, cost), slope @ self.posterior @ slope.T
         if met and float(np.diag(spread).max()) <= self.options.implied**2:
+            self.relations.append(relation)
             return  # those before it leave it no room, and it adds nothing
-        self.accepted.append((a, b, constraint))
         gain = self.posterior @ slope.T @ _pseudo_inverse(spread)
-        self.x = self.x - gain @ value
+        moved: Floats = self.x - gain @ value
+        if not self._are_shapes(moved):
+            return  # what is hardly known would be carried past where its slopes tell anything
+        self.relations.append(relation)
+        self.accepted.append((a, b, constraint))
+        self.x = moved
         self.posterior = self.posterior - gain @ slope @ self.posterior
 
     def polish(self) -> None:
@@ -152,6 +166,8 @@ class _State:
             value, slope = np.concatenate([p[0] for p in pairs]), np.concatenate([p[1] for p in pairs])
             gain = self.prior @ slope.T @ _pseudo_inverse(slope @ self.prior @ slope.T)
             moved: Floats = gain @ (slope @ self.x - value)
+            if not self._are_shapes(moved):
+                break
             done = float(np.abs(moved - self.x).max()) < self.options.settled
             self.x = moved
             self.posterior = self.prior - gain @ slope @ self.prior

@@ -8,7 +8,7 @@ import pytest
 from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.pose import pose, random_rotation, rotation_exp
-from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere
+from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 from recognition.assembly.regularities import RegularityOptions, _coincident, _parallel, _State, regularize
 
 TILT = np.deg2rad(0.05)
@@ -134,6 +134,19 @@ def test_exact_shapes_are_left_as_they_are():
     found = regularize([Given(p, np.zeros((3, 3))) for p in planes])
     assert counts(found) == {"parallel": 3, "perpendicular": 12}
     assert np.abs(found.step).max() < 1e-9
+
+
+def test_a_ring_that_is_hardly_known_is_not_carried_past_what_a_ring_can_be():
+    """Moved onto the rod's axis, 3 mm away, its minor radius of 5 mm would become 15 mm less."""
+    up = np.array([0, 0, 1.0])
+    ring, sigma = Torus(np.zeros(3), up, 20.0, 5.0), np.array([2.0, 2.0, 1.0, 0.01, 0.01, 0.1, 10.0])
+    loose = np.diag(sigma**2)
+    loose[0, -1] = loose[-1, 0] = 0.99 * sigma[0] * sigma[-1]
+    sides = [sign * ring.frame[:, 0] for sign in (3.0, -3.0)]
+    for side in sides:
+        found = regularize([Given(ring, loose), given(Cylinder(side, up, 6.0))])
+        assert found.shapes[0].sizes[-1] > 0.0
+        assert ("coaxial" in counts(found)) == (found.shapes[0].sizes[-1] > 10.0)
 
 
 def test_nothing_to_regularize_is_no_error():
