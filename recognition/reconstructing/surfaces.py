@@ -28,8 +28,9 @@ class SurfaceOptions:
     chosen: int = 1000  # contacts among which shapes are looked for
     sounded: int = 300  # contacts that tell how far off normals are
     among: int = 20_000  # contacts from which neighbors are taken where no normal was felt
-    near: int = 8  # labeled neighbors whose faces a contact without a normal may join
-    fitted: int = 1500  # contacts of a face to which it is fitted
+    near: int = 8  # labeled neighbors whose faces a contact joins, and one without a normal joins no other
+    apart: float = 9.0  # chi2 by which a face that none of them lies on must explain a contact better
+    fitted: int = 20_000  # contacts of a face to which it is fitted
     rounds: int = 3  # times that unexplained contacts are looked at again
     least: float = 0.002  # of all contacts: fewer that are left unexplained are strays
     outlier_chi2: tuple[float, float] = (10.83, 16.27)  # 99.9 % for a point alone, and with its normal
@@ -123,18 +124,21 @@ def _faces(
 
 
 def _owners(contacts: Contacts, fits: list[Fit], before: Ints, options: SurfaceOptions) -> Ints:
-    """(n,) the face that explains each contact best; -1 where none does."""
+    """(n,) the face that explains each contact best; -1 where none does.
+
+    Of one that contacts near it lie on no more is asked than of any other: two faces of one surface, a groove
+    between them, would share its contacts by the side that noise put them on.
+    """
     felt = contacts.has_normal
     bound = options.slack**2 * np.where(felt, options.outlier_chi2[1], options.outlier_chi2[0])
     costs = np.stack([squares(fit, contacts) for fit in fits])
     labeled = np.flatnonzero(before >= 0)
-    if not felt.all() and len(labeled):
-        bare = np.flatnonzero(~felt)
-        near = cKDTree(contacts.points[labeled]).query(
-            contacts.points[bare], k=min(options.near, len(labeled))
-        )[1]
-        allowed = np.zeros((len(fits), len(bare)), dtype=bool)
-        allowed[before[labeled[near.reshape(len(bare), -1)]].T, np.arange(len(bare))] = True
-        costs[:, bare] = np.where(allowed, costs[:, bare], np.inf)
-    best = costs.argmin(axis=0)
-    return np.where(costs.min(axis=0) < bound, best, -1).astype(np.int64)
+    judged = costs
+    if len(labeled):
+        near = cKDTree(contacts.points[labeled]).query(contacts.points, k=min(options.near, len(labeled)))[1]
+        beside = np.zeros(costs.shape, dtype=bool)
+        beside[before[labeled[near.reshape(len(contacts), -1)]].T, np.arange(len(contacts))] = True
+        judged = np.where(beside, costs, costs + np.where(felt, options.apart, np.inf))
+    best = judged.argmin(axis=0)
+    least = np.where(felt, costs, judged)[best, np.arange(len(contacts))]
+    return np.where(least < bound, best, -1).astype(np.int64)

@@ -23,9 +23,20 @@ def test_sixty_contacts_scatter_as_their_faces_say_where_neighbors_mislead():
     assert scatter(contacts) == pytest.approx(0.2, rel=0.4)
 
 
-def test_many_contacts_scatter_as_their_neighbors_say():
-    contacts = on_a_block(5000, 0.05, np.random.default_rng(1))
-    assert scatter(contacts) == estimated_sigma(contacts)
+@pytest.mark.parametrize("sigma", [0.002, 0.05])
+def test_many_contacts_on_bends_scatter_as_their_faces_say_where_neighbors_mislead(sigma):
+    rng, count = np.random.default_rng(1), 2000
+    turn, height = rng.uniform(0.0, 2 * np.pi, count), rng.uniform(0.0, 40.0, count)
+    outward = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    rods = [(np.array([40.0 * k, 0.0, 0.0]), radius) for k, radius in enumerate((3.0, 6.0, 9.0))]
+    points = np.concatenate(
+        [middle + radius * outward + height[:, None] * np.eye(3)[2] for middle, radius in rods]
+    )
+    normals = np.tile(outward, (3, 1))
+    points += sigma * rng.standard_normal(points.shape)
+    contacts = Contacts.of(points, normals, 0.1, 0.05)
+    assert estimated_sigma(contacts) > 1.1 * sigma
+    assert scatter(contacts) == pytest.approx(sigma, rel=0.15)
 
 
 def test_a_handful_and_contacts_at_one_place_have_a_sigma():

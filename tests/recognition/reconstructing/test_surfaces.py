@@ -29,6 +29,21 @@ def test_contacts_that_were_not_chosen_join_the_face_that_explains_them():
 
 
 @pytest.mark.slow
+def test_two_faces_of_one_cylinder_do_not_share_its_contacts_by_the_side_that_noise_put_them_on():
+    """A rod of 17 mm with a groove round it: what is above it is one face, what is below another."""
+    rng, count, sigma = np.random.default_rng(0), 6000, 0.1
+    turn, height = rng.uniform(0.0, 2 * np.pi, count), rng.uniform(0.0, 60.0, count)
+    outward = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    points = 17.0 * outward + height[:, None] * np.eye(3)[2] + sigma * rng.standard_normal((count, 3))
+    rod = np.abs(height - 20.0) > 4.0
+    graph = surfaces(Contacts.of(points[rod], outward[rod], sigma, 0.05))
+    above, below = (face for face in graph.faces if face.fit)
+    assert above.contacts.points[:, 2].min() > 20.0 > below.contacts.points[:, 2].max()
+    for face in (above, below):
+        assert face.fit.shape.radius == pytest.approx(17.0, abs=0.01)
+
+
+@pytest.mark.slow
 def test_a_cloud_becomes_a_run_folder_with_one_cube(tmp_path):
     points, normals = on_a_block(240)
     np.savetxt(tmp_path / "c.csv", np.hstack([points, normals]), delimiter=",")
