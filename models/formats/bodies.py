@@ -38,6 +38,18 @@ def united(found: Found, name: str) -> Found:
     return replace(found, solids=tuple(out), said=(*found.said, *said))
 
 
+class SeveralBodies(PalpateError):
+    """A file holds more than one, and nobody said which."""
+
+    def __init__(self, held: str, listed: str) -> None:
+        super().__init__(f"{held}, choose one with --body: {listed}")
+        self.held, self.listed = held, listed
+
+    def __reduce__(self) -> tuple[type[SeveralBodies], tuple[str, str]]:
+        """Errors cross to other processes as what they were made of."""
+        return type(self), (self.held, self.listed)
+
+
 def chosen(found: list[Found], body: int | None, name: str) -> tuple[Found, int, tuple[str, ...]]:
     """The mesh and the number in it of the one body, or of number `body` from 1; and what to say of it."""
     whole = [(mesh, i) for mesh in found for i in range(len(mesh.solids))]
@@ -48,7 +60,7 @@ def chosen(found: list[Found], body: int | None, name: str) -> tuple[Found, int,
         held = "one body" if len(whole) == 1 else f"{len(whole)} bodies: {_listed(whole)}"
         raise PalpateError(f"{name} has no body {body}; it holds {held}")
     if body is None and len(whole) > 1:
-        raise PalpateError(f"{name} holds {len(whole)} bodies, choose one with --body: {_listed(whole)}")
+        raise SeveralBodies(f"{name} holds {len(whole)} bodies", _listed(whole))
     said = (f"{name} also holds {len(broken)} that do not close; left out",) if broken else ()
     return *whole[(body or 1) - 1], said
 

@@ -10,10 +10,12 @@ from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
+from models.formats.bodies import SeveralBodies
 from models.formats.intake import SUFFIXES
 from models.library.folder import ModelFile, content_key, model_files, strays
 from models.library.packed import map_arrays, write_arrays
 from models.library.record import record, text_of
+from models.library.settings import FILE as SETTINGS
 from models.library.settings import read_settings
 from models.library.store import HOME, Row, Store
 from models.library.stored_table import save_table
@@ -122,6 +124,9 @@ def make(file: ModelFile, path: Path) -> tuple[dict[str, Any], str]:
         write_arrays(path, arrays)
     except NotWritten:
         raise
+    except SeveralBodies as error:
+        where = f'body = N under ["{file.path.name}"] in {SETTINGS}'
+        return {}, f"{error.held}, choose one with {where}: {error.listed}"
     except PalpateError as error:
         return {}, " ".join(str(error).split())
     except (MemoryError, ArithmeticError, LookupError, ValueError, RecursionError) as error:

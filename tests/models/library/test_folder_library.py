@@ -106,6 +106,15 @@ def test_a_broken_file_is_named_and_the_rest_is_built(folder: Path) -> None:
     assert any("torn.stl" in warning for warning in library.warnings)
 
 
+def test_a_file_of_several_bodies_is_left_out_with_the_setting_that_chooses_one(folder: Path) -> None:
+    write(Cube((20, 20, 20)) | Cube((20, 30, 10)).at(40, 0, 0), folder / "pair.csg")
+    built = build(folder)
+    assert 'choose one with body = N under ["pair.csg"] in library.toml: 1 (' in built.failed["pair.csg"]
+    (folder / "library.toml").write_text('["pair.csg"]\nbody = 2\n')
+    build(folder)
+    assert Library.open(folder)["pair"].solid.extent.max() == pytest.approx(30.0)
+
+
 def test_two_files_of_one_stem_keep_their_whole_names(folder: Path) -> None:
     shutil.copy(folder / "box.csg", folder / "box.scad")
     assert set(Library.open(folder)) == {"bar", "box.csg", "box.scad", "plate"}
