@@ -28,6 +28,7 @@ from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.slanting import slanting
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
+from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
 from exploration.planning.moves.round_holes import Hole, holes_of
 from exploration.planning.open.known_face import KnownFace
@@ -50,6 +51,9 @@ _BY_GAP = (
 )
 _BY_STEP = "a wall between a floor and the face above it is inferred from where the two end"
 _BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the faces at its ends are not"
+_BY_OUTSIDE = (
+    "the inner side of a thin wall is inferred from the floor before it and the outer side behind it"
+)
 _BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where both its sides end"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
@@ -89,6 +93,8 @@ def conclude(
         _add_slot(found, slot)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
         add(found, riser.contacts, _BY_STEP, riser.kind)
+    for lot in thin_walls(frontier().known, stops_of(walls(), found.graph.faces)):
+        add(found, lot, _BY_OUTSIDE)
     now = frontier()
     for lot in outline_walls(now.known, now.ends(), found.graph.faces):
         add(found, lot, _BY_OUTLINE)

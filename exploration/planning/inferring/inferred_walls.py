@@ -40,6 +40,10 @@ class InferredWallConfig:
     behind: tuple[float, float] = (1.0, 5.0)  # [mm] behind a wall, where its material is
     beside: float = 4.0  # [mm] round a place of the wall, within which an array went through it
     went: int = 2  # places there that it went through, from which there is none
+    past: tuple[float, float] = (
+        0.7,
+        4.0,
+    )  # [mm] behind a wall, where the face that it stands on cannot go on
     stays: float = 0.3  # of the places that must be left
     sigma: float = 0.3  # [mm]
     normal_sigma: float = 0.05  # [rad]
@@ -60,7 +64,7 @@ def inferred_walls(
     config: InferredWallConfig = InferredWallConfig(),
 ) -> list[Contacts]:
     """Contacts of each plane that stops agree on, or a stop and one of the `rims` seen of other faces."""
-    return _agreeing(stops_of(walls, faces, config), rims, config)
+    return _agreeing(stops_of(walls, faces, config), faces, rims, config)
 
 
 def stops_of(
@@ -98,14 +102,20 @@ def standing(
     return left if len(left) >= config.stays * len(lot) else None
 
 
-def _agreeing(stops: list[Stop], rims: Sequence[Sighting], config: InferredWallConfig) -> list[Contacts]:
+def _agreeing(
+    stops: list[Stop], faces: Sequence[Face], rims: Sequence[Sighting], config: InferredWallConfig
+) -> list[Contacts]:
     lots: list[Contacts] = []
     while stops:
         _, normal, offset = stops[0]
         alike = [
             s for s in stops if s.normal @ normal > config.flush and abs(s.offset - offset) < config.agree
         ]
+        behind = _felt_behind(alike[0], faces, config)
+        alike = _unparted(alike, behind, config)
         stops = [s for s in stops if not any(s is other for other in alike)]
+        if len(behind) >= config.went and np.ptp(behind) > _width(alike):
+            continue
         ends = [
             rim.point
             for rim in rims
@@ -120,6 +130,37 @@ def _agreeing(stops: list[Stop], rims: Sequence[Sighting], config: InferredWallC
         normals = np.broadcast_to(normal, points.shape)
         lots.append(Contacts.of(points, normals, config.sigma, config.normal_sigma, touch=NOT_FELT))
     return lots
+
+
+def _felt_behind(stop: Stop, faces: Sequence[Face], config: InferredWallConfig) -> Floats:
+    """(n,) [mm] along a wall, where the face that it stands on was felt right behind it."""
+    along, there = np.cross(stop.wall.normal, stop.normal), [np.empty(0)]
+    for face in faces:
+        if isinstance(face.fit, Fit) and _lies_on(face.fit, stop.wall, config):
+            felt = face.contacts.points[face.contacts.touch != NOT_FELT]
+            depth = stop.offset - felt @ stop.normal
+            there.append(felt[(depth > config.past[0]) & (depth < config.past[1])] @ along)
+    return np.concatenate(there)
+
+
+def _unparted(stops: list[Stop], behind: Floats, config: InferredWallConfig) -> list[Stop]:
+    """Of stops at one plane those with no wall missing between them and the first, at (n,) [mm] along it.
+
+    Bosses in the corners of a box stop strokes along its floor in one plane, and the floor goes on between them.
+    """
+    along = np.cross(stops[0].wall.normal, stops[0].normal)
+    where = np.array([stop.wall.pose[:3, 3] @ along for stop in stops])
+    low, high = np.minimum(where, where[0]), np.maximum(where, where[0])
+    between = ((behind > low[:, None]) & (behind < high[:, None])).sum(axis=1)
+    return [stop for stop, count in zip(stops, between, strict=True) if count < config.went]
+
+
+def _width(stops: list[Stop]) -> float:
+    """[mm] of a wall that stopped strokes, the housings that it stopped included."""
+    along = np.cross(stops[0].wall.normal, stops[0].normal)
+    reach = [float(np.abs(along @ stop.wall.pose[:3, :2]) @ stop.wall.half) for stop in stops]
+    where = [float(stop.wall.pose[:3, 3] @ along) for stop in stops]
+    return float(np.ptp(where)) + 2.0 * max(reach)
 
 
 def _ways(fits: Sequence[Fit]) -> Floats:

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from exploration.planning.open.known_face import KnownFace
 from primitives.arrays import Floats
 
 _UPRIGHT = 0.999  # least cosine between a round wall's axis and the normal of its floor
+_STEPS, _AGAINST = 40, 0.3  # places on a way that are looked at; least cosine of what one goes into
 _OVER = 1.0  # [mm] of a floor past the round wall about it
 
 
@@ -42,6 +44,35 @@ class Patch:
         low, high = np.quantile(self.cells @ along, [side, 1.0 - side])
         where, far = points @ along, points @ way
         return np.asarray(far[(where > low) & (where < high) & (far > float(self.middle @ way))])
+
+    def beside(self, points: Floats, near: float) -> float:
+        """Share of its places with none of (n, 3) points straight over or under them, within `near` [mm]."""
+        axes = np.linalg.svd(self.normal[None])[2][1:]
+        away = np.asarray(KDTree(points @ axes.T).query(self.cells @ axes.T)[0])
+        return float(np.mean(away > near))
+
+    def enters(
+        self,
+        known: Sequence[KnownFace],
+        way: Floats,
+        span: tuple[float, float],
+        height: float,
+        into: float = 1.0,
+    ) -> bool:
+        """Whether one goes into a known face, or out of one where `into` is -1, along `way` past its middle.
+
+        From `span[0]` to `span[1]` [mm] along it, `height` [mm] over its places.
+        """
+        start = self.middle + height * self.normal - float(self.middle @ way) * way
+        steps = start + np.linspace(*span, _STEPS)[:, None] * way
+        for own in known:
+            outside = into * own.side * own.fit.shape.signed_distance(steps)
+            crossed = np.flatnonzero((outside[:-1] > 0.0) & (outside[1:] <= 0.0))
+            if len(crossed):
+                normal = own.side * own.fit.shape.normals(steps[crossed[:1]])[0]
+                if into * float(normal @ way) < -_AGAINST:
+                    return True
+        return False
 
     def in_round_hole(self, known: Sequence[KnownFace]) -> bool:
         """Whether it is the floor of a hole whose upright round wall is one of the `known` faces."""

@@ -35,6 +35,8 @@ class RiserConfig:
     side: float = (
         0.2  # of a patch's places, on either hand, that lie beside the middle from which one goes out
     )
+    beside: float = 0.75  # of a patch's places, at least, over or under which the other face does not lie
+    over: float = 3.0  # [mm] across the two, within which it does
     wrong: float = 0.2  # of places, that may lie on the wrong side of where a face begins
     past: float = 6.0  # [mm] behind where a face has begun, within which places say where
     gap: float = 30.0  # [mm] between the two, from which nothing is said of the wall
@@ -82,7 +84,12 @@ def risers(
         for members in clusters(own.cells, config.cluster):
             if members.sum() >= config.least:
                 patch = Patch(own, own.cells[members], normal)
-                found = [_wall(patch, way, others, known, stops, config) for way in _four(normal, across[0])]
+                steps = [
+                    (other, step)
+                    for other, step in others
+                    if patch.beside(other.cells, config.over) > config.beside
+                ]
+                found = [_wall(patch, way, steps, known, stops, config) for way in _four(normal, across[0])]
                 walls = [wall for wall in found if wall is not None]
                 ring = _ring(patch, found, config) if len(walls) >= 3 else None
                 out += (
@@ -129,7 +136,7 @@ def _wall(
 ) -> _Wall | None:
     """The wall that one comes to, where it is not known; that of the face that begins first."""
     seen = [(_where(patch, way, other, step > 0, config), step) for other, step in others]
-    (at, gap), step = min(seen, key=lambda found: found[0][0])
+    (at, gap), step = min(seen, key=lambda found: found[0][0], default=((np.inf, 0.0), 0.0))
     if not np.isfinite(at) or gap > config.gap or _stands(known, patch, way, at, step, config):
         return None
     side = -np.sign(step)
@@ -226,16 +233,8 @@ def _stands(
     """
     if step > 0.0 and patch.in_round_hole(known):
         return True
-    start = patch.middle + 0.5 * step * patch.normal - float(patch.middle @ way) * way
-    steps = start + np.linspace(at - config.past, at + config.behind, 40)[:, None] * way
-    for own in known:
-        outside = np.sign(step) * own.side * own.fit.shape.signed_distance(steps)
-        crossed = np.flatnonzero((outside[:-1] > 0.0) & (outside[1:] <= 0.0))
-        if len(crossed):
-            normal = own.side * own.fit.shape.normals(steps[crossed[:1]])[0]
-            if np.sign(step) * float(normal @ way) < -0.3:
-                return True
-    return False
+    span = at - config.past, at + config.behind
+    return patch.enters(known, way, span, 0.5 * step, float(np.sign(step)))
 
 
 def _ways(known: Sequence[KnownFace]) -> Floats:

@@ -60,6 +60,13 @@ def test_one_stop_and_stops_at_one_place_tell_nothing():
     assert inferred_walls([one, stopped([10.1, 0.5, 0.0], [1.0, 0.0, 0.0])], PLATE) == []
 
 
+def test_bosses_between_which_the_floor_goes_on_are_no_wall_and_a_rib_is_one():
+    stops = [stopped([-1.8, y, 0.0], [1.0, 0.0, 0.0]) for y in (-15.0, 15.0)]
+    assert inferred_walls(stops, PLATE) == []  # at x = 8.2, and the plate was felt at x = 10
+    behind_a_rib = [stopped([-6.0, y, 0.0], [1.0, 0.0, 0.0]) for y in (-15.0, 15.0)]
+    assert len(inferred_walls(behind_a_rib, PLATE)) == 1
+
+
 def test_stops_round_a_boss_make_no_plane():
     stops = []
     for angle in np.linspace(0.0, 2 * np.pi, 8, endpoint=False):

@@ -48,6 +48,15 @@ def plate(*more, island=lambda x, y: np.hypot(x, y) < ISLAND):
     return [flat(0, top, up, missing), flat(1, floor, up), flat(2, outer, [1.0, 0.0, 0.0]), *more]
 
 
+def test_a_face_that_lies_over_another_says_nothing_of_walls_at_its_ends():
+    """The inner side of one wall of a box looks as the outer side of the opposite one, far over it."""
+    inner = flat(0, places(0.0, lambda x, y: (np.abs(x) < 20.0) & (np.abs(y) < 4.0)), [0.0, 0.0, 1.0])
+    outer = flat(1, places(60.0, lambda x, y: (np.abs(x) < 36.0) & (np.abs(y) < 12.0)), [0.0, 0.0, 1.0])
+    side = flat(2, places(40.0, lambda x, y: np.abs(y) < 5.0)[:, [2, 0, 1]], [1.0, 0.0, 0.0])
+    assert risers([inner, outer, side]) == []
+    assert risers([inner, outer, side], config=RiserConfig(beside=-1.0)) != []
+
+
 def test_walls_of_a_pocket_stand_where_its_floor_ends_and_the_face_above_begins():
     walls = [r.contacts for r in risers(plate()) if r.kind == "plane"]
     stands = {tuple(np.round(c.normals[0]).astype(int)): float(c.points[0] @ -c.normals[0]) for c in walls}
