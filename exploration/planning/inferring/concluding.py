@@ -17,6 +17,7 @@ from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of
 from exploration.planning.inferring.dead_ends import dead_end
+from exploration.planning.inferring.dividers import dividers
 from exploration.planning.inferring.far_ends import far_ends, shut
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
@@ -54,6 +55,7 @@ _BY_GAPS = "a wall of a slot that no pad could lie on is inferred from where the
 _BY_OUTSIDE = (
     "the inner side of a thin wall is inferred from the floor before it and the outer side behind it"
 )
+_BY_FLOOR = "a side of what stands on a floor is inferred from a stroke it stopped and the floor behind it"
 _BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where both its sides end"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
@@ -93,8 +95,11 @@ def conclude(
         _add_slot(found, slot)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
         add(found, riser.contacts, _BY_STEP, riser.kind)
-    for lot in thin_walls(frontier().known, stops_of(walls(), found.graph.faces)):
+    stopped = stops_of(walls(), found.graph.faces)
+    for lot in thin_walls(frontier().known, stopped):
         add(found, lot, _BY_OUTSIDE)
+    for lot in dividers(frontier().known, stopped):
+        add(found, lot, _BY_FLOOR)
     now = frontier()
     for lot in outline_walls(now.known, now.ends(), found.graph.faces):
         add(found, lot, _BY_OUTLINE)

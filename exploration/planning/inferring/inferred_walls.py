@@ -152,7 +152,7 @@ def _unparted(stops: list[Stop], behind: Floats, config: InferredWallConfig) -> 
     where = np.array([stop.wall.pose[:3, 3] @ along for stop in stops])
     low, high = np.minimum(where, where[0]), np.maximum(where, where[0])
     between = ((behind > low[:, None]) & (behind < high[:, None])).sum(axis=1)
-    return [stop for stop, count in zip(stops, between, strict=True) if count < config.went]
+    return [stop for stop, count in zip(stops, between, strict=True) if not count]
 
 
 def _width(stops: list[Stop]) -> float:

@@ -1,0 +1,67 @@
+"""A floor with a divider on it, at which one stroke was stopped."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from exploration.planning.inferring.dividers import dividers
+from exploration.planning.inferring.inferred_walls import Stop
+from exploration.planning.open.known_face import KnownFace
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import fit
+from primitives.patch_graph import Face
+
+X, Y, UP = np.eye(3)
+NEAR, FAR, CLEAR = 30.0, 33.0, 1.8  # [mm] sides of the divider, and how near to them the floor was felt
+
+
+def flat(number, points, normal):
+    contacts = Contacts.of(points, np.tile(normal, (len(points), 1)), 0.01, 0.01, touch=number)
+    found = fit("plane", contacts)
+    return KnownFace(Face(number, found, contacts), found, 1.0 if found.convex else -1.0, points, points[:0])
+
+
+def floor(keep=lambda x, y: (x < NEAR - CLEAR) | (x > FAR + CLEAR)):
+    x, y = (g.ravel() for g in np.meshgrid(np.arange(2.0, 60.0, 1.4), np.arange(4.0, 56.0, 4.0)))
+    kept = keep(x, y)
+    return flat(0, np.column_stack([x[kept], y[kept], np.zeros(kept.sum())]), UP)
+
+
+def stop(at, normal, y=30.0):
+    middle = SimpleNamespace(normal=UP, pose=np.eye(4).copy())
+    middle.pose[:3, 3] = at * X + y * Y + 9.0 * normal
+    return Stop(middle, normal, float(at * normal @ X))
+
+
+def test_one_stop_and_the_floor_behind_it_make_both_sides():
+    near, far = dividers([floor()], [stop(NEAR, -X)])
+    assert (near.touch == NOT_FELT).all()
+    assert near.points[:, 0] == pytest.approx(NEAR)
+    assert near.normals == pytest.approx(np.tile(-X, (len(near), 1)))
+    assert far.points[:, 0] == pytest.approx(FAR, abs=1.2)
+    assert far.normals == pytest.approx(np.tile(X, (len(far), 1)))
+    assert far.sigma.min() > near.sigma.max()
+
+
+def test_a_stroke_from_behind_tells_the_far_side():
+    stops = [stop(NEAR, -X), stop(FAR, X)]
+    sides = {tuple(lot.normals[0].round()): lot.points[:, 0] for lot in dividers([floor()], stops)}
+    assert sides[1.0, 0.0, 0.0] == pytest.approx(FAR)
+    assert sides[-1.0, 0.0, 0.0] == pytest.approx(NEAR)
+
+
+def test_a_post_beside_which_the_floor_goes_on_is_no_divider():
+    post = floor(lambda x, y: (np.abs(x - 31.5) > 3.3) | (np.abs(y - 30.0) > 8.0))
+    assert not list(dividers([post], [stop(NEAR, -X)]))
+
+
+def test_a_wall_behind_which_there_is_no_floor_is_no_divider():
+    assert not list(dividers([floor(lambda x, y: x < NEAR - CLEAR)], [stop(NEAR, -X)]))
+
+
+def test_a_side_that_is_known_is_not_inferred_again():
+    y, z = (g.ravel() for g in np.meshgrid(np.arange(4.0, 56.0, 4.0), np.arange(1.0, 12.0, 3.0)))
+    side = flat(1, np.column_stack([np.full(len(y), NEAR), y, z]), -X)
+    (far,) = dividers([floor(), side], [stop(NEAR, -X)])
+    assert far.normals[0] == pytest.approx(X)
