@@ -116,9 +116,10 @@ def fit_round_hole(
     def residual(circle: Floats) -> Floats:
         return np.concatenate([_residual(look, circle) for look in looks])
 
-    found, most = least_squares(residual, [0.0, 0.0, radius], bounds=(low, top)), config.misfit
+    start = [0.0, 0.0, max(radius, config.least)]
+    found, most = least_squares(residual, start, bounds=(low, top)), config.misfit
     if _misfit(found, len(looks)) > config.misfit:
-        robust = least_squares(residual, [0.0, 0.0, radius], bounds=(low, top), loss="cauchy", f_scale=2.0)
+        robust = least_squares(residual, start, bounds=(low, top), loss="cauchy", f_scale=2.0)
         looks = _without_strays(
             looks, robust.x[:2], residual(robust.x), np.abs(np.asarray(robust.jac)[:, 2]), config
         )
