@@ -42,10 +42,10 @@ class RankOptions:
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
     bluntest: float = 1.5  # [rad] semi-angle from which a cone is a plane that was felt badly
-    of_a_line: int = 8  # contacts of each of two flat sides, that a cone may be in disguise,
-    as_near: float = 1.1  # times the misfit of the cone, likewise,
+    of_a_line: int = 8  # contacts of each of two flat sides, that a cone or a cylinder may be in disguise,
+    as_near: float = 1.1  # times its misfit, likewise,
     one_way: float = 0.12  # [rad] between the ways that the contacts of one side look, likewise
-    far_worse: float = 4.0  # times the chi2 of such a cone, from which another shape is none either
+    far_worse: float = 4.0  # times its chi2, from which another shape is none either
     unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
     fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-5, iterations=15, starts=2))
 
@@ -119,28 +119,45 @@ def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> boo
 
 
 def _without_two_flats(good: list[Fit], contacts: Contacts, options: RankOptions) -> list[Fit]:
-    """The fits without a cone that two planes explain as well, and without what is far worse than that cone."""
-    cone = next((found for found in good if _two_flats(found, contacts, options)), None)
-    if cone is None:
+    """The fits without those that two planes explain as well, and without what is far worse than these."""
+    flats = [found for found in good if _two_flats(found, contacts, options)]
+    if not flats:
         return good
-    worst = options.far_worse * max(1.0, cone.chi2 / max(cone.dof, 1))
-    return [found for found in good if found is not cone and found.chi2 / max(found.dof, 1) < worst]
+    worst = options.far_worse * max(1.0, min(found.chi2 / max(found.dof, 1) for found in flats))
+    return [
+        found
+        for found in good
+        if not any(found is other for other in flats) and found.chi2 / max(found.dof, 1) < worst
+    ]
 
 
 def _two_flats(found: Fit, contacts: Contacts, options: RankOptions) -> bool:
-    """Whether a cone was felt along two narrow strips alone, which two planes explain as well.
+    """Whether a cone or a cylinder was felt along two narrow strips alone, which two planes explain as well.
 
-    So it is with the narrow sides of a plate beside a corner of it: any two planes are tangent to some cone.
+    So it is with the narrow sides of a plate: any two planes are tangent to some cone, parallel ones to a
+    cylinder.  Where a pad lay on a cylinder, the strip goes round it as far as the skin gives.
     """
-    if not isinstance(found.shape, Cone) or found.shape.semi_angle < options.slim:
+    shape = found.shape
+    if not isinstance(shape, Cone | Cylinder) or (
+        isinstance(shape, Cone) and shape.semi_angle < options.slim
+    ):
         return False
-    out = (contacts.points - found.shape.apex) @ found.shape.frame[:, :2]
+    out = (contacts.points - shape.anchor) @ shape.frame[:, :2]
     side = out @ np.linalg.svd(out, full_matrices=False)[2][0] > 0.0
     if min(side.sum(), (~side).sum()) < options.of_a_line:
+        return False
+    if isinstance(shape, Cylinder) and max(_turn(out[lot]) for lot in (side, ~side)) > options.one_way:
         return False
     near = options.as_near * max(found.rms, float(np.median(contacts.sigma)))
     lots = [(contacts.select(lot), out[lot]) for lot in (side, ~side)]
     return all(_off_flat(lot.points) < near and _faces_one_way(lot, away, options) for lot, away in lots)
+
+
+def _turn(out: Floats) -> float:
+    """[rad] round an axis, over which four fifths of (n, 2) ways out of it lie about their mean."""
+    mean = out.mean(axis=0)
+    around = np.arctan2(mean[0] * out[:, 1] - mean[1] * out[:, 0], out @ mean)
+    return float(np.subtract(*np.quantile(around, [0.9, 0.1])))
 
 
 def _faces_one_way(lot: Contacts, out: Floats, options: RankOptions) -> bool:

@@ -158,3 +158,21 @@ def test_a_cone_of_nearly_a_right_angle_is_a_plane():
     way = np.column_stack([-0.01 * flat / np.linalg.norm(flat, axis=1, keepdims=True), np.ones(60)])
     touched = Contacts.of(np.column_stack([flat, height]), way, 0.1, 0.02)
     assert rank(touched)[0].fit.kind == "plane"
+
+
+def on_two_sides(width, bend, sigma=0.02):
+    """Contacts on opposite strips 50 mm apart, of a `width` [mm], each bent by `bend` [1/mm]."""
+    rng = np.random.default_rng(0)
+    along, across = rng.uniform(0.0, 60.0, (2, 40)), rng.uniform(-0.5, 0.5, (2, 40)) * width
+    sides, normals = [], []
+    for sign, x, y in zip((1.0, -1.0), along, across, strict=True):
+        z = sign * (25.0 - 0.5 * bend * y**2) + sigma * rng.standard_normal(len(x))
+        way = np.column_stack([0.0 * x, bend * y, np.ones(len(x))]) * [1.0, 1.0, sign]
+        sides.append(np.column_stack([x, y, z]))
+        normals.append(way / np.linalg.norm(way, axis=1, keepdims=True))
+    return Contacts.of(np.concatenate(sides), np.concatenate(normals), sigma, 0.03)
+
+
+def test_the_narrow_sides_of_a_plate_are_no_cylinder_and_strips_that_a_pad_lay_on_are():
+    assert all(found.fit.kind != "cylinder" for found in rank(on_two_sides(2.5, 0.0)))
+    assert rank(on_two_sides(10.0, 1.0 / 25.0))[0].fit.kind == "cylinder"
