@@ -120,7 +120,7 @@ def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> boo
 
 def _without_two_flats(good: list[Fit], contacts: Contacts, options: RankOptions) -> list[Fit]:
     """The fits without those that two planes explain as well, and without what is far worse than these."""
-    flats = [found for found in good if _two_flats(found, contacts, options)]
+    flats = [found for found in good if two_flats(found, contacts, options)]
     if not flats:
         return good
     worst = options.far_worse * max(1.0, min(found.chi2 / max(found.dof, 1) for found in flats))
@@ -131,7 +131,7 @@ def _without_two_flats(good: list[Fit], contacts: Contacts, options: RankOptions
     ]
 
 
-def _two_flats(found: Fit, contacts: Contacts, options: RankOptions) -> bool:
+def two_flats(found: Fit, contacts: Contacts, options: RankOptions) -> bool:
     """Whether a cone or a cylinder was felt along two narrow strips alone, which two planes explain as well.
 
     So it is with the narrow sides of a plate: any two planes are tangent to some cone, parallel ones to a

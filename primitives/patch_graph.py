@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from primitives.arrays import Bools, frozen
-from primitives.classify import RankedFit, RankOptions, rank, score
+from primitives.classify import RankedFit, RankOptions, rank, score, two_flats
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit, NoFit, fit, refit
@@ -157,7 +157,9 @@ def join(first: Face, second: Face, options: MergeOptions) -> Fit | None:
     for face in (first, second):
         if isinstance(face.fit, Fit):
             near = refit(face.fit.shape, face.fit.convex, contacts, options.rank.fit)
-            if isinstance(near, Fit) and _pays(near, first, second, options):
+            if not isinstance(near, Fit) or two_flats(near, contacts, options.rank):
+                continue
+            if _pays(near, first, second, options):
                 return near
     if _settled(first, second, options):
         return None

@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
 
+from primitives.classify import two_flats
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace
-from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
+from primitives.fit import fit
+from primitives.patch_graph import Face, MergeOptions, PatchGraph, join, ranked_face
 from primitives.shapes import Cylinder, Plane
 
 
@@ -44,6 +46,24 @@ def test_strokes_round_a_cylinder_are_one_face():
         graph, _ = graph.add_stroke(stroke_on(rod, rng, middle))
     assert len(graph.faces) == 1
     assert graph.faces[0].fit.shape.radius == pytest.approx(15.0, abs=0.1)
+
+
+def test_the_narrow_sides_of_a_plate_are_no_faces_of_one_cylinder():
+    """Felt on 2.5 mm each, one reads as a slender cylinder, and one of half the plate's width holds both."""
+    rng, lots = np.random.default_rng(3), []
+    for sign in (1.0, -1.0):
+        side, n = Plane([0, 0, 25.0 * sign], [0, 0, sign]), 40
+        points = np.column_stack(
+            [rng.uniform(0, 60, n), rng.uniform(-1.25, 1.25, n), np.full(n, 25.0 * sign)]
+        )
+        points += 0.02 * rng.standard_normal((n, 1)) * side.normal
+        lots.append(Contacts.of(points, np.tile(side.normal, (n, 1)), 0.05, 0.05))
+    sides = [ranked_face(number, lot, MergeOptions()) for number, lot in enumerate(lots)]
+    assert join(*sides, MergeOptions()) is None
+    both = Contacts.concatenate(lots)
+    rod = fit("cylinder", both)
+    assert rod
+    assert two_flats(rod, both, MergeOptions().rank)
 
 
 def test_parallel_planes_a_millimeter_apart_stay_apart():
