@@ -43,7 +43,7 @@ def scatter(contacts: Contacts, options: CloudScatterOptions | None = None) -> f
     extent = float(np.linalg.norm(np.ptp(contacts.points, axis=0))) if len(contacts) else 0.0
     if extent <= 0.0:
         return near
-    largest = min(near, options.largest * extent)
+    largest, least = min(near, options.largest * extent), options.least * extent
     if len(contacts) < options.fewest:
         return largest
     order = np.random.default_rng(0).permutation(len(contacts))
@@ -54,10 +54,10 @@ def scatter(contacts: Contacts, options: CloudScatterOptions | None = None) -> f
         told = _as_faces_say(few, sigma, among)
         if told is None:
             break
-        before, sigma = sigma, min(told, largest)
+        before, sigma = sigma, max(min(told, largest), least)
         if sigma > before / options.falls:
             break
-    return max(sigma, options.least * extent)
+    return max(sigma, least)
 
 
 def _as_faces_say(contacts: Contacts, sigma: float, among: Floats) -> float | None:

@@ -126,8 +126,8 @@ def _faces(
 def _owners(contacts: Contacts, fits: list[Fit], before: Ints, options: SurfaceOptions) -> Ints:
     """(n,) the face that explains each contact best; -1 where none does.
 
-    Of one that contacts near it lie on no more is asked than of any other: two faces of one surface, a groove
-    between them, would share its contacts by the side that noise put them on.
+    One that none of its neighbors lies on must explain it better by `apart`, and without a normal it cannot: two
+    faces of one surface, a groove between them, would share its contacts by the side that noise put them on.
     """
     felt = contacts.has_normal
     bound = options.slack**2 * np.where(felt, options.outlier_chi2[1], options.outlier_chi2[0])
@@ -140,5 +140,5 @@ def _owners(contacts: Contacts, fits: list[Fit], before: Ints, options: SurfaceO
         beside[before[labeled[near.reshape(len(contacts), -1)]].T, np.arange(len(contacts))] = True
         judged = np.where(beside, costs, costs + np.where(felt, options.apart, np.inf))
     best = judged.argmin(axis=0)
-    least = np.where(felt, costs, judged)[best, np.arange(len(contacts))]
+    least = costs[best, np.arange(len(contacts))]
     return np.where(least < bound, best, -1).astype(np.int64)
