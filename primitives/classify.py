@@ -119,16 +119,13 @@ def _usable(found: Fit | NoFit, options: RankOptions, contacts: Contacts) -> boo
 
 
 def _without_two_flats(good: list[Fit], contacts: Contacts, options: RankOptions) -> list[Fit]:
-    """The fits without those that two planes explain as well, and without what is far worse than these."""
+    """The fits less what two planes explain as well, what has as many parameters as it, and what is far worse."""
     flats = [found for found in good if two_flats(found, contacts, options)]
     if not flats:
         return good
     worst = options.far_worse * max(1.0, min(found.chi2 / max(found.dof, 1) for found in flats))
-    return [
-        found
-        for found in good
-        if not any(found is other for other in flats) and found.chi2 / max(found.dof, 1) < worst
-    ]
+    fewest = min(found.shape.dof for found in flats)
+    return [found for found in good if found.shape.dof < fewest and found.chi2 / max(found.dof, 1) < worst]
 
 
 def two_flats(found: Fit, contacts: Contacts, options: RankOptions) -> bool:

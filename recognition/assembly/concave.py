@@ -57,13 +57,13 @@ def concave_pieces(
     measured, whole = len(shapes), [*shapes, *separators(shapes)]
     told = [False] * measured if inferred is None else list(inferred)
     heard = np.repeat(told, [len(p) for p, _ in touched])
-    found = _listed(whole, points, normals, nowhere, room, told, heard)
+    found = _explained(whole, points, normals, nowhere, room, told, heard)
     if (
         not isinstance(found, NotClosed)
-        and found.list.wrong + found.against > _ENDS
+        and found.listed.wrong + found.against > _ENDS
         and (more := stops(whole))
     ):
-        again = _listed([*whole, *more], points, normals, nowhere, room, told, heard)
+        again = _explained([*whole, *more], points, normals, nowhere, room, told, heard)
         if not isinstance(again, NotClosed) and again.cost < found.cost:
             found = again
     if isinstance(found, NotClosed):
@@ -74,7 +74,7 @@ def concave_pieces(
     farther = corners + _FARTHER * (corners - corners.mean(axis=0))
     made = [
         _piece(step, vocabulary, corners if step.operation == "add" else farther, room)
-        for step in found.list.steps
+        for step in found.listed.steps
     ]
     return tuple(replace(piece, ends=_felt(piece.ends, measured)) for piece in made)
 
@@ -82,15 +82,15 @@ def concave_pieces(
 @dataclass(frozen=True)
 class _Explained:
     vocabulary: Vocabulary
-    list: Listed
+    listed: Listed
     against: float  # [nats] of contacts that contradict the labels of their cells
 
     @property
     def cost(self) -> float:
-        return self.list.cost + self.against
+        return self.listed.cost + self.against
 
 
-def _listed(
+def _explained(
     shapes: Sequence[Shape],
     points: Floats,
     normals: Floats,

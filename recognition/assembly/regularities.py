@@ -160,7 +160,10 @@ class _State:
         self.posterior = self.posterior - gain @ slope @ self.posterior
 
     def polish(self) -> None:
-        """Gauss-Newton, x = P H' (H P H')^+ (H x - h), until x is the least step that meets all."""
+        """Gauss-Newton, x = P H' (H P H')^+ (H x - h), until x is the least step that meets all.
+
+        Where that would leave a shape none, what was met one after the other stands.
+        """
         for _ in range(self.options.iterations if self.accepted else 0):
             pairs = [self.value_and_slope(*c) for c in self.accepted]
             value, slope = np.concatenate([p[0] for p in pairs]), np.concatenate([p[1] for p in pairs])

@@ -5,7 +5,7 @@ What was felt says where a face is; inferred contacts on it say only how far it 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +34,22 @@ def add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> Fit | 
         found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
     found.warnings.append(why)
     return made if isinstance(made, Fit) else None
+
+
+def once(lots: Iterable[Contacts]) -> list[Contacts]:
+    """Each wall once, as it is known best: of lots that look one way from one plane, the surest."""
+    kept: list[Contacts] = []
+    for lot in sorted(lots, key=lambda lot: float(lot.sigma.max())):
+        normal, at = lot.normals[0], lot.points[0]
+        alike = (
+            other
+            for other in kept
+            if float(other.normals[0] @ normal) > _PARALLEL
+            and abs(float((other.points[0] - at) @ normal)) < _OFF * float(lot.sigma.max())
+        )
+        if next(alike, None) is None:
+            kept.append(lot)
+    return kept
 
 
 def add_own(found: Findings, lot: Contacts, why: str, kind: str) -> None:

@@ -15,7 +15,7 @@ from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.uprighted import uprighted
-from exploration.planning.inferring.adding import add, add_own, change, home_of
+from exploration.planning.inferring.adding import add, add_own, change, home_of, once
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
 from exploration.planning.inferring.far_ends import far_ends, shut
@@ -96,9 +96,9 @@ def conclude(
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
         add(found, riser.contacts, _BY_STEP, riser.kind)
     stopped = stops_of(walls(), found.graph.faces)
-    for lot in thin_walls(frontier().known, stopped):
+    for lot in once(thin_walls(frontier().known, stopped)):
         add(found, lot, _BY_OUTSIDE)
-    for lot in dividers(frontier().known, stopped):
+    for lot in once(dividers(frontier().known, stopped)):
         add(found, lot, _BY_FLOOR)
     now = frontier()
     for lot in outline_walls(now.known, now.ends(), found.graph.faces):

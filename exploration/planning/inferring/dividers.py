@@ -16,7 +16,7 @@ import numpy as np
 from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.inferring.patch import Patch
 from exploration.planning.open.known_face import KnownFace
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 
 
@@ -45,11 +45,15 @@ def dividers(
         if floor.fit.kind != "plane" or not (floor.face.contacts.touch != NOT_FELT).any():
             continue
         normal = floor.side * floor.fit.shape.direction
-        level = float(normal @ floor.fit.shape.anchor)
-        for stop in stops:
-            off = abs(float(normal @ stop.wall.pose[:3, 3]) - level)
-            if off < config.lay and float(normal @ stop.wall.normal) > config.flush:
-                yield from _sides(floor, normal, stop, known, stops, config)
+        mine = [stop for stop in stops if _on(floor, normal, stop, config)]
+        for stop in mine:
+            yield from _sides(floor, normal, stop, known, mine, config)
+
+
+def _on(floor: KnownFace, normal: Floats, stop: Stop, config: DividerConfig) -> bool:
+    """Whether a pad lay on a floor when it was stopped."""
+    off = abs(float(normal @ (stop.wall.pose[:3, 3] - floor.fit.shape.anchor)))
+    return off < config.lay and float(normal @ stop.wall.normal) > config.flush
 
 
 def _sides(
@@ -60,22 +64,27 @@ def _sides(
     stops: Sequence[Stop],
     config: DividerConfig,
 ) -> Iterator[Contacts]:
-    way, at = -stop.normal, -stop.offset
-    gap = _gap(floor.cells @ way - at, floor.cells @ np.cross(normal, way), config)
-    where = stop.wall.pose[:3, 3]
-    if gap is None or not gap.low < float(where @ np.cross(normal, way)) < gap.high:
+    """Both sides of what stopped a stroke; `stops` are those on this floor."""
+    way, at, along = -stop.normal, -stop.offset, np.cross(normal, -stop.normal)
+    gap = _gap(floor.cells @ way - at, floor.cells @ along, config)
+    if gap is None or not gap.beside(stop, along):
         return
-    met = [other.offset for other in stops if float(other.normal @ way) > config.alike]
-    met = [offset for offset in met if 0.0 < offset - at < gap.wide]
+    met = [
+        other.offset
+        for other in stops
+        if float(other.normal @ way) > config.alike
+        and 0.0 < other.offset - at < gap.wide
+        and gap.beside(other, along)
+    ]
     far = float(np.median(met)) if met else at + 0.5 * gap.wide
     unsure = config.sigma if met else max(config.sigma, gap.wide / np.sqrt(12.0))
     level = float(normal @ floor.fit.shape.anchor)
-    patch = Patch(floor, floor.cells[floor.cells @ way < at], normal)
+    patch = Patch(floor, floor.cells[gap.before], normal)
     for place, into, sigma in ((at, 1.0, config.sigma), (far, -1.0, unsure)):
         span = (place - config.thick[0], place + config.thick[0])
         if patch.enters(known, way, span, config.height[1], into):
             continue
-        across = np.linspace(gap.low, gap.high, 3)[:, None, None] * np.cross(normal, way)
+        across = np.linspace(gap.low, gap.high, 3)[:, None, None] * along
         up = (level + np.array(config.height))[:, None] * normal
         points = (place * way + across + up).reshape(-1, 3)
         looks = np.tile(-into * way, (len(points), 1))
@@ -88,6 +97,11 @@ class _Gap(NamedTuple):
     low: float  # [mm] along it
     high: float
     wide: float  # [mm]
+    before: Bools  # (n,) places of the floor right before it
+
+    def beside(self, stop: Stop, along: Floats) -> bool:
+        """Whether a stroke was stopped between its ends."""
+        return self.low < float(stop.wall.pose[:3, 3] @ along) < self.high
 
 
 def _gap(depth: Floats, beside: Floats, config: DividerConfig) -> _Gap | None:
@@ -104,4 +118,4 @@ def _gap(depth: Floats, beside: Floats, config: DividerConfig) -> _Gap | None:
         return None
     edges = np.linspace(low, high, config.parts + 1)
     felt = all(np.histogram(beside[side], edges)[0].min() > 0 for side in (before, behind))
-    return _Gap(low, high, wide) if felt else None
+    return _Gap(low, high, wide, before) if felt else None

@@ -56,6 +56,12 @@ class Stop(NamedTuple):
     normal: Floats  # (3,) out of the wall
     offset: float  # [mm] of the wall along it
 
+    @property
+    def along(self) -> Floats:
+        """(3,) the way along the wall, on the face that it stands on."""
+        along = np.cross(self.wall.normal, self.normal)
+        return np.asarray(along / np.linalg.norm(along))
+
 
 def inferred_walls(
     walls: Sequence[Wall],
@@ -111,11 +117,8 @@ def _agreeing(
         alike = [
             s for s in stops if s.normal @ normal > config.flush and abs(s.offset - offset) < config.agree
         ]
-        behind = _felt_behind(alike[0], faces, config)
-        alike = _unparted(alike, behind, config)
+        alike = _unparted(alike, faces, config)
         stops = [s for s in stops if not any(s is other for other in alike)]
-        if len(behind) >= config.went and np.ptp(behind) > _width(alike):
-            continue
         ends = [
             rim.point
             for rim in rims
@@ -132,35 +135,28 @@ def _agreeing(
     return lots
 
 
+def _unparted(stops: list[Stop], faces: Sequence[Face], config: InferredWallConfig) -> list[Stop]:
+    """Of stops at one plane those with no wall missing between them and the first.
+
+    Bosses in the corners of a box stop strokes along its floor in one plane, and the floor goes on between them.
+    """
+    along = stops[0].along
+    behind = _felt_behind(stops[0], faces, config)
+    where = np.array([stop.wall.pose[:3, 3] @ along for stop in stops])
+    low, high = np.minimum(where, where[0]), np.maximum(where, where[0])
+    between = ((behind > low[:, None]) & (behind < high[:, None])).any(axis=1)
+    return [stop for stop, parted in zip(stops, between, strict=True) if not parted]
+
+
 def _felt_behind(stop: Stop, faces: Sequence[Face], config: InferredWallConfig) -> Floats:
     """(n,) [mm] along a wall, where the face that it stands on was felt right behind it."""
-    along, there = np.cross(stop.wall.normal, stop.normal), [np.empty(0)]
+    there = [np.empty(0)]
     for face in faces:
         if isinstance(face.fit, Fit) and _lies_on(face.fit, stop.wall, config):
             felt = face.contacts.points[face.contacts.touch != NOT_FELT]
             depth = stop.offset - felt @ stop.normal
-            there.append(felt[(depth > config.past[0]) & (depth < config.past[1])] @ along)
+            there.append(felt[(depth > config.past[0]) & (depth < config.past[1])] @ stop.along)
     return np.concatenate(there)
-
-
-def _unparted(stops: list[Stop], behind: Floats, config: InferredWallConfig) -> list[Stop]:
-    """Of stops at one plane those with no wall missing between them and the first, at (n,) [mm] along it.
-
-    Bosses in the corners of a box stop strokes along its floor in one plane, and the floor goes on between them.
-    """
-    along = np.cross(stops[0].wall.normal, stops[0].normal)
-    where = np.array([stop.wall.pose[:3, 3] @ along for stop in stops])
-    low, high = np.minimum(where, where[0]), np.maximum(where, where[0])
-    between = ((behind > low[:, None]) & (behind < high[:, None])).sum(axis=1)
-    return [stop for stop, count in zip(stops, between, strict=True) if not count]
-
-
-def _width(stops: list[Stop]) -> float:
-    """[mm] of a wall that stopped strokes, the housings that it stopped included."""
-    along = np.cross(stops[0].wall.normal, stops[0].normal)
-    reach = [float(np.abs(along @ stop.wall.pose[:3, :2]) @ stop.wall.half) for stop in stops]
-    where = [float(stop.wall.pose[:3, 3] @ along) for stop in stops]
-    return float(np.ptp(where)) + 2.0 * max(reach)
 
 
 def _ways(fits: Sequence[Fit]) -> Floats:

@@ -30,6 +30,7 @@ class ThinWallConfig:
     across: float = 0.1  # of a floor's places, on either hand, that lie beside what is looked at
     thick: tuple[float, float] = (0.8, 12.0)  # [mm] from the floor's last place to the outer side
     alike: float = 0.98  # least cosine between the way out and that of a stroke's stop
+    lay: float = 1.5  # [mm] of a pad that was stopped, from the floor
     before: float = 2.0  # [mm] before the floor's last place, from which a side may stand
     sigma: float = 0.3  # [mm] at least
     normal_sigma: float = 0.05  # [rad]
@@ -84,7 +85,10 @@ def _inner_side(
     met = [
         -stop.offset
         for stop in stops
-        if float(stop.normal @ way) < -config.alike and last - config.before < -stop.offset < end
+        if float(stop.normal @ way) < -config.alike
+        and last - config.before < -stop.offset < end
+        and low < float(stop.wall.pose[:3, 3] @ along) < high
+        and abs(float(stop.wall.pose[:3, 3] @ patch.normal) - level) < config.lay
     ]
     at = float(np.median(met)) if met else 0.5 * (last + end)
     sigma = config.sigma if met else max(config.sigma, (end - last) / np.sqrt(12.0))

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.dividers import dividers
+from exploration.planning.inferring.adding import once
+from exploration.planning.inferring.dividers import DividerConfig, dividers
 from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.open.known_face import KnownFace
 from primitives.evidence import NOT_FELT, Contacts
@@ -28,10 +29,10 @@ def floor(keep=lambda x, y: (x < NEAR - CLEAR) | (x > FAR + CLEAR)):
     return flat(0, np.column_stack([x[kept], y[kept], np.zeros(kept.sum())]), UP)
 
 
-def stop(at, normal, y=30.0):
-    middle = SimpleNamespace(normal=UP, pose=np.eye(4).copy())
-    middle.pose[:3, 3] = at * X + y * Y + 9.0 * normal
-    return Stop(middle, normal, float(at * normal @ X))
+def stop(at, normal, y=30.0, z=0.0, up=UP):
+    wall = SimpleNamespace(normal=up, pose=np.eye(4).copy())
+    wall.pose[:3, 3] = at * X + y * Y + z * UP + 9.0 * normal
+    return Stop(wall, normal, float(at * normal @ X))
 
 
 def test_one_stop_and_the_floor_behind_it_make_both_sides():
@@ -49,6 +50,32 @@ def test_a_stroke_from_behind_tells_the_far_side():
     sides = {tuple(lot.normals[0].round()): lot.points[:, 0] for lot in dividers([floor()], stops)}
     assert sides[1.0, 0.0, 0.0] == pytest.approx(FAR)
     assert sides[-1.0, 0.0, 0.0] == pytest.approx(NEAR)
+
+
+@pytest.mark.parametrize("other", [stop(31.0, X, y=400.0), stop(31.0, X, z=80.0), stop(31.0, Y)])
+def test_what_was_stopped_elsewhere_tells_no_far_side(other):
+    (far,) = (lot for lot in dividers([floor()], [stop(NEAR, -X), other]) if lot.normals[0] @ X > 0.9)
+    assert far.points[:, 0] == pytest.approx(NEAR + 0.5 * (FAR + CLEAR - NEAR), abs=0.8)
+    assert far.sigma.min() > 1.0
+
+
+@pytest.mark.parametrize("lay", [{"z": 6.0}, {"up": -UP}, {"y": 90.0}])
+def test_a_pad_that_lay_elsewhere_was_stopped_by_something_else(lay):
+    assert not list(dividers([floor()], [stop(NEAR, -X, **lay)]))
+
+
+def test_a_floor_that_was_felt_in_one_corner_behind_says_nothing_of_the_whole_width():
+    corner = floor(lambda x, y: (x < NEAR - CLEAR) | ((x > FAR + CLEAR) & ((y < 18.0) | (y > 50.0))))
+    assert not list(dividers([corner], [stop(NEAR, -X)]))
+    assert not list(dividers([floor()], [stop(NEAR, -X)], DividerConfig(wide=80.0)))
+
+
+def test_a_side_that_two_strokes_tell_is_said_once():
+    stops = [stop(NEAR, -X, y) for y in (20.0, 40.0)] + [stop(FAR, X)]
+    lots = once(dividers([floor()], stops))
+    assert sorted(tuple(lot.normals[0].round()) for lot in lots) == [(-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
+    (far,) = (lot for lot in lots if lot.normals[0] @ X > 0.9)
+    assert far.points[:, 0] == pytest.approx(FAR)
 
 
 def test_a_post_beside_which_the_floor_goes_on_is_no_divider():

@@ -67,6 +67,16 @@ def test_bosses_between_which_the_floor_goes_on_are_no_wall_and_a_rib_is_one():
     assert len(inferred_walls(behind_a_rib, PLATE)) == 1
 
 
+def test_a_block_that_stands_in_the_middle_of_a_plate_has_a_wall():
+    grid = np.array([[x, y, 0.0] for x in range(-60, 61, 2) for y in range(-60, 61, 2)], dtype=float)
+    outside = grid[(np.abs(grid[:, 0] - 20.0) > 12.0) | (np.abs(grid[:, 1]) > 22.0)]
+    contacts = Contacts.of(outside, np.broadcast_to(UP, outside.shape))
+    plate = SimpleNamespace(id=0, fit=fit("plane", contacts), contacts=contacts)
+    stops = [stopped([0.0, y, 0.0], [1.0, 0.0, 0.0]) for y in (-16.0, 0.0, 16.0)]
+    (lot,) = inferred_walls(stops, [plate, PLATE[1]])
+    assert lot.points[:, 0] == pytest.approx(10.0)
+
+
 def test_stops_round_a_boss_make_no_plane():
     stops = []
     for angle in np.linspace(0.0, 2 * np.pi, 8, endpoint=False):

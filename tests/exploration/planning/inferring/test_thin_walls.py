@@ -1,5 +1,7 @@
 """The inner sides of an open box, whose floor and outer sides were felt."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -19,6 +21,12 @@ def flat(number, points, normal):
     found = fit("plane", contacts)
     side = 1.0 if found.convex else -1.0
     return KnownFace(Face(number, found, contacts), found, side, np.asarray(points), np.empty((0, 3)))
+
+
+def stop(at, y=30.0, z=FLOOR):
+    wall = SimpleNamespace(normal=UP, pose=np.eye(4).copy())
+    wall.pose[:3, 3] = [at - 9.0, y, z]
+    return Stop(wall, -X, -at)
 
 
 def grid(*axes):
@@ -41,9 +49,13 @@ def test_the_inner_side_stands_half_way_between_floor_and_outer_side():
 
 
 def test_a_stroke_that_was_stopped_there_tells_where_it_stands():
-    (lot,) = thin_walls([INSIDE, OUTER], [Stop(None, -X, -97.0)])
+    (lot,) = thin_walls([INSIDE, OUTER], [stop(97.0)])
     assert lot.points[:, 0] == pytest.approx(97.0)
-    (lot,) = thin_walls([INSIDE, OUTER], [Stop(None, -X, -60.0)])  # at a boss, long before
+
+
+@pytest.mark.parametrize("other", [{"at": 60.0}, {"at": 97.0, "y": 200.0}, {"at": 97.0, "z": 40.0}])
+def test_a_stroke_that_was_stopped_elsewhere_does_not(other):
+    (lot,) = thin_walls([INSIDE, OUTER], [stop(**other)])
     assert lot.points[:, 0] == pytest.approx(96.0)
 
 
