@@ -40,9 +40,8 @@ def test_many_contacts_on_bends_scatter_as_their_faces_say_where_neighbors_misle
 
 
 @pytest.mark.parametrize("normals", [True, False])
-@pytest.mark.parametrize("count", [400, 1500])
-def test_exact_contacts_on_faces_along_the_axes_have_a_sigma(count, normals):
-    contacts = on_a_block(count, 0.0, np.random.default_rng(3), normals)
+def test_exact_contacts_on_faces_along_the_axes_have_a_sigma(normals):
+    contacts = on_a_block(1500, 0.0, np.random.default_rng(3), normals)
     assert 0.0 < scatter(contacts) < 1e-3 * np.linalg.norm(SIZE)
     rounded = Contacts.of(np.round(contacts.points, 2), contacts.normals if normals else None, 0.1, 0.05)
     assert 0.0 < scatter(rounded) < 0.02
