@@ -139,6 +139,5 @@ def _owners(contacts: Contacts, fits: list[Fit], before: Ints, options: SurfaceO
         beside = np.zeros(costs.shape, dtype=bool)
         beside[before[labeled[near.reshape(len(contacts), -1)]].T, np.arange(len(contacts))] = True
         judged = np.where(beside, costs, costs + np.where(felt, options.apart, np.inf))
-    best = judged.argmin(axis=0)
-    least = costs[best, np.arange(len(contacts))]
-    return np.where(least < bound, best, -1).astype(np.int64)
+    judged = np.where(costs < bound, judged, np.inf)
+    return np.where(np.isfinite(judged).any(axis=0), judged.argmin(axis=0), -1).astype(np.int64)

@@ -31,7 +31,7 @@ class DividerConfig:
     wide: float = 20.0  # [mm] side by side, at least
     parts: int = 3  # of that width, in each of which the floor was felt before and behind
     alike: float = 0.98  # least cosine between the way that was stopped and that of a stroke from behind
-    within: float = 0.3  # [mm] before the stop, where there still is floor
+    within: float = 0.3  # [mm] past the stop at most, where a place still is of the floor before it
     height: tuple[float, float] = (2.0, 5.0)  # [mm] over the floor, where housings are stopped
     sigma: float = 0.3  # [mm] at least
     normal_sigma: float = 0.05  # [rad]

@@ -40,10 +40,7 @@ class InferredWallConfig:
     behind: tuple[float, float] = (1.0, 5.0)  # [mm] behind a wall, where its material is
     beside: float = 4.0  # [mm] round a place of the wall, within which an array went through it
     went: int = 2  # places there that it went through, from which there is none
-    past: tuple[float, float] = (
-        0.7,
-        4.0,
-    )  # [mm] behind a wall, where the face that it stands on cannot go on
+    past: tuple[float, float] = (0.7, 4.0)  # [mm] behind a wall, where its floor was not felt
     stays: float = 0.3  # of the places that must be left
     sigma: float = 0.3  # [mm]
     normal_sigma: float = 0.05  # [rad]

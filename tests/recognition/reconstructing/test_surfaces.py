@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from primitives.evidence import Contacts
+from primitives.fit import fit
 from recognition.reconstructing.options import ReconstructSourceOptions
 from recognition.reconstructing.run import run
-from recognition.reconstructing.surfaces import SurfaceOptions, surfaces
+from recognition.reconstructing.surfaces import SurfaceOptions, _owners, surfaces
 
 
 def on_a_block(count, size=(60.0, 40.0, 12.0), seed=0):
@@ -92,3 +93,16 @@ def test_a_cloud_without_normals_knows_its_faces_and_their_sides():
         for p, n in zip(face.contacts.points, face.contacts.normals, strict=True)
     ]
     assert np.mean(np.array(agree) > 0.9) > 0.97
+
+
+def test_a_contact_that_its_neighbors_face_cannot_explain_is_of_another_that_can():
+    """Nearest to contacts of the lower plane, and just too far from it; only the upper one explains it."""
+    up, sigma = np.array([0.0, 0.0, 1.0]), 0.1
+    spread = np.random.default_rng(0).uniform(-5.0, 5.0, (40, 2))
+    low = np.column_stack([spread, np.zeros(40)])
+    high = np.column_stack([spread[:, 0] + 30.0, spread[:, 1], np.full(40, 1.22)])
+    points = np.concatenate([low, high, [[0.0, 0.0, 0.64]]])
+    contacts = Contacts.of(points, np.tile(up, (len(points), 1)), sigma, 0.05)
+    fits = [fit("plane", contacts.select(np.arange(40) + k)) for k in (0, 40)]
+    before = np.repeat([0, 1, -1], [40, 40, 1])
+    assert _owners(contacts, fits, before, SurfaceOptions())[-1] == 1
