@@ -19,7 +19,7 @@ from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import frame_along
 from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
 from recognition.assembly.arrangement import distinct_rows
-from recognition.assembly.box_kernel import greatest_boxes
+from recognition.assembly.step_kernels import cumulative, greatest_boxes, kept_sides
 
 _PARALLEL = 1e-3  # [rad] within which directions are one
 _KEPT = 1024  # candidates whose cells are remembered: a list is replayed with one of them changed
@@ -27,6 +27,7 @@ _ACROSS = 0.02  # [rad] from upright on a round surface's axis, within which a p
 _THROUGH = 0.1  # of a tube's radius, within which a plane runs through its ring's axis
 _CROSSED = 0.998  # most cosine between two planes through a ring's axis, that leave a bend between them
 Slab = tuple[int | None, int | None]  # the planes below and above, None where it is open
+Axes = tuple[int | None, int | None, int | None]  # indices of directions
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,17 @@ class Vocabulary:
         self.shapes, self.outside = shapes, outside
         self.directions = _directions(shapes, outside)
         self.frames = list(_frames(self.directions))
+        self._bins = [self._bins_of(axes) for axes in self.frames]
         self._held = lru_cache(maxsize=_KEPT)(self._held_by)
         self._round = list(self._round_candidates())
         self._alike = [self._alike_cells(list(own)) for _, own in groupby(self._round, lambda c: c.body)]
+
+    def _bins_of(self, axes: Axes) -> Ints:
+        """(c, 3) the bin of each cell along three directions, 0 along none."""
+        none = np.zeros(len(self.outside), dtype=np.int64)
+        return frozen(
+            np.stack([none if k is None else self.directions[k].bin for k in axes], axis=1), np.int64
+        )
 
     def mask(self, candidate: Candidate) -> Bools:
         """(c,) the cells that a candidate holds."""
@@ -143,17 +152,8 @@ class Vocabulary:
         planes = [i for i, s in enumerate(self.shapes) if isinstance(s, Plane)]
         if not planes:
             return None
-        beyond = self.outside[:, planes] != self.outside[cell, planes]
-        kept = np.ones(len(planes), dtype=bool)
-        missing = beyond.sum(axis=1)
-        while kept.sum() > 1:
-            alone = np.flatnonzero(missing == 1)
-            gains = np.where(kept, np.round(worth[alone] @ beyond[alone], 9), -np.inf)
-            k = int(np.argmax(gains))
-            if gains[k] < 0.0:
-                break
-            kept[k] = False
-            missing = missing - beyond[:, k]
+        beyond = self.outside[:, planes]
+        kept = kept_sides(beyond != beyond[cell], worth)
         sides = tuple((planes[k], bool(self.outside[cell, planes[k]])) for k in np.flatnonzero(kept))
         return Candidate("prism", sides=sides)
 
@@ -188,16 +188,10 @@ class Vocabulary:
     def _best_boxes(self, number: int, worth: Floats, most: int) -> list[tuple[float, Candidate]]:
         """All boxes of a frame at once, from the cumulative sums over its bins."""
         axes = self.frames[number]
-        counts = [1 if k is None else len(self.directions[k].planes) + 1 for k in axes]
-        bins = [0 if k is None else self.directions[k].bin for k in axes]
-        table = np.bincount(
-            np.ravel_multi_index(np.broadcast_arrays(np.zeros(len(worth), dtype=int), *bins)[1:], counts),
-            worth,
-            int(np.prod(counts)),
-        ).reshape(counts)
-        padded = np.pad(table, ((1, 0),) * 3).cumsum(0).cumsum(1).cumsum(2)
+        a, b, c = (1 if k is None else len(self.directions[k].planes) + 1 for k in axes)
+        counts = (a, b, c)
         ends = [_ends(n) for n in counts]
-        order, totals = greatest_boxes(padded, *ends, most)
+        order, totals = greatest_boxes(cumulative(self._bins[number], worth, counts), *ends, most)
         # an end that is open says less than one at a plane, so of equal boxes the more open stands
         spans = np.unravel_index(order, [len(e) for e in ends])
         openness = sum(
@@ -265,7 +259,7 @@ def _directions(shapes: Sequence[Shape], outside: Bools) -> list[Direction]:
     return out
 
 
-def _frames(directions: list[Direction]) -> Iterator[tuple[int | None, int | None, int | None]]:
+def _frames(directions: list[Direction]) -> Iterator[Axes]:
     """Perpendicular directions by threes, then pairs and single ones that are in no three."""
 
     def upright(a: int, b: int) -> bool:
@@ -281,7 +275,7 @@ def _frames(directions: list[Direction]) -> Iterator[tuple[int | None, int | Non
     yield from ((k, None, None) for k in everyone if k not in paired)
 
 
-def frame_of(directions: Sequence[Direction], axes: tuple[int | None, int | None, int | None]) -> Floats:
+def frame_of(directions: Sequence[Direction], axes: Axes) -> Floats:
     """(3, 3) rotation whose columns are the directions of a box's frame.
 
     Directions that are upright only nearly are turned no farther than they must (Schonemann 1966).
