@@ -165,15 +165,28 @@ class Recorder:
 
 def read(path: Path) -> Iterator[RecordedFrame | RecordedEvent]:
     """Everything whole in a recording, in order; one that was cut short just ends sooner."""
-    try:
-        with path.open("rb") as file:
-            magic = file.read(len(MAGIC))
-            if not MAGIC.startswith(magic):
-                raise PalpateError(f"{path} is not an MCAP recording; give an episode.mcap")
-            file.seek(0)
-            yield from _items(file)
-    except OSError as error:
-        raise PalpateError(f"cannot read {path}: {error.strerror or error}") from error
+    parts: dict[tuple[str, int, int], dict[str, Any]] = {}
+    with _opened(path) as file:
+        for topic, message in messages(file):
+            if topic in (_LOG, _SCENE):
+                continue
+            if topic == _EVENTS:
+                yield _event(message.log_time, message.data)
+                continue
+            _, sensor, part = topic.split("/")
+            key = (sensor, message.sequence, message.log_time)
+            found = parts.setdefault(key, {})
+            found[part] = json.loads(message.data)
+            if len(found) == 3:
+                yield _assembled(key, parts.pop(key))
+
+
+def events(path: Path) -> Iterator[RecordedEvent]:
+    """What `read` gives without the frames, which are nearly all of a recording and are not decoded here."""
+    with _opened(path) as file:
+        for topic, message in messages(file):
+            if topic == _EVENTS:
+                yield _event(message.log_time, message.data)
 
 
 def arrays(path: Path) -> tuple[str, ...]:
@@ -186,21 +199,22 @@ def arrays(path: Path) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _items(file: BinaryIO) -> Iterator[RecordedFrame | RecordedEvent]:
-    parts: dict[tuple[str, int, int], dict[str, Any]] = {}
-    for topic, message in messages(file):
-        body = json.loads(message.data)
-        if topic in (_LOG, _SCENE):
-            continue
-        if topic == _EVENTS:
-            yield RecordedEvent(message.log_time / 1e9, body["kind"], body["detail"])
-            continue
-        _, sensor, part = topic.split("/")
-        key = (sensor, message.sequence, message.log_time)
-        found = parts.setdefault(key, {})
-        found[part] = body
-        if len(found) == 3:
-            yield _assembled(key, parts.pop(key))
+@contextmanager
+def _opened(path: Path) -> Iterator[BinaryIO]:
+    try:
+        with path.open("rb") as file:
+            magic = file.read(len(MAGIC))
+            if not MAGIC.startswith(magic):
+                raise PalpateError(f"{path} is not an MCAP recording; give an episode.mcap")
+            file.seek(0)
+            yield file
+    except OSError as error:
+        raise PalpateError(f"cannot read {path}: {error.strerror or error}") from error
+
+
+def _event(time: int, data: bytes) -> RecordedEvent:
+    body = json.loads(data)
+    return RecordedEvent(time / 1e9, body["kind"], body["detail"])
 
 
 def _assembled(key: tuple[str, int, int], found: Mapping[str, Any]) -> RecordedFrame:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from exploration.planning.touching.findings import Findings
-from exploration.recordings.mcap import RecordedEvent, read
+from exploration.recordings.mcap import events
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace
@@ -95,9 +95,9 @@ class EvidenceLog:
 def explored(path: Path) -> Explored | None:
     """What the exploration of an episode had concluded at its end, or when it was cut short; None of others."""
     told: dict[str, list[Mapping[str, Any]]] = {kind: [] for kind in (CONTACTS, FACES, TRACE, ENDED)}
-    for item in read(path):
-        if isinstance(item, RecordedEvent) and item.kind in told:
-            told[item.kind].append(item.detail)
+    for event in events(path):
+        if event.kind in told:
+            told[event.kind].append(event.detail)
     if not told[FACES]:
         return None
     try:
