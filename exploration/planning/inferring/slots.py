@@ -141,7 +141,8 @@ def slots(known: Sequence[KnownFace], config: SlotConfig = SlotConfig()) -> list
     """The slots that go through, each once."""
     flat = [own for own in known if own.fit.kind == "plane"]
     axes = [own.fit.shape.direction for own in flat]
-    ways = [*axes, *(np.cross(a, b) for a, b in combinations(axes, 2) if abs(float(a @ b)) < config.snap)]
+    crossed = [np.cross(a, b) for a, b in combinations(axes, 2) if abs(float(a @ b)) < config.snap]
+    ways = np.array([*axes, *crossed]).reshape(-1, 3)
     out: list[Slot] = []
     for own in flat:
         for rim in slot_rims(own, ways, config):
@@ -151,8 +152,8 @@ def slots(known: Sequence[KnownFace], config: SlotConfig = SlotConfig()) -> list
     return out
 
 
-def slot_rims(own: KnownFace, ways: Sequence[Floats], config: SlotConfig = SlotConfig()) -> list[SlotRim]:
-    """The long gaps in a flat face; `ways` are directions that the object has."""
+def slot_rims(own: KnownFace, ways: Floats, config: SlotConfig = SlotConfig()) -> list[SlotRim]:
+    """The long gaps in a flat face; `ways` (n, 3) are directions that the object has."""
     if not len(own.cells) or not len(own.free):
         return []
     axis = own.side * own.fit.shape.direction
@@ -168,14 +169,12 @@ def slot_rims(own: KnownFace, ways: Sequence[Floats], config: SlotConfig = SlotC
     return found
 
 
-def _rim_of(
-    free: Floats, cells: Floats, axis: Floats, ways: Sequence[Floats], config: SlotConfig
-) -> SlotRim | None:
+def _rim_of(free: Floats, cells: Floats, axis: Floats, ways: Floats, config: SlotConfig) -> SlotRim | None:
     """The gap of (n, 3) free places among (m, 3) touched ones, where it is long and shut all round."""
     middle = free.mean(axis=0)
     along = np.linalg.svd(free - middle, full_matrices=False)[2][0]
-    near = [way for way in ways if np.linalg.norm(np.cross(way, along)) < config.snap]
-    along = along if not near else near[0] - float(near[0] @ axis) * axis
+    near = ways[np.linalg.norm(np.cross(ways, along), axis=1) < config.snap]
+    along = along if not len(near) else near[0] - float(near[0] @ axis) * axis
     along = along / np.linalg.norm(along)
     turn = np.column_stack([along, np.cross(axis, along)])
     inside, felt = (free - middle) @ turn, (cells - middle) @ turn

@@ -13,6 +13,7 @@ from itertools import product
 
 import numpy as np
 
+from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
@@ -68,9 +69,8 @@ class Climbing:
         """Whether something that nobody has felt yet may stand under a pad at a (4, 4) pose."""
         half = 0.5 * np.asarray(self.study.pad.size)
         felt, normal = self.reach.felt, -pose[:3, 2]
-        tops = (felt.points - pose[:3, 3]) @ pose[:3, :3]
-        known = (np.abs(tops[:, :2]) < half).all(axis=1) & (tops[:, 2] < -self.config.step)
-        if (known & (felt.facing @ normal > self.config.alike)).any():
+        over = in_box(felt.points, pose, (-half[0], -half[1], -np.inf), (half[0], half[1], -self.config.step))
+        if (felt.facing[over] @ normal > self.config.alike).any():
             return False
         x, y = (np.linspace(-side, side, 5) for side in half)
         under = np.stack(np.meshgrid(x, y, [-self.config.low]), axis=-1).reshape(-1, 3)

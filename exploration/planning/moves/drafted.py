@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from scipy.spatial import KDTree
 
+from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.moves.looking import Looking
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.lying import lying_places
@@ -107,10 +108,10 @@ class Drafted:
 
     def _under(self, surface: Predicted, pose: Floats) -> Bools:
         """(n,) what of a surface the array covers at a (4, 4) pose."""
-        local = np.abs((surface.points - pose[:3, 3]) @ pose[:3, :3])
-        half = 0.5 * np.asarray(self.study.pad.size)
-        facing = surface.normals @ -pose[:3, 2] > self.config.flush
-        return np.asarray((local < [*half, self.config.off]).all(axis=1) & facing)
+        (x, y), off = self.study.pad.size, self.config.off
+        under = in_box(surface.points, pose, (-0.5 * x, -0.5 * y, -off), (0.5 * x, 0.5 * y, off))
+        under[under] = surface.normals[under] @ -pose[:3, 2] > self.config.flush
+        return np.asarray(under)
 
     def _touch(self, goal: Floats) -> Done:
         self._tried.note(goal[:3, 3])

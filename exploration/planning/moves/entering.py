@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,12 +20,12 @@ from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from primitives import pose as se3
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.fit import Fit
 
 Move = Callable[[], Done]
-
+_Told = TypeVar("_Told")
 
 _ALIKE = 0.95  # cosine from which two faces look the same way
 _PLANE = 1.5  # [mm] off a face's plane, that is still in it
@@ -67,8 +68,8 @@ class Entering:
         """
         self.reach.lids = lids([mouth for mouth in across if not self._through.count(mouth.center)])
         turns = _once(alongs)
-        wide, known = 2.0 * float(self.study.pad.tool.high[:2].min()), self._on_faces()
-        untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, known)]
+        wide, floors = 2.0 * float(self.study.pad.tool.high[:2].min()), _once(self._floors())
+        untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, floors)]
         for ways in gathered(untold):
             rooms = ((mouth, self._room(mouth, turns)) for mouth in ways[:: max(1, len(ways) // _WAYS)])
             if way := next(((mouth, room) for mouth, room in rooms if room), None):
@@ -80,22 +81,25 @@ class Entering:
         poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
         return self.reach.with_room(poses)
 
-    def _untold(self, mouth: Mouth, known: Bools) -> bool:
-        """Whether neither a sounding nor a floor tells what is behind a mouth; `known` cells lie on a face."""
-        return self._sounded.count(mouth.center) == 0 and not self._floored(mouth, known)
+    def _untold(self, mouth: Mouth, floors: Callable[[Floats], Floats]) -> bool:
+        """Whether neither a sounding nor a floor tells what is behind a mouth."""
+        return self._sounded.count(mouth.center) == 0 and not self._floored(mouth, floors(mouth.normal))
 
-    def _on_faces(self) -> Bools:
-        """(n,) which felt cells lie on known faces: what a rolling pad felt of a bowl's side is no floor."""
+    def _floors(self) -> Callable[[Floats], Floats]:
+        """Of a (3,) normal the (n, 3) felt places that face along it and lie on known faces.
+
+        What a rolling pad felt of a bowl's side is no floor.
+        """
         felt, on = self.reach.felt, np.zeros(len(self.reach.felt.points), dtype=bool)
         for face in self.study.found.graph.faces:
             if isinstance(face.fit, Fit):
                 on |= felt.on(face.fit.shape, 1.0 if face.fit.convex else -1.0)
-        return on
+        points, facing = felt.points[on], felt.facing[on]
+        return lambda normal: points[facing @ normal > _ALIKE]
 
-    def _floored(self, mouth: Mouth, known: Bools) -> bool:
-        """Whether a floor behind a mouth is known already."""
-        felt = self.reach.felt
-        cells = felt.points[known & (felt.facing @ mouth.normal > _ALIKE)] - mouth.center
+    def _floored(self, mouth: Mouth, floors: Floats) -> bool:
+        """Whether one of (n, 3) places that face as a mouth does is a floor behind it."""
+        cells = floors - mouth.center
         deep = cells @ mouth.normal
         beside = np.linalg.norm(cells - deep[:, None] * mouth.normal, axis=1)
         return bool(((deep < -_PLANE) & (beside < self.config.known) & (deep > -self._deep)).any())
@@ -174,14 +178,14 @@ class Entering:
         return stroke.ended in ("wall", "length", "concavity")
 
 
-def _once(alongs: Callable[[Floats], list[Floats]]) -> Callable[[Floats], list[Floats]]:
-    """The same directions, asked for once on each normal: many ways lead across one mouth."""
-    known: dict[bytes, list[Floats]] = {}
+def _once(told: Callable[[Floats], _Told]) -> Callable[[Floats], _Told]:
+    """The same answer, asked for once on each normal: many ways lead across one mouth."""
+    known: dict[bytes, _Told] = {}
 
-    def answer(normal: Floats) -> list[Floats]:
+    def answer(normal: Floats) -> _Told:
         key = normal.tobytes()
         if key not in known:
-            known[key] = alongs(normal)
+            known[key] = told(normal)
         return known[key]
 
     return answer

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.lying import lying_places
 from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig
@@ -85,8 +86,9 @@ class OpenSurface:
 
     def _under(self, opened: Predicted, pose: Floats, off: float | None = None) -> Bools:
         """(n,) which places a pad at a (4, 4) pose would have felt, up to `off` mm from it."""
-        reach = [*(0.5 * np.asarray(self.study.pad.size)), self.config.off if off is None else off]
-        return np.asarray((np.abs((opened.points - pose[:3, 3]) @ pose[:3, :3]) < reach).all(axis=1))
+        (x, y), off = self.study.pad.size, self.config.off if off is None else off
+        low, high = (-0.5 * x, -0.5 * y, -off), (0.5 * x, 0.5 * y, off)
+        return np.asarray(in_box(opened.points, pose, low, high))
 
     def stroke_to(self, goal: Floats, face: int) -> Done:
         """From where the pad lies, over a (3,) goal and on."""
@@ -136,11 +138,10 @@ class OpenSurface:
 
     def _topped(self, pose: Floats) -> bool:
         """Whether the top of what stands under a pad at a (4, 4) pose was felt."""
-        felt, half = self.reach.felt, 0.5 * np.asarray(self.study.pad.size)
-        local = (felt.points - pose[:3, 3]) @ pose[:3, :3]
-        over = (np.abs(local[:, :2]) < half).all(axis=1) & (local[:, 2] < -self.config.top)
-        over &= local[:, 2] > -self.config.over
-        return bool((over & (felt.facing @ -pose[:3, 2] > self.config.alike)).any())
+        felt, (x, y) = self.reach.felt, self.study.pad.size
+        low, high = (-0.5 * x, -0.5 * y, -self.config.over), (0.5 * x, 0.5 * y, -self.config.top)
+        over = in_box(felt.points, pose, low, high)
+        return bool((felt.facing[over] @ -pose[:3, 2] > self.config.alike).any())
 
     def alongs(self, normal: Floats) -> list[Floats]:
         """Directions for the pad's x axis in a plane: along and across the faces that stand on it."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.open.frontier import Predicted
 from primitives import pose as se3
 from primitives.arrays import Floats
@@ -21,13 +22,13 @@ def lying_places(
     """(4, 4) poses of a pad of a `size` [mm] over `one` of the open places, x along one of `alongs`."""
     point, normal, face = left.points[one], left.normals[one], left.face[one]
     hx, hy = (0.5 * np.asarray(size) - _RIM).tolist()
+    low, high, points = (-hx, -hy, -_UNDER), (hx, hy, _UNDER), left.points[left.face == face]
     best: list[tuple[float, Floats]] = []
     for along in alongs:
         turn = se3.frame_along(-normal, along)
         for sx in _SHIFTS:
             for sy in _SHIFTS:
                 pose = se3.pose(turn, point + turn @ np.array([sx * hx, sy * hy, 0.0]))
-                local = (left.points - pose[:3, 3]) @ pose[:3, :3]
-                under = (np.abs(local) < [hx, hy, _UNDER]).all(axis=1) & (left.face == face)
+                under = in_box(points, pose, low, high)
                 best.append((-float(under.sum()) + 0.1 * float(np.hypot(sx, sy)), pose))
     return [pose for _, pose in sorted(best, key=lambda item: item[0])]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from exploration.planning.known.surface_map import clusters
@@ -41,16 +42,25 @@ def mouths(
 ) -> list[Mouth]:
     """Ways across from (n, 3) places `at` a rim, along (n, 3) ways `out`, to (m, 3) `cells` of the same face."""
     config = config or MouthConfig()
-    found: list[Mouth] = []
-    for place, way in zip(at, out, strict=True):
-        toward = cells - place
-        ahead = toward @ way
-        beside = np.linalg.norm(toward - ahead[:, None] * way, axis=1)
-        far = ahead[(beside < config.aside) & (ahead > config.least)]
-        if len(far) and far.min() < config.most:
-            width = float(far.min())
-            found.append(Mouth(place + 0.5 * width * way, normal, way, width))
-    return found
+    widths = _ahead(cells, at, out, config.aside, config.least)
+    return [
+        Mouth(place + 0.5 * width * way, normal, way, float(width))
+        for place, way, width in zip(at, out, widths, strict=True)
+        if width < config.most
+    ]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _ahead(cells: Floats, at: Floats, out: Floats, aside: float, least: float) -> Floats:
+    """(n,) [mm] along each way, more than `least`, to the first of the cells that is less than `aside` off it."""
+    widths = np.full(len(at), np.inf)
+    for k in range(len(at)):
+        for n in range(len(cells)):
+            x, y, z = cells[n, 0] - at[k, 0], cells[n, 1] - at[k, 1], cells[n, 2] - at[k, 2]
+            far = x * out[k, 0] + y * out[k, 1] + z * out[k, 2]
+            if least < far < widths[k] and x * x + y * y + z * z - far * far < aside * aside:
+                widths[k] = far
+    return widths
 
 
 def lids(found: Sequence[Mouth], spacing: float = 2.0) -> tuple[Floats, Floats]:

@@ -1,13 +1,27 @@
-"""Which poses of a set of boxes hold one of many points: asked for every step of every way that is looked at.
+"""Which of many points lie in a posed box, and which poses of boxes hold none of them.
 
-Along a way most points are never near: those outside the upright box about all that a box passes through are left
-out at once.
+The second is asked for every step of every way that is looked at.  Along a way most points are never near: those
+outside the upright box about all that a box passes through are left out at once.
 """
 
 import numba
 import numpy as np
 
 from primitives.arrays import Bools, Floats
+
+
+@numba.njit(cache=True, error_model="numpy")
+def in_box(
+    points: Floats, pose: Floats, low: tuple[float, float, float], high: tuple[float, float, float]
+) -> Bools:
+    """(n,) which of (n, 3) points lie in a box with given corners [mm] in the frame of a (4, 4) pose."""
+    out = np.empty(len(points), dtype=np.bool_)
+    for n in range(len(points)):
+        x, y, z = points[n, 0] - pose[0, 3], points[n, 1] - pose[1, 3], points[n, 2] - pose[2, 3]
+        out[n] = True
+        for i in range(3):
+            out[n] &= low[i] < pose[0, i] * x + pose[1, i] * y + pose[2, i] * z < high[i]
+    return out
 
 
 @numba.njit(cache=True, error_model="numpy")
