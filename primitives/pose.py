@@ -20,7 +20,7 @@ def pose(rotation: ArrayLike | None = None, translation: ArrayLike | None = None
     """A pose from a (..., 3, 3) rotation and a (..., 3) translation [mm]; each is the identity if absent."""
     r = np.eye(3) if rotation is None else np.asarray(rotation, dtype=float)
     t = np.zeros(3) if translation is None else np.asarray(translation, dtype=float)
-    shape = np.broadcast_shapes(r.shape[:-2], t.shape[:-1])
+    shape = () if r.ndim == 2 and t.ndim == 1 else np.broadcast_shapes(r.shape[:-2], t.shape[:-1])
     out = np.zeros((*shape, 4, 4))
     out[..., :3, :3] = r
     out[..., :3, 3] = t
@@ -136,15 +136,27 @@ def _left_jacobian(w: Floats) -> Floats:
 
 def frame_along(normal: ArrayLike, x_hint: ArrayLike | None = None) -> Floats:
     """A (3, 3) rotation whose z column is `normal` and whose x column is nearest to `x_hint`."""
-    z = np.asarray(normal, dtype=float)
-    z = z / np.linalg.norm(z)
-    hint = np.asarray(x_hint, dtype=float) if x_hint is not None else np.eye(3)[np.argmin(np.abs(z))]
+    hint = np.zeros(3) if x_hint is None else np.array(x_hint, dtype=float)
+    out: Floats = _frame(np.array(normal, dtype=float), hint)
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _frame(z: Floats, hint: Floats) -> Floats:
+    """`frame_along` of (3,) vectors; the axis least along `z` stands in for a hint that says nothing."""
+    out = np.empty((3, 3))
+    z = z / np.sqrt((z * z).sum())
     x = hint - (hint @ z) * z
-    if np.linalg.norm(x) < 1e-9 * max(1.0, float(np.linalg.norm(hint))):
-        x = np.eye(3)[np.argmin(np.abs(z))]
+    if (x * x).sum() <= 1e-18 * max(1.0, (hint * hint).sum()):
+        x = np.zeros(3)
+        x[np.argmin(np.abs(z))] = 1.0
         x = x - (x @ z) * z
-    x = x / np.linalg.norm(x)
-    return np.stack([x, np.cross(z, x), z], axis=1)
+    x /= np.sqrt((x * x).sum())
+    out[:, 0], out[:, 2] = x, z
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        out[i, 1] = z[j] * x[k] - z[k] * x[j]
+    return out
 
 
 def quaternion_wxyz(rotation: Floats) -> Floats:
@@ -186,10 +198,20 @@ def _quaternions(rotations: Floats) -> Floats:
 
 def from_quaternion(wxyz: ArrayLike, translation: ArrayLike | None = None) -> Floats:
     """The pose of a (..., 4) quaternion, normalized first, and a (..., 3) translation [mm]."""
-    q = np.asarray(wxyz, dtype=float)
-    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
-    k = hat(q[..., 1:])
-    return pose(np.eye(3) + 2.0 * q[..., :1, None] * k + 2.0 * (k @ k), translation)
+    q = np.array(wxyz, dtype=float, order="C")
+    return pose(_rotations(q.reshape(-1, 4)).reshape(*q.shape[:-1], 3, 3), translation)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _rotations(quaternions: Floats) -> Floats:
+    """(n, 3, 3) of (n, 4), which are normalized: one recorded pose after another is read with it."""
+    out = np.empty((len(quaternions), 3, 3))
+    for n in range(len(quaternions)):
+        w, x, y, z = quaternions[n] / np.sqrt((quaternions[n] ** 2).sum())
+        out[n, 0] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+        out[n, 1] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+        out[n, 2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+    return out
 
 
 def random_rotation(rng: np.random.Generator) -> Floats:
