@@ -66,5 +66,6 @@ $(VENV)/.bench: pyproject.toml | $(VENV)/.dev
 	@touch $@
 
 $(VENV)/.kernels: $(SOURCES) | $(VENV)/.installed
+	$(BIN)/python -m compileall -q primitives models exploration recognition
 	$(BIN)/python -m recognition.warm
 	@touch $@

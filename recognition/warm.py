@@ -21,7 +21,9 @@ from scipy.ndimage import gaussian_filter
 from exploration.control.edge_refined import Frames, moved_outward, nodes_along
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.stage_trail import StageTrail
+from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.known.swept_cells import SweptCells
+from exploration.planning.open.mouths import mouths
 from exploration.planning.open.views import best_view
 from exploration.planning.ways.routes import Tool
 from exploration.sensing.frame import TactileImage
@@ -33,6 +35,10 @@ from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.grain import Grain
+from primitives.shapes import Plane
+from recognition.assembly.lists import Target
+from recognition.assembly.search import shortest
+from recognition.assembly.vocabulary import Vocabulary
 from recognition.config import ExploreOptions
 from recognition.console import interrupts
 from recognition.explore import run as explore
@@ -87,9 +93,9 @@ def explore_once(folder: Path) -> None:
 
 
 def track_both(folder: Path) -> None:
-    """One edge of a block, and one face."""
+    """One edge of a disc, and one face: what has many facets is felt by rays, and not by drawing them."""
     for what in ("edge", "surface"):
-        track(TrackOptions(part="block", out=folder / what, what=what), View())
+        track(TrackOptions(part="disc", out=folder / what, what=what), View())
 
 
 def the_rest(folder: Path) -> None:
@@ -101,6 +107,7 @@ def the_rest(folder: Path) -> None:
     StageTrail(0.0, np.eye(4)).at(np.zeros(1), np.eye(4))
     look_once()
     bent_edge_once()
+    assemble_once()
 
 
 def look_once() -> None:
@@ -108,6 +115,10 @@ def look_once() -> None:
     tool, poles = Tool.of_size((8.0, 8.0)), np.concatenate([np.eye(3), -np.eye(3)])
     swept = SweptCells(np.repeat([-30.0, 30.0], 3))
     tool.clear(np.eye(4)[None], np.zeros((1, 3)), 0.0, 0.0)
+    rows = np.zeros((1, 6))
+    for points in (rows[:, :3], rows[:, :3].copy()):
+        in_box(points, np.eye(4), (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
+    mouths(10.0 * poles, rows[:, :3], poles[:1], poles[2])
     swept.holds_box(np.eye(4), tool.low, tool.high)
     best_view(10.0 * poles, poles, swept, tool.high[:2], np.eye(3))
 
@@ -118,6 +129,13 @@ def bent_edge_once() -> None:
     curve = np.column_stack([places, np.zeros((len(places), 2))])
     frames = Frames(flat, flat + 1.0, (1.8, 1.8), np.eye(4)[None], np.ones((1, 2)), 1.0, np.zeros(1))
     moved_outward(curve, frames, float(places[0]), rubber(1.2, (1.8, 1.8)))
+
+
+def assemble_once() -> None:
+    """A cube less its half, from three planes and the cells between them."""
+    planes = [Plane(np.array([height, 0.0, 0.0]), np.eye(3)[0]) for height in (-1.0, 0.0, 1.0)]
+    above = np.arange(4)[:, None] > np.arange(3)
+    shortest(Target(Vocabulary(planes, above), above.sum(axis=1) == 1, np.full(4, 100.0)))
 
 
 def match_once() -> None:
