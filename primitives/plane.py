@@ -52,6 +52,14 @@ class Plane(Revolution):
         zero, none = np.zeros_like(z), np.empty((len(z), 0))
         return Profile(z, zero, np.ones_like(z), zero, zero, none, none)
 
+    def signed_distance(self, points: Floats) -> Floats:
+        """The height of (n, 3) points [mm] over it: (n,) [mm], without a profile."""
+        return np.asarray((points - self.origin) @ self.normal)
+
+    def normals(self, points: Floats) -> Floats:
+        """The same at all (n, 3) points."""
+        return np.tile(self.normal, (len(points), 1))
+
     def roots(self, origins: Floats, directions: Floats) -> Floats:
         """At most one."""
         return linear_roots(directions[:, 2], origins[:, 2])

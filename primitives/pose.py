@@ -54,6 +54,21 @@ def hat(w: Floats) -> Floats:
     return out
 
 
+def cross(a: Floats, b: Floats) -> Floats:
+    """The product a x b of two (3,) vectors, for loops that take one at a time."""
+    out: Floats = _cross(np.array(a), np.array(b))  # one layout, for which the kernel is compiled
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _cross(a: Floats, b: Floats) -> Floats:
+    out = np.empty(3)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        out[i] = a[j] * b[k] - a[k] * b[j]
+    return out
+
+
 def rotation_exp(w: ArrayLike) -> Floats:
     """Rodrigues: the (..., 3, 3) rotation about w by |w| rad."""
     v = np.asarray(w, dtype=float)
@@ -152,10 +167,7 @@ def _frame(z: Floats, hint: Floats) -> Floats:
         x[np.argmin(np.abs(z))] = 1.0
         x = x - (x @ z) * z
     x /= np.sqrt((x * x).sum())
-    out[:, 0], out[:, 2] = x, z
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        out[i, 1] = z[j] * x[k] - z[k] * x[j]
+    out[:, 0], out[:, 1], out[:, 2] = x, _cross(z, x), z
     return out
 
 

@@ -21,10 +21,10 @@ from scipy.ndimage import gaussian_filter
 from exploration.control.edge_refined import Frames, moved_outward, nodes_along
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.stage_trail import StageTrail
-from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.known.swept_cells import SweptCells
 from exploration.planning.open.mouths import mouths
 from exploration.planning.open.views import best_view
+from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.ways.routes import Tool
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.levels import leveled
@@ -114,10 +114,10 @@ def look_once() -> None:
     """Round what is no block: ways past felt places, through swept cells, and in from afar."""
     tool, poles = Tool.of_size((8.0, 8.0)), np.concatenate([np.eye(3), -np.eye(3)])
     swept = SweptCells(np.repeat([-30.0, 30.0], 3))
-    tool.clear(np.eye(4)[None], np.zeros((1, 3)), 0.0, 0.0)
     rows = np.zeros((1, 6))
     for points in (rows[:, :3], rows[:, :3].copy()):
         in_box(points, np.eye(4), (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
+        tool.clear(np.eye(4)[None], points, 0.0, 0.0)
     mouths(10.0 * poles, rows[:, :3], poles[:1], poles[2])
     swept.holds_box(np.eye(4), tool.low, tool.high)
     best_view(10.0 * poles, poles, swept, tool.high[:2], np.eye(3))

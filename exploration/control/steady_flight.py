@@ -54,7 +54,7 @@ def fly(
         flange = here @ se3.inverse(flange_from_sensor)
         line = flange_goal[:3, 3] - flange[:3, 3]
         turned = se3.rotation_log(flange_goal[:3, :3] @ flange[:3, :3].T)
-        moved = line + np.cross(turned, here[:3, 3] - flange[:3, 3])  # of the sensor, by the same twist
+        moved = line + se3.cross(turned, here[:3, 3] - flange[:3, 3])  # of the sensor, by the same twist
         left = max(float(np.linalg.norm(line)) / speed, float(np.linalg.norm(turned)) / turn)
         nearest, since = (left, 0.0) if left < nearest else (nearest, since + guard.period)
         if left < last or (since > config.stuck and not guard.stage.held):

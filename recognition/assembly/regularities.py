@@ -24,7 +24,7 @@ from scipy.special import chdtri
 from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.fit import Fit
-from primitives.pose import frame_along
+from primitives.pose import cross, frame_along
 from primitives.residuals import advance, chart
 from primitives.shapes import Cone, Plane, Shape, Sphere
 
@@ -279,7 +279,7 @@ def _coaxial(state: _State) -> list[Proposal]:
 
 def _aligned(across: Floats) -> Constraint:
     def constraint(a: Shape, b: Shape) -> Floats:
-        out: Floats = np.cross(a.direction, b.direction) @ across
+        out: Floats = cross(a.direction, b.direction) @ across
         return out
 
     return constraint

@@ -13,10 +13,10 @@ from itertools import product
 
 import numpy as np
 
-from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
+from exploration.planning.ways.box_kernels import in_box
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -58,7 +58,7 @@ class Climbing:
         high = float(((felt - wall.point) @ wall.normal).max(initial=0.0))
         poses = []
         for reading, share in product((wall, *wall.readings()), self.config.beyond):
-            turn = self.study.pad.attitude(wall.normal, np.cross(wall.normal, reading.heading))
+            turn = self.study.pad.attitude(wall.normal, se3.cross(wall.normal, reading.heading))
             low = se3.pose(turn, reading.point + share * short * reading.heading)
             pose = low @ se3.pose(translation=[0.0, 0.0, -self.reach.off(low, high)])
             if self._unknown(pose):

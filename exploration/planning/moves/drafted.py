@@ -14,13 +14,13 @@ from functools import partial
 import numpy as np
 from scipy.spatial import KDTree
 
-from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.moves.looking import Looking
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.lying import lying_places
 from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
+from exploration.planning.ways.box_kernels import in_box
 from primitives.arrays import Bools, Floats
 
 SPACING = 3.0  # [mm] between the places that stand for a draft's surface, about

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.lying import lying_places
 from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
+from exploration.planning.ways.box_kernels import in_box
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
@@ -148,10 +148,10 @@ class OpenSurface:
         out: list[Floats] = []
         for face in self.study.found.graph.faces:
             if isinstance(face.fit, Fit) and face.fit.kind == "plane":
-                across = np.cross(face.fit.shape.normals(np.zeros((1, 3)))[0], normal)
+                across = se3.cross(face.fit.shape.direction, normal)
                 if np.linalg.norm(across) > 0.3:
                     across = across / np.linalg.norm(across)
                     out += [
-                        w for w in (across, np.cross(normal, across)) if all(abs(w @ o) < 0.98 for o in out)
+                        w for w in (across, se3.cross(normal, across)) if all(abs(w @ o) < 0.98 for o in out)
                     ]
         return out[:6] or [self.study.pad.guard.world_from_sensor[:3, 0]]

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exploration.planning.ways.box_kernels import in_box
 from exploration.planning.open.frontier import Predicted
+from exploration.planning.ways.box_kernels import in_box
 from primitives import pose as se3
 from primitives.arrays import Floats
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from primitives.arrays import Bools, Floats
+from primitives.pose import cross
 from primitives.shapes import Shape
 
 _STRAIGHT = 15.0  # [mm] on either side of a rim's middle, over which it is taken for straight
@@ -26,11 +27,12 @@ def rim_sighting(shape: Shape, side: float, at: Floats, out: Floats) -> Sighting
     beside = at[np.linalg.norm(at - point, axis=1) < _STRAIGHT]
     away = beside - beside.mean(axis=0)
     _, spread, ways = np.linalg.svd(away - np.outer(away @ normal, normal), full_matrices=False)
-    across = np.cross(ways[0], normal) * np.sign(np.cross(ways[0], normal) @ outward)
+    across = cross(ways[0], normal)
+    across = across * np.sign(across @ outward)
     long = len(away) > 2 and spread[0] > _SLENDER * spread[1] and float(np.ptp(away @ ways[0])) > _STRAIGHT
     if long and across @ outward > _AGREES:  # a line knows the way out better than its places do
         outward = across
-    tangent = np.cross(normal, outward)
+    tangent = cross(normal, outward)
     return Sighting(point + outward, tangent, outward, normal, 1.0, float(np.ptp(at @ tangent)))
 
 

@@ -57,13 +57,11 @@ def _passed(poses: Floats, points: Floats, low: Floats, high: Floats) -> Floats:
                 middle += poses[k, i, j] * 0.5 * (low[j] + high[j])
                 half += abs(poses[k, i, j]) * 0.5 * (high[j] - low[j])
             first[i], last[i] = min(first[i], middle - half), max(last[i], middle + half)
-    near, count = np.empty_like(points), 0
+    near, count = np.empty((len(points), 3)), 0
     for n in range(len(points)):
-        inside = True
-        for i in range(3):
-            inside &= first[i] <= points[n, i] <= last[i]
-        if inside:
-            near[count] = points[n]
+        x, y, z = points[n, 0], points[n, 1], points[n, 2]
+        if first[0] <= x <= last[0] and first[1] <= y <= last[1] and first[2] <= z <= last[2]:
+            near[count, 0], near[count, 1], near[count, 2] = x, y, z
             count += 1
     return near[:count]
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -96,15 +97,18 @@ class Tool:
         """(k,) whether no obstacle lies in the box at (k, 4, 4) poses; `front` [mm] is added before the skin."""
         if not len(obstacles):
             return np.ones(len(poses), dtype=bool)
-        ahead = np.array([self.high[0] + margin, self.high[1] + margin, self.high[2] + front])
-        return np.asarray(
-            free_of(
-                np.ascontiguousarray(poses),
-                np.ascontiguousarray(obstacles),
-                np.stack([np.eye(4), *(box.place for box in self.carried)]),
-                np.stack([self.low - margin, *(box.low - margin for box in self.carried)]),
-                np.stack([ahead, *(box.high + margin for box in self.carried)]),
-            )
+        places, low, high = self._boxes
+        ahead = high + margin
+        ahead[0, 2] = high[0, 2] + front
+        return np.asarray(free_of(np.ascontiguousarray(poses), obstacles, places, low - margin, ahead))
+
+    @cached_property
+    def _boxes(self) -> tuple[Floats, Floats, Floats]:
+        """(b, 4, 4) places and (b, 3) least and greatest corners [mm] of the array's box and of those carried."""
+        return (
+            np.stack([np.eye(4), *(box.place for box in self.carried)]),
+            np.stack([self.low, *(box.low for box in self.carried)]),
+            np.stack([self.high, *(box.high for box in self.carried)]),
         )
 
 

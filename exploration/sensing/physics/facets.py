@@ -121,5 +121,5 @@ class NearFacets:
         self._center = (float(x), float(y), float(z))
         center = np.array(self._center)
         away = np.maximum(0.0, np.maximum(self._low - center, center - self._high))
-        self.facets = self.all.take(np.flatnonzero((away * away).sum(axis=1) <= self._radius**2))
+        self.facets = self.all.take(np.flatnonzero(np.einsum("ij,ij->i", away, away) <= self._radius**2))
         return _SLACK
