@@ -80,6 +80,30 @@ def test_frame_along_is_a_rotation_with_its_axis(z):
     assert np.allclose(frame[:, 2], z / np.linalg.norm(z))
 
 
+@given(vectors, vectors)
+def test_a_frame_is_turned_to_its_hint_as_far_as_its_axis_lets_it(z, hint):
+    frame, z = pose.frame_along(z, hint), z / np.linalg.norm(z)
+    assert np.allclose(frame @ frame.T, np.eye(3), atol=1e-9)
+    assert np.allclose(frame[:, 1], np.cross(frame[:, 2], frame[:, 0]), atol=1e-12)
+    left = hint - (hint @ z) * z
+    if np.linalg.norm(left) > 1e-6:
+        assert np.allclose(frame[:, 0], left / np.linalg.norm(left), atol=1e-6)
+
+
+@given(vectors, vectors)
+def test_one_product_of_two_vectors_is_that_of_many(a, b):
+    assert np.allclose(pose.cross(a, b), np.cross(a, b), atol=1e-15)
+
+
+@given(
+    arrays(float, (3, 4), elements=st.floats(-1, 1)).filter(lambda q: (np.abs(q).max(axis=1) > 1e-3).all())
+)
+def test_a_rotation_of_a_quaternion_agrees_with_scipy(wxyz):
+    turned = pose.from_quaternion(wxyz)[:, :3, :3]
+    assert np.allclose(turned, Rotation.from_quat(wxyz[:, [1, 2, 3, 0]]).as_matrix(), atol=1e-12)
+    assert np.allclose(pose.from_quaternion(wxyz[0])[:3, :3], turned[0], atol=1e-15)
+
+
 def test_turn_about_leaves_its_axis_where_it_is():
     motion = pose.turn_about([1.0, 2, 3], [0, 0, 1.0], 0.7)
     assert np.allclose(pose.transform_points(motion, np.array([[1.0, 2, 9]])), [[1.0, 2, 9]])

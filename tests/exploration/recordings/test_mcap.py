@@ -10,7 +10,7 @@ import pytest
 from mcap.reader import make_reader
 
 from exploration.recordings.episode import read_episode
-from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, arrays, read
+from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, arrays, events, read
 from exploration.sensing.frame import TaxelFrame
 from primitives.errors import PalpateError
 from primitives.pose import pose, random_rotation
@@ -58,6 +58,7 @@ def test_what_is_recorded_reads_back_in_order(recorded):
         np.testing.assert_allclose(found.wrench, wrench, rtol=1e-8)
     assert items[0] == RecordedEvent(0.0, "touch", items[0].detail)
     assert items[0].detail["index"] == 0
+    assert list(events(recorded)) == [item for item in items if isinstance(item, RecordedEvent)]
 
 
 def test_an_array_that_is_turned_to_the_object_late_is_read_as_the_others_are(tmp_path):

@@ -5,7 +5,7 @@ from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.inferring.inferred_walls import inferred_walls
 from exploration.planning.moves.entering import Entering
-from exploration.planning.open.mouths import gathered, lids, mouths
+from exploration.planning.open.mouths import MouthConfig, gathered, lids, mouths
 from exploration.planning.touching.findings import ExplorerConfig, Findings
 from exploration.planning.touching.pad import Pad
 from exploration.planning.touching.reach import Reach
@@ -31,6 +31,21 @@ def top_of_slotted_block():
     cells = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 15.0)])
     rim = cells[np.abs(cells[:, 0]) < 10.0]
     return cells, rim, -np.sign(rim[:, :1]) * np.array([[1.0, 0.0, 0.0]])
+
+
+def test_a_mouth_is_as_wide_as_the_first_place_straight_ahead_is_far():
+    rng = np.random.default_rng(3)
+    cells, rim = rng.uniform(-60.0, 60.0, (400, 3)), rng.uniform(-60.0, 60.0, (200, 3))
+    out = rng.normal(size=(200, 3))
+    out /= np.linalg.norm(out, axis=1, keepdims=True)
+    told = []
+    for place, way in zip(rim, out, strict=True):
+        ahead = (cells - place) @ way
+        beside = np.linalg.norm(cells - place - ahead[:, None] * way, axis=1)
+        far = ahead[(beside < MouthConfig.aside) & (ahead > MouthConfig.least) & (ahead < MouthConfig.most)]
+        told += [far.min()] if len(far) else []
+    assert len(told) > 20
+    assert np.allclose([mouth.width for mouth in mouths(cells, rim, out, UP)], told)
 
 
 def test_a_slot_has_one_mouth_with_its_middle_over_the_slots():
