@@ -188,11 +188,11 @@ class AnyForm:
 
     def _look(self, frontier: LocalFrontier) -> Callable[[], Done] | None:
         """From afar where nobody was, and at the rims of what has no room for an array."""
-        seen, known = self.found.rims, frontier.known
-        openings = [*frontier.openings, *far_ends(seen, known, WHERE_TO_LOOK)]
+        seen, flat = self.found.rims, [own for own in frontier.known if own.fit.kind == "plane"]
+        openings = [*frontier.openings, *far_ends(seen, flat, WHERE_TO_LOOK)]
         round_ = [opening for opening in openings if not self._refuted(opening)]
         straight = [rim for rim in frontier.rims if not any(o.holds(rim[0].point) for o in round_)]
-        looks = self._holes.next([*openings, *narrower_ends(seen, known)])
+        looks = self._holes.next([*openings, *narrower_ends(seen, flat)])
         return self._looking.next() or looks or self._rim_looks.next(straight)
 
     def _own_faces(self) -> list[int]:

@@ -31,7 +31,7 @@ from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
-from exploration.planning.moves.round_holes import Hole, holes_of
+from exploration.planning.open.holes import Hole, holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
@@ -119,7 +119,8 @@ def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: F
         ]
         for rims in (found.wall_rims, found.glimpsed)
     )
-    found.openings = _holes(found, found.rims, guessed, inside, frontier().known)
+    rims = [*found.rims, *frontier().round_gaps]
+    found.openings = _holes(found, rims, guessed, inside, frontier().known)
     through = far_ends(found.openings, known := frontier().known)
     left = _holes(found, [*found.openings, *through], [], inside, known)
     found.openings = [rim for rim in left if not any(rim is end for end in through)]

@@ -1,7 +1,7 @@
 """Round holes that come out of a face of which nobody saw the rim there.
 
-A look at a hole's rim tells its radius and axis.  Where the flat face that lies behind, and looks the other way,
-was found to be missing just where the hole would come out, the hole goes through: that its other rim was not made
+A look at a hole's rim tells its radius and axis.  Where the face that lies behind, and looks the other way, was
+found to be missing just where the hole would come out, the hole goes through: that its other rim was not made
 out says less than that.  Where that face was touched across the hole, it is shut there, or comes out narrower, as
 a counterbore does; skin bridges a narrow hole, so that only a look tells (our derivation).
 """
@@ -71,9 +71,11 @@ def _end(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> RoundRim | Non
     if deep is None:
         return None
     center = rim.center - deep * rim.axis
-    touched, missing = (aside(places, center, rim.axis) for places in (own.cells, own.free))
+    touched, missing = (
+        aside(_near(places, center, rim, config), center, rim.axis) for places in (own.cells, own.free)
+    )
     gone = int((missing < config.within * rim.radius).sum()) >= config.least
-    bare = config.bare * rim.radius < touched.min() < rim.radius + config.beside
+    bare = config.bare * rim.radius < touched.min(initial=np.inf) < rim.radius + config.beside
     return _opposite(rim, deep, own, rim.radius, config) if gone and bare else None
 
 
@@ -82,18 +84,23 @@ def _across(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> list[tuple[
     deep = _deep(rim, own, config)
     if deep is None:
         return []
-    touched = float(aside(own.cells, rim.center, rim.axis).min())
+    cells = _near(own.cells, rim.center - deep * rim.axis, rim, config)
+    touched = float(aside(cells, rim.center, rim.axis).min(initial=np.inf))
     return [(deep, touched)] if touched < config.bare * rim.radius else []
 
 
 def _deep(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> float | None:
-    """[mm] behind a rim, where its axis comes out of a flat face; None where it does not."""
-    if own.fit.kind != "plane" or not len(own.cells):
+    """[mm] behind a rim, where its axis comes straight out of a face; None where it does not."""
+    if not len(own.cells):
         return None
-    axis = own.side * own.fit.shape.direction
-    slope = float(axis @ rim.axis)
-    deep = float((rim.center - own.fit.shape.anchor) @ axis) / slope if slope < -config.upright else 0.0
-    return deep if 0.0 < deep < config.deepest else None
+    hits = own.fit.shape.cast_rays(rim.center[None], -rim.axis[None])
+    deep, slope = float(hits.distance[0]), own.side * float(hits.normals[0] @ rim.axis)
+    return deep if 0.0 < deep < config.deepest and slope < -config.upright else None
+
+
+def _near(places: Floats, center: Floats, rim: RoundRim, config: FarEndsConfig) -> Floats:
+    """Those of (n, 3) places of a face that are about where a hole comes out; its axis meets a bore twice."""
+    return np.asarray(places[np.linalg.norm(places - center, axis=1) < rim.radius + config.beside])
 
 
 def _opposite(rim: RoundRim, deep: float, own: KnownFace, radius: float, config: FarEndsConfig) -> RoundRim:

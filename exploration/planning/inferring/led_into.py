@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.moves.round_holes import Hole
+from exploration.planning.open.holes import Hole
 from exploration.planning.open.round_rims import RoundRim
 from primitives.fit import Fit
 from primitives.patch_graph import Face

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exploration.planning.moves.round_holes import Hole
+from exploration.planning.open.holes import Hole
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit

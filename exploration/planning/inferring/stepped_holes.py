@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exploration.planning.moves.round_holes import Hole
+from exploration.planning.open.holes import Hole
 from exploration.planning.open.round_rims import RoundRim, far_end
 from exploration.planning.touching.findings import Stopped
 from primitives.arrays import Floats

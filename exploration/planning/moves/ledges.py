@@ -17,7 +17,7 @@ import numpy as np
 from exploration.control.procedures.approach import ApproachConfig, advance
 from exploration.control.procedures.land import strongest
 from exploration.control.procedures.tare import tare
-from exploration.planning.moves.round_holes import ends_of_one
+from exploration.planning.open.holes import ends_of_one
 from exploration.planning.open.round_rims import RoundRim, far_end
 from exploration.planning.touching.findings import Attempts, Done, Stopped
 from exploration.planning.touching.reach import Reach

@@ -24,6 +24,7 @@ from exploration.planning.open.mouths import Mouth, mouths
 from exploration.planning.open.pit_rims import pit_rims
 from exploration.planning.open.rim_sightings import by_heading, rim_sighting
 from exploration.planning.open.ring_ends import ring_ends
+from exploration.planning.open.round_gaps import round_gaps
 from exploration.planning.open.round_rims import RoundRim
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT
@@ -138,6 +139,17 @@ class LocalFrontier:
                     found.append(rim)
         for rim in pit_rims(self.pits, self.known):
             found += [] if self._known_as(rim, found) else [rim]
+        return found
+
+    @cached_property
+    def round_gaps(self) -> list[RoundRim]:
+        """Mouths of round holes in round faces, behind whose rim no face is known, and which nothing fills."""
+        found: list[RoundRim] = []
+        for own in self.known:
+            for rim in round_gaps(own):
+                at, ways = rim.places()
+                if self._explained(own, at, -ways).mean() < self.config.known and not self._filled(rim):
+                    found.append(rim)
         return found
 
     def _known_as(self, rim: RoundRim, others: Sequence[RoundRim]) -> bool:

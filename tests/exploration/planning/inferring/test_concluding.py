@@ -11,7 +11,7 @@ from exploration.planning.inferring.adding import add
 from exploration.planning.inferring.concluding import _ended, _holes, _part_of, conclude, unexplained
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
-from exploration.planning.moves.round_holes import Hole
+from exploration.planning.open.holes import Hole
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
 from primitives.evidence import NOT_FELT, Contacts
@@ -77,7 +77,10 @@ def test_a_round_opening_goes_on_to_the_countersink_behind_it():
 def test_a_hole_into_a_hollow_ends_there_though_an_array_went_in_from_the_other_side():
     hollow, around = Sphere(np.zeros(3), 30.0), np.linspace(0.0, 6.0, 30)
     points = hollow.project(np.column_stack([9.0 * np.cos(around), 9.0 * np.sin(around), 20.0 + around]))
-    found, frontier = Findings(), SimpleNamespace(openings=[], known=[], placed=list, ends=list)
+    found, frontier = (
+        Findings(),
+        SimpleNamespace(openings=[], round_gaps=[], known=[], placed=list, ends=list),
+    )
     found.graph, own = found.graph.add_stroke(Contacts.of(points, -hollow.normals(points), 0.02, 0.01))
     assert not found.graph.face(own).fit.convex
     top = np.array([[x, y, 35.0] for x in (-9.0, 0.0, 9.0) for y in (-9.0, 0.0, 9.0)])
@@ -97,7 +100,7 @@ def test_a_round_hole_between_two_rims_is_known_before_it_is_asked_what_stopped_
         found.graph, own = found.graph.add_stroke(Contacts.of(square + z * Z, np.tile(way, (9, 1))))
         found.rims.append(RoundRim(z * Z, way, 9.0, 0.05, own, True))
     known = []
-    frontier = SimpleNamespace(openings=[], known=[], placed=list, ends=list)
+    frontier = SimpleNamespace(openings=[], round_gaps=[], known=[], placed=list, ends=list)
     conclude(found, lambda: known.append({f.fit.kind for f in found.graph.faces}) or [], lambda: frontier)
     assert "cylinder" in known[0]
 
@@ -116,7 +119,10 @@ def ring_with_rims():
 
 
 def test_rims_of_faces_that_turned_out_to_be_a_ring_make_no_hole_and_no_wall():
-    found, frontier = ring_with_rims(), SimpleNamespace(openings=[], known=[], placed=list, ends=list)
+    found, frontier = (
+        ring_with_rims(),
+        SimpleNamespace(openings=[], round_gaps=[], known=[], placed=list, ends=list),
+    )
     conclude(found, list, lambda: frontier)
     assert [face.fit.kind for face in found.graph.faces] == ["torus"]
 

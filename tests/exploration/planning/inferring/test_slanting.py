@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exploration.planning.inferring.slanting import slanting
-from exploration.planning.moves.round_holes import Hole
+from exploration.planning.open.holes import Hole
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 from primitives.pose import frame_along

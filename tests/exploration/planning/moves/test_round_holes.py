@@ -7,7 +7,8 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
-from exploration.planning.moves.round_holes import RoundHoles, holes_of
+from exploration.planning.moves.round_holes import RoundHoles
+from exploration.planning.open.holes import holes_of
 from exploration.planning.open.round_rims import RoundRim
 from exploration.sensing.frame import TactileImage, TaxelArray
 from exploration.sensing.lines.blurred_disc import of_disc

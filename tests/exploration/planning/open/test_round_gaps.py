@@ -1,0 +1,67 @@
+"""Mouths of holes in round faces, of places touched and found free as a skin that spans a rim leaves them."""
+
+import numpy as np
+import pytest
+
+from exploration.planning.inferring.far_ends import far_ends, shut
+from exploration.planning.known.surface_map import SurfaceMap
+from exploration.planning.open.holes import holes_of
+from exploration.planning.open.known_face import KnownFace
+from exploration.planning.open.round_gaps import RoundGapsConfig, round_gaps
+from exploration.planning.open.round_rims import aside
+from primitives.evidence import Contacts
+from primitives.patch_graph import MergeOptions, ranked_face
+
+X, Z = np.eye(3)[0], np.eye(3)[2]
+AT = np.array([0.0, 0.0, 5.0])
+NOWHERE = np.empty((0, 3))
+SPANS = RoundGapsConfig().spans
+
+
+def tube(radius, side=1.0, missing=lambda points: np.zeros(len(points), bool), step=1.9):
+    """A round bar's side, or a bore's, along z, touched all round but where it is missing, and free there."""
+    turn, height = np.meshgrid(np.arange(0.0, 2.0 * np.pi, step / radius), np.arange(-25.0, 25.0, step))
+    normals = side * np.column_stack([np.cos(turn.ravel()), np.sin(turn.ravel()), np.zeros(turn.size)])
+    points = side * radius * normals + height.reshape(-1, 1) * Z
+    gone = missing(points)
+    contacts = Contacts.of(points[~gone], normals[~gone], 0.01)
+    face, felt = ranked_face(7, contacts, MergeOptions()), SurfaceMap()
+    felt.add(contacts.points, contacts.normals)
+    return KnownFace.of(face, face.fit, felt, points[gone] - 0.3 * normals[gone], 5.0)
+
+
+def drilled(radius, axis=X):
+    """Where skin finds a hole across a bar, which it spans for a little at its rim."""
+    return lambda points: aside(points, AT, axis) < radius - SPANS
+
+
+@pytest.mark.parametrize(("radius", "hole"), [(17.0, 5.5), (30.0, 8.0), (12.0, 5.0), (26.0, 4.0)])
+def test_a_hole_across_a_bar_has_two_mouths_that_are_its_ends(radius, hole):
+    found = round_gaps(tube(radius, missing=drilled(hole)))
+    assert sorted(round(float(rim.axis @ X)) for rim in found) == [-1, 1]
+    for rim in found:
+        assert np.linalg.norm(rim.center - AT - radius * rim.axis) < 1.0
+        assert abs(rim.radius - hole) < 0.7
+    (through,), left = holes_of(found, NOWHERE)
+    assert not left
+    assert abs(through.depth - 2.0 * radius) < 0.5
+    assert abs(through.radius - hole) < 0.5
+
+
+def test_a_mouth_that_is_not_round_is_none_nor_is_a_bar_without_one():
+    assert round_gaps(tube(17.0)) == []
+    keyway = tube(17.0, missing=lambda points: (points[:, 0] > 0.0) & (np.abs(points[:, 1]) < 3.0))
+    assert round_gaps(keyway) == []
+
+
+def test_a_hole_in_a_tubes_wall_comes_out_in_its_bore_where_that_is_missing():
+    one = lambda points: drilled(6.0)(points) & (points[:, 0] > 0.0)  # noqa: E731
+    (rim,) = round_gaps(tube(25.0, missing=one))
+    bore = tube(15.0, -1.0, one)
+    assert round_gaps(bore) == []  # its mouths are seen from outside
+    (end,) = far_ends([rim], [bore])
+    assert np.linalg.norm(end.center - AT - 15.0 * X) < 1.0
+    assert shut(rim, [bore]) == np.inf
+    whole = tube(15.0, -1.0)
+    assert far_ends([rim], [whole]) == []
+    assert abs(shut(rim, [whole]) - 10.0) < 0.5
