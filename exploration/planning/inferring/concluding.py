@@ -26,6 +26,7 @@ from exploration.planning.inferring.parted_ends import parted_ends
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
+from exploration.planning.inferring.rounded_corners import rounded_corners
 from exploration.planning.inferring.slanting import slanting
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
@@ -57,6 +58,7 @@ _BY_OUTSIDE = (
 )
 _BY_FLOOR = "a side of what stands on a floor is inferred from a stroke it stopped and the floor behind it"
 _BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where both its sides end"
+_BY_CORNER = "a rounded corner of a plate is inferred from where both its sides end between two walls"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
@@ -103,6 +105,9 @@ def conclude(
     now = frontier()
     for lot in outline_walls(now.known, now.ends(), found.graph.faces):
         add(found, lot, _BY_OUTLINE)
+    for lot, flat in rounded_corners(now.known, found.graph.faces):
+        found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
+        add(found, lot, _BY_CORNER, "cylinder")
     found.warnings.extend(rim.told() for rim in found.openings)
 
 
