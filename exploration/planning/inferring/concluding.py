@@ -18,7 +18,7 @@ from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
-from exploration.planning.inferring.far_ends import far_ends, shut
+from exploration.planning.inferring.far_ends import far_ends, into_bores, shut
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.outlines import outline_walls
@@ -127,6 +127,7 @@ def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: F
     rims = [*found.rims, *frontier().round_gaps]
     found.openings = _holes(found, rims, guessed, inside, frontier().known)
     through = far_ends(found.openings, known := frontier().known)
+    through += into_bores(found.openings, found.graph.faces)
     left = _holes(found, [*found.openings, *through], [], inside, known)
     found.openings = [rim for rim in left if not any(rim is end for end in through)]
 

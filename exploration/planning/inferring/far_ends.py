@@ -3,19 +3,25 @@
 A look at a hole's rim tells its radius and axis.  Where the face that lies behind, and looks the other way, was
 found to be missing just where the hole would come out, the hole goes through: that its other rim was not made
 out says less than that.  Where that face was touched across the hole, it is shut there, or comes out narrower, as
-a counterbore does; skin bridges a narrow hole, so that only a look tells (our derivation).
+a counterbore does; skin bridges a narrow hole, so that only a look tells.  A hole that leads straight into a bore
+comes out there, unless that was felt where it would (our derivation).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim, aside
 from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+from primitives.shapes import Cylinder
 
 
 @dataclass(frozen=True)
@@ -44,6 +50,28 @@ def far_ends(
     for rim in (rim for rim in rims if rim.measured):
         ends = [end for own in known if (end := _end(rim, own, config)) is not None]
         found += sorted(ends, key=lambda end: float((rim.center - end.center) @ rim.axis))[:1]
+    return found
+
+
+def into_bores(
+    rims: Sequence[RoundRim], faces: Sequence[Face], config: FarEndsConfig = FarEndsConfig()
+) -> list[RoundRim]:
+    """Where holes in a tube's wall come out in its bore, of which nobody may have felt anything there."""
+    found: list[RoundRim] = []
+    for rim, face in product(rims, faces):
+        if not isinstance(face.fit, Fit) or not isinstance(face.fit.shape, Cylinder) or face.fit.convex:
+            continue
+        hits = face.fit.shape.cast_rays(rim.center[None], -rim.axis[None])
+        deep, slope = float(hits.distance[0]), -float(hits.normals[0] @ rim.axis)
+        if not 0.0 < deep < config.deepest or slope > -config.upright:
+            continue
+        end, along = rim.center - deep * rim.axis, face.fit.shape.direction
+        heights = (face.contacts.points - end) @ along
+        goes_on = heights.min() < config.beside and heights.max() > -config.beside
+        felt = face.contacts.points[face.contacts.touch != NOT_FELT]
+        shut = (np.linalg.norm(felt - end, axis=1) < config.bare * rim.radius).any()
+        if goes_on and not shut:
+            found.append(replace(rim, center=end, axis=-rim.axis, face=face.id, measured=False))
     return found
 
 

@@ -41,6 +41,7 @@ class LocalFrontierConfig:
     least_rim: int = 4  # touched cells of one
     known: float = 0.5  # share of a round gap's rim that a face must explain
     boss: tuple[float, float] = (1.0, 8.0)  # [mm] above a face, where something stands in a gap of it
+    eccentric: tuple[float, float] = (3.0, 0.25)  # [mm], or of its radius, that a bore's gap is off its ring
     cluster: float = 6.0  # [mm] between neighbors of one rim
 
 
@@ -125,18 +126,20 @@ class LocalFrontier:
     @cached_property
     def openings(self) -> list[RoundRim]:
         """Round gaps in flat faces, behind whose rim no face is known, and from which nothing stands up."""
-        found = [rim for rim in ring_ends(self.known) if not self._filled(rim)]
-        rings = [rim.center for rim in found]
+        rings = [rim for rim in ring_ends(self.known) if not self._filled(rim)]
+        found: list[RoundRim] = []
         for own in self.known:
             if own.fit.kind != "plane":
                 continue
             axis = own.side * own.fit.shape.direction
             for rim in gaps(own.cells, own.free, axis, own.face.id):
-                if any(rim.holds(center) for center in rings):
+                if any(self._concentric(rim, ring) for ring in rings):
                     continue
                 at, ways = rim.places()
                 if self._explained(own, at, -ways).mean() < self.config.known and not self._filled(rim):
                     found.append(rim)
+                    rings = [ring for ring in rings if not rim.holds(ring.center)]
+        found = [*rings, *found]
         for rim in pit_rims(self.pits, self.known):
             found += [] if self._known_as(rim, found) else [rim]
         return found
@@ -151,6 +154,12 @@ class LocalFrontier:
                 if self._explained(own, at, -ways).mean() < self.config.known and not self._filled(rim):
                     found.append(rim)
         return found
+
+    def _concentric(self, rim: RoundRim, ring: RoundRim) -> bool:
+        """Whether a gap is the bore of a ring, and no pocket beside the middle of what only seems one."""
+        off = float(np.linalg.norm(rim.center - ring.center))
+        least, share = self.config.eccentric
+        return rim.holds(ring.center) and off < max(least, share * rim.radius)
 
     def _known_as(self, rim: RoundRim, others: Sequence[RoundRim]) -> bool:
         """Whether a narrow hole is one of other openings, or a face is known behind its rim."""

@@ -97,6 +97,23 @@ def test_the_rim_of_a_hole_is_a_circle_of_its_radius():
     assert np.linalg.norm(rim.center - [3.0, -2.0, 0.0]) < 1.0
 
 
+def test_a_round_pocket_beside_the_middle_of_a_drum_is_its_own_and_no_ring_of_the_drums():
+    flat = grid((-26.0, 26.0), (-26.0, 26.0), 1.0)
+    away, beside = np.linalg.norm(flat, axis=1), np.linalg.norm(flat - [6.0, 0.0], axis=1)
+    points = np.column_stack([flat, np.zeros(len(flat))])
+    turn = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    out = np.tile(np.column_stack([np.cos(turn), np.sin(turn), np.zeros(60)]), (3, 1))
+    barrel = 25.0 * out - np.repeat([3.0, 12.0, 20.0], 60)[:, None] * UP
+    drum = ranked_face(1, Contacts.of(barrel, out), MergeOptions())
+    for middle, gap in (([0.0, 0.0, 0.0], away), ([6.0, 0.0, 0.0], beside)):
+        top, free = points[(away < 25.0) & (gap > 12.0)], points[gap < 11.0] - [0.0, 0.0, 0.5]
+        both = mapped((top, UP))
+        both.add(barrel, out)
+        (rim,) = LocalFrontier([plane_face(0, top, UP), drum], both, free, 10.0).openings
+        assert np.linalg.norm(rim.center - middle) < 1.0
+        assert abs(rim.radius - 12.0) < 1.2
+
+
 def test_where_a_boss_stands_in_a_gap_there_is_no_hole():
     turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
     ring = np.column_stack([np.cos(turn), np.sin(turn)])

@@ -1,15 +1,17 @@
 """Mouths of holes in round faces, of places touched and found free as a skin that spans a rim leaves them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.far_ends import far_ends, shut
+from exploration.planning.inferring.far_ends import far_ends, into_bores, shut
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.open.holes import holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_gaps import RoundGapsConfig, round_gaps
 from exploration.planning.open.round_rims import aside
-from primitives.evidence import Contacts
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 
 X, Z = np.eye(3)[0], np.eye(3)[2]
@@ -65,3 +67,21 @@ def test_a_hole_in_a_tubes_wall_comes_out_in_its_bore_where_that_is_missing():
     whole = tube(15.0, -1.0)
     assert far_ends([rim], [whole]) == []
     assert abs(shut(rim, [whole]) - 10.0) < 0.5
+    assert into_bores([rim], [whole.face]) == []
+
+
+def test_a_hole_that_leads_into_a_bore_comes_out_there_though_nobody_felt_the_bore():
+    (rim,) = round_gaps(tube(25.0, missing=lambda points: drilled(6.0)(points) & (points[:, 0] > 0.0)))
+    bore = tube(15.0, -1.0).face
+    unfelt = replace(bore, contacts=replace(bore.contacts, touch=np.full(len(bore.contacts), NOT_FELT)))
+    (end,) = into_bores([rim], [unfelt])
+    assert np.linalg.norm(end.center - AT - 15.0 * X) < 1.0
+    (hole,), left = holes_of([rim, end], NOWHERE)
+    assert not left
+    assert abs(hole.depth - 10.0) < 1.0
+    elsewhere = [
+        replace(rim, center=rim.center + 60.0 * Z),
+        replace(rim, center=rim.center + 8.0 * np.eye(3)[1]),
+    ]
+    assert into_bores(elsewhere, [unfelt]) == []
+    assert into_bores([rim], [tube(15.0).face]) == []
