@@ -28,7 +28,7 @@ from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces, ring_piece, round_piece, slab_cube
 from recognition.assembly.prisms import prism
 from recognition.assembly.search import shortest
-from recognition.assembly.separators import separators, stops
+from recognition.assembly.separators import one_sided, separators, stops
 from recognition.assembly.vocabulary import Vocabulary, frame_of
 
 _ROOM = 0.15  # of the contacts' extent, by which the sampled room reaches past them
@@ -54,7 +54,8 @@ def concave_pieces(
     low, high = points.min(axis=0), points.max(axis=0)
     room = np.stack([low, high]) + np.outer([-1, 1], [_ROOM * float(np.linalg.norm(high - low))] * 3)
     nowhere = np.empty((0, 3)) if free is None else free
-    measured, whole = len(shapes), [*shapes, *separators(shapes)]
+    measured, apart = len(shapes), [*shapes, *separators(shapes)]
+    whole = [*apart, *one_sided(apart, [felt for felt, _ in touched])]
     told = [False] * measured if inferred is None else list(inferred)
     heard = np.repeat(told, [len(p) for p, _ in touched])
     found = _explained(whole, points, normals, nowhere, room, told, heard)

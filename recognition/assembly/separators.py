@@ -5,7 +5,7 @@ separator is needed, the plane through the cylinder's axis and across the tangen
 1993).  So is one where a bent tube goes over into a straight one, the plane through its ring's center and across
 the straight axis.  A wall that runs into a round body, or a pin into a ball, a ring or another pin, ends somewhere
 inside it, at no face: for the shortest list it may end at a stop, the plane through the round body's axis, center
-or tube and across the wall or the pin (our derivation).
+or tube and across the wall or the pin; one found on one side of that plane alone may always (our derivation).
 """
 
 from __future__ import annotations
@@ -36,6 +36,28 @@ def separators(shapes: Sequence[Shape]) -> list[Plane]:
         for pin in shapes:
             if isinstance(ring, Torus) and isinstance(pin, Cylinder | Cone) and _goes_over(pin, ring):
                 _add(Plane(ring.center, pin.axis), found, planes)
+    return found
+
+
+def one_sided(shapes: Sequence[Shape], places: Sequence[Floats]) -> list[Plane]:
+    """The planes through the axes of round bodies at which a pin or a hole may end, found on one side alone.
+
+    `places[i]` are the (n, 3) contacts of surface i: a set screw's hole in a collar goes through one wall of two.
+    """
+    found: list[Plane] = []
+    planes = [shape for shape in shapes if isinstance(shape, Plane)]
+    for pin, felt in zip(shapes, places, strict=False):  # separators among the shapes have none
+        for body in shapes:
+            if (
+                not isinstance(pin, Cylinder)
+                or not isinstance(body, Cylinder)
+                or pin is body
+                or not len(felt)
+            ):
+                continue
+            beyond = (felt - body.anchor) @ pin.axis
+            if _meets(pin, body) and (beyond.min() > 0.0 or beyond.max() < 0.0):
+                _add(Plane(body.anchor, pin.axis), found, planes)
     return found
 
 

@@ -41,6 +41,7 @@ class HolesConfig:
     normal_sigma: float = 0.02  # [rad]
     mouth: float = 1.0  # [mm] before a hole, that is its mouth
     lip: float = 0.2  # [mm] round it, likewise
+    leaning: float = 0.93  # least cosine between the axes of two mouths in round faces and the way between
     slanting: float = 0.6  # least cosine between the axes of two ends, where the hole slants into one face
     meeting: float = 0.25  # of the radius, that the center of the longer rim is off the axis of the other
 
@@ -121,6 +122,8 @@ def _nearest_ends(rims: Sequence[RoundRim], config: HolesConfig) -> tuple[RoundR
 def ends_of_one(a: RoundRim, b: RoundRim, config: HolesConfig = HolesConfig()) -> bool:
     """Whether two rims are likely the ends of one hole: as wide, on one axis, in faces that look away."""
     apart = a.center - b.center
+    if a.bent and b.bent:
+        return _across(a, b, config)
     depth = float(apart @ a.axis)
     aside = float(np.linalg.norm(apart - depth * a.axis))
     unsure = config.sigmas * float(np.hypot(a.sigma, b.sigma))
@@ -149,6 +152,15 @@ def _slanting(a: RoundRim, b: RoundRim) -> Hole:
     return Hole(a.center - 0.5 * depth * a.axis, a.axis, a.radius, depth, a.sigma)
 
 
+def _across(a: RoundRim, b: RoundRim, config: HolesConfig) -> bool:
+    """Whether two mouths as wide in round faces look away from each other, as on a cone's two sides."""
+    way = (a.center - b.center) / max(float(np.linalg.norm(a.center - b.center)), 1e-9)
+    unsure = config.radii + config.sigmas * float(np.hypot(a.sigma, b.sigma))
+    return (
+        min(float(a.axis @ way), float(-b.axis @ way)) > config.leaning and abs(a.radius - b.radius) < unsure
+    )
+
+
 def _gone_in(rim: RoundRim, inside: Floats, most: float, config: HolesConfig) -> float:
     """[mm] behind a rim, `most` at most, down to which (n, 3) places that an array was in follow each other."""
     deep = (rim.center - inside) @ rim.axis
@@ -162,7 +174,7 @@ def _between(a: RoundRim, b: RoundRim) -> Hole:
     """The hole of two ends, of which the better known counts for more."""
     trust = np.array([a.sigma, b.sigma]) ** -2
     share = float(trust[1] / trust.sum())
-    axis = a.axis - b.axis
+    axis = a.center - b.center if a.bent and b.bent else a.axis - b.axis
     axis = axis / np.linalg.norm(axis)
     depth = float((a.center - b.center) @ axis)
     middle = (1.0 - share) * (a.center - 0.5 * depth * axis) + share * (b.center + 0.5 * depth * axis)

@@ -78,7 +78,7 @@ def _seen_at(own: KnownFace, free: Floats, middle: Floats, config: RoundGapsConf
     away = [aside(places, nearest.center, axis) for places in (touched, missing)]
     radius = _parted(away[0], away[1], nearest.radius) + config.spans
     center = shape.project(nearest.center[None])[0]
-    return replace(nearest, center=center, radius=radius, sigma=config.sigma, measured=True)
+    return replace(nearest, center=center, radius=radius, sigma=config.sigma, measured=True, bent=True)
 
 
 def _parted(touched: Floats, free: Floats, about: float) -> float:

@@ -50,6 +50,7 @@ class RoundRim:
     face: int
     measured: bool = False  # by looks at its rim; else it is a guess
     outer: float = np.inf  # [mm] radius at which the face ends, about the same axis
+    bent: bool = False  # in a round face, across which its hole may run leaning
 
     def places(self, count: int = 24) -> tuple[Floats, Floats]:
         """(count, 3) places on the circle, and (count, 3) the ways to them from its center."""
