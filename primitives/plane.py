@@ -57,7 +57,7 @@ class Plane(Revolution):
         return np.asarray((points - self.origin) @ self.normal)
 
     def normals(self, points: Floats) -> Floats:
-        """The same at all (n, 3) points."""
+        """Its own normal, at each of (n, 3) points."""
         return np.tile(self.normal, (len(points), 1))
 
     def roots(self, origins: Floats, directions: Floats) -> Floats:

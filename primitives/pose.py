@@ -216,7 +216,7 @@ def from_quaternion(wxyz: ArrayLike, translation: ArrayLike | None = None) -> Fl
 
 @numba.njit(cache=True, error_model="numpy")
 def _rotations(quaternions: Floats) -> Floats:
-    """(n, 3, 3) of (n, 4), which are normalized: one recorded pose after another is read with it."""
+    """(n, 3, 3) of (n, 4), normalized here: one recorded pose after another is read with it."""
     out = np.empty((len(quaternions), 3, 3))
     for n in range(len(quaternions)):
         w, x, y, z = quaternions[n] / np.sqrt((quaternions[n] ** 2).sum())

@@ -47,18 +47,14 @@ def one_sided(shapes: Sequence[Shape], places: Sequence[Floats]) -> list[Plane]:
     found: list[Plane] = []
     planes = [shape for shape in shapes if isinstance(shape, Plane)]
     for pin, felt in zip(shapes, places, strict=False):  # separators among the shapes have none
+        if not isinstance(pin, Cylinder) or not len(felt):
+            continue
         for body in shapes:
-            if (
-                not isinstance(pin, Cylinder)
-                or not isinstance(body, Cylinder)
-                or pin is body
-                or not len(felt)
-            ):
-                continue
-            beyond = (felt - body.anchor) @ pin.axis
-            if _meets(pin, body) and (beyond.min() > 0.0 or beyond.max() < 0.0):
-                _add(Plane(body.anchor, pin.axis), found, planes)
-    return found
+            if isinstance(body, Cylinder) and pin.radius < body.radius and _meets(pin, body):
+                beyond = (felt - body.anchor) @ pin.axis
+                if beyond.min() > _TOUCHING or beyond.max() < -_TOUCHING:
+                    _add(Plane(body.anchor, pin.axis), found, planes)
+    return found[:_MOST]
 
 
 def stops(shapes: Sequence[Shape]) -> list[Plane]:

@@ -32,7 +32,7 @@ from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
-from exploration.planning.open.holes import Hole, holes_of
+from exploration.planning.open.holes import Hole, HolesConfig, holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
@@ -106,8 +106,8 @@ def conclude(
     for lot in outline_walls(now.known, now.ends(), found.graph.faces):
         add(found, lot, _BY_OUTLINE)
     for lot, flat in rounded_corners(now.known, found.graph.faces):
-        found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
-        add(found, lot, _BY_CORNER, "cylinder")
+        if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
+            found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
     found.warnings.extend(rim.told() for rim in found.openings)
 
 
@@ -125,7 +125,9 @@ def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: F
         for rims in (found.wall_rims, found.glimpsed)
     )
     rims = [*found.rims, *frontier().round_gaps]
-    found.openings = _holes(found, rims, guessed, inside, frontier().known)
+    # two mouths in round faces are no pair yet: in a tube's wall each leads into a bore, which is made known here
+    apart = HolesConfig(leaning=np.inf)
+    found.openings = _holes(found, rims, guessed, inside, frontier().known, apart)
     through = far_ends(found.openings, known := frontier().known)
     through += into_bores(found.openings, found.graph.faces)
     left = _holes(found, [*found.openings, *through], [], inside, known)
@@ -177,6 +179,7 @@ def _holes(
     guessed: Sequence[RoundRim],
     inside: Floats,
     known: Sequence[KnownFace],
+    config: HolesConfig | None = None,
 ) -> list[RoundRim]:
     """Add the walls of the holes that rims are the ends of, the far ends perhaps only guessed; the rims left."""
     hollows = hollows_of(found.graph.faces)
@@ -186,7 +189,7 @@ def _holes(
     steps = stepped_holes(rims, guessed, found.stopped)
     ends = [id(rim) for step in steps for rim in step.rims]
     single = [rim for rim in rims if id(rim) not in ends]
-    holes, left = holes_of(single, inside, lambda rim: shut(rim, known))
+    holes, left = holes_of(single, inside, lambda rim: shut(rim, known), config or HolesConfig())
     faces = found.graph.faces
     holes = [hole if _at_rim(hole, rims) else slanting(_ended(hole, faces), faces) for hole in holes]
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):

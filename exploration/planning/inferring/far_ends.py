@@ -21,7 +21,7 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
-from primitives.shapes import Cylinder
+from primitives.shapes import Cylinder, Shape
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,7 @@ class FarEndsConfig:
 
     upright: float = 0.98  # least cosine between the face's normal and the hole's axis
     deepest: float = 80.0  # [mm] behind a rim
+    own: float = 0.5  # [mm] behind it, where the surface ends that it lies on
     within: float = 0.9  # of the radius round the axis, where the face was found missing
     least: int = 3  # such places
     bare: float = 0.5  # of the radius round the axis, where it was touched nowhere
@@ -61,16 +62,13 @@ def into_bores(
     for rim, face in product(rims, faces):
         if not isinstance(face.fit, Fit) or not isinstance(face.fit.shape, Cylinder) or face.fit.convex:
             continue
-        hits = face.fit.shape.cast_rays(rim.center[None], -rim.axis[None])
-        deep, slope = float(hits.distance[0]), -float(hits.normals[0] @ rim.axis)
-        if not 0.0 < deep < config.deepest or slope > -config.upright:
+        deep = _straight_out(rim, face.fit.shape, -1.0, config)
+        if deep is None:
             continue
         end, along = rim.center - deep * rim.axis, face.fit.shape.direction
         heights = (face.contacts.points - end) @ along
         goes_on = heights.min() < config.beside and heights.max() > -config.beside
-        felt = face.contacts.points[face.contacts.touch != NOT_FELT]
-        shut = (np.linalg.norm(felt - end, axis=1) < config.bare * rim.radius).any()
-        if goes_on and not shut:
+        if goes_on and not _stopped(rim, deep, faces, config):
             found.append(replace(rim, center=end, axis=-rim.axis, face=face.id, measured=False))
     return found
 
@@ -90,7 +88,7 @@ def narrower_ends(
 
 
 def shut(rim: RoundRim, known: Sequence[KnownFace], config: FarEndsConfig = FarEndsConfig()) -> float:
-    """[mm] behind a rim, where a flat face was touched across its hole, which does not come out there as wide."""
+    """[mm] behind a rim, where a face was touched across its hole, which does not come out there as wide."""
     return min((deep for own in known for deep, _ in _across(rim, own, config)), default=np.inf)
 
 
@@ -119,11 +117,25 @@ def _across(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> list[tuple[
 
 def _deep(rim: RoundRim, own: KnownFace, config: FarEndsConfig) -> float | None:
     """[mm] behind a rim, where its axis comes straight out of a face; None where it does not."""
-    if not len(own.cells):
-        return None
-    hits = own.fit.shape.cast_rays(rim.center[None], -rim.axis[None])
-    deep, slope = float(hits.distance[0]), own.side * float(hits.normals[0] @ rim.axis)
-    return deep if 0.0 < deep < config.deepest and slope < -config.upright else None
+    return _straight_out(rim, own.fit.shape, own.side, config) if len(own.cells) else None
+
+
+def _straight_out(rim: RoundRim, shape: Shape, side: float, config: FarEndsConfig) -> float | None:
+    """[mm] behind a rim, where its axis comes straight out of a surface whose outward normal is `side` its own.
+
+    The rim lies on a surface itself, which is not that.
+    """
+    hits = shape.cast_rays((rim.center - config.own * rim.axis)[None], -rim.axis[None])
+    deep, slope = float(hits.distance[0]) + config.own, side * float(hits.normals[0] @ rim.axis)
+    return deep if deep < config.deepest and slope < -config.upright else None
+
+
+def _stopped(rim: RoundRim, deep: float, faces: Sequence[Face], config: FarEndsConfig) -> bool:
+    """Whether anything was felt across a hole between its rim and where it would come out."""
+    felt = np.concatenate([face.contacts.points[face.contacts.touch != NOT_FELT] for face in faces])
+    down = (rim.center - felt) @ rim.axis
+    across = aside(felt, rim.center, rim.axis) < config.bare * rim.radius
+    return bool((across & (down > config.past) & (down < deep + config.past)).any())
 
 
 def _near(places: Floats, center: Floats, rim: RoundRim, config: FarEndsConfig) -> Floats:

@@ -62,6 +62,7 @@ class _Plate:
 class _Edge:
     """A wall of a plate along n . x = d, out of it."""
 
+    face: int
     normal: Floats  # (2,)
     offset: float  # [mm]
     points: Floats  # (n, 2) [mm] where it was found
@@ -77,14 +78,17 @@ def rounded_corners(
     found: list[tuple[Contacts, list[int]]] = []
     for plate in _plates(known, config):
         centers: list[Floats] = []
+        left = list(faces)
         for one, other in combinations(_edges(plate, faces, config), 2):
             circle = _circle(plate, one, other, config)
             if circle is None or _is_known(plate, circle, faces, config):
                 continue
             if all(float(np.linalg.norm(circle.center - center)) > config.known for center in centers):
                 centers.append(circle.center)
-                own = [face for face in faces if _is_of(face, plate, circle, config)]
-                lots = [_contacts(plate, one, other, circle, config), *(face.contacts for face in own)]
+                walls = (one.face, other.face)
+                own = [face for face in left if face.id not in walls and _is_of(face, plate, circle, config)]
+                left = [face for face in left if face not in own]
+                lots = [_contacts(plate, circle, config), *(face.contacts for face in own)]
                 found.append((Contacts.concatenate(lots), [face.id for face in own]))
     return found
 
@@ -113,7 +117,7 @@ def _edges(plate: _Plate, faces: Sequence[Face], config: RoundedCornersConfig) -
         if abs(float(normal[2])) < config.upright and ((height > low) & (height < high)).mean() > 0.5:
             flat = normal[:2] / np.linalg.norm(normal[:2])
             points = face.contacts.points @ plate.turn[:, :2]
-            found.append(_Edge(flat, float(np.median(points @ flat)), points))
+            found.append(_Edge(face.id, flat, float(np.median(points @ flat)), points))
     return found
 
 
@@ -124,6 +128,7 @@ class _Circle:
     center: Floats  # (2,) [mm]
     radius: float  # [mm]
     out: Floats  # (2,) to the middle of the corner
+    turn: float  # [rad] from one wall's normal to the other's
 
 
 def _circle(plate: _Plate, one: _Edge, other: _Edge, config: RoundedCornersConfig) -> _Circle | None:
@@ -136,10 +141,10 @@ def _circle(plate: _Plate, one: _Edge, other: _Edge, config: RoundedCornersConfi
     behind = [_behind(side, (one, other), config) for side in plate.sides]
     found: list[tuple[float, _Circle]] = []
     for radius in np.arange(*config.radii, config.step):
-        circle = _Circle(corner - radius / np.cos(0.5 * turn) * out, float(radius), out)
+        circle = _Circle(corner - radius / np.cos(0.5 * turn) * out, float(radius), out, turn)
         if not all(_reaches(edge, corner, radius * np.tan(0.5 * turn), config) for edge in (one, other)):
             continue
-        last = [_outermost(side, circle, turn, config) for side in plate.sides]
+        last = [_outermost(side, circle, config) for side in plate.sides]
         if min(map(len, last)) < config.least:
             continue
         short = [
@@ -148,7 +153,7 @@ def _circle(plate: _Plate, one: _Edge, other: _Edge, config: RoundedCornersConfi
         ]
         off = np.minimum(np.abs(np.concatenate(short)), config.stray)
         sharp = np.concatenate(
-            [_to_corner(places, one, other) - far for places, far in zip(last, behind, strict=True)]
+            [_to_wall(places, one, other) - far for places, far in zip(last, behind, strict=True)]
         )
         if np.median(off) < config.off and np.median(sharp) > config.sharper * np.median(off):
             found.append((float(off.mean()), circle))
@@ -168,12 +173,16 @@ def _behind(side: Floats, edges: Sequence[_Edge], config: RoundedCornersConfig) 
     return float(np.median(np.concatenate(short))) if short else 0.0
 
 
-def _outermost(side: Floats, circle: _Circle, turn: float, config: RoundedCornersConfig) -> Floats:
+def _angles(places: Floats, circle: _Circle) -> Floats:
+    """(n,) [rad] from the middle of a corner, of (n, 2) places as seen from its arc's center."""
+    away = places - circle.center
+    return np.asarray(np.arctan2(away @ np.array([-circle.out[1], circle.out[0]]), away @ circle.out))
+
+
+def _outermost(side: Floats, circle: _Circle, config: RoundedCornersConfig) -> Floats:
     """(n, 2) of the (m, 2) places of a side the farthest from an arc's center, one for each piece of the arc."""
-    away = side - circle.center
-    across = np.array([-circle.out[1], circle.out[0]])
-    angle = np.arctan2(away @ across, away @ circle.out)
-    rows = np.flatnonzero(np.abs(angle) < 0.5 * turn)
+    away, angle = side - circle.center, _angles(side, circle)
+    rows = np.flatnonzero(np.abs(angle) < 0.5 * circle.turn)
     far = np.linalg.norm(away[rows], axis=1)
     return np.asarray(side[rows[_farthest(angle[rows] * circle.radius / config.bin, far)]])
 
@@ -185,7 +194,7 @@ def _farthest(bins: Floats, far: Floats) -> Ints:
     return np.asarray(order[first])
 
 
-def _to_corner(places: Floats, one: _Edge, other: _Edge) -> Floats:
+def _to_wall(places: Floats, one: _Edge, other: _Edge) -> Floats:
     """(n,) [mm] from (n, 2) places to the nearer of two walls."""
     return np.asarray(np.minimum(one.offset - places @ one.normal, other.offset - places @ other.normal))
 
@@ -215,15 +224,13 @@ def _is_of(face: Face, plate: _Plate, circle: _Circle, config: RoundedCornersCon
     low, high = plate.levels
     places = face.contacts.points @ plate.turn
     off = np.abs(np.linalg.norm(places[:, :2] - circle.center, axis=1) - circle.radius)
-    return bool((off < config.known).all() and ((places[:, 2] > low) & (places[:, 2] < high)).all())
+    on = (off < config.known) & (np.abs(_angles(places[:, :2], circle)) < 0.5 * circle.turn)
+    return bool((on & (places[:, 2] > low) & (places[:, 2] < high)).all())
 
 
-def _contacts(
-    plate: _Plate, one: _Edge, other: _Edge, circle: _Circle, config: RoundedCornersConfig
-) -> Contacts:
+def _contacts(plate: _Plate, circle: _Circle, config: RoundedCornersConfig) -> Contacts:
     """Contacts of the wall round a corner, between the two sides."""
-    turn = float(np.arccos(np.clip(one.normal @ other.normal, -1.0, 1.0)))
-    angles = np.linspace(-config.arc * turn, config.arc * turn, config.count)
+    angles = np.linspace(-config.arc, config.arc, config.count) * circle.turn
     across = np.array([-circle.out[1], circle.out[0]])
     ways = np.outer(np.cos(angles), circle.out) + np.outer(np.sin(angles), across)
     low, high = plate.levels

@@ -111,7 +111,7 @@ class Drafted:
         (x, y), off = self.study.pad.size, self.config.off
         under = in_box(surface.points, pose, (-0.5 * x, -0.5 * y, -off), (0.5 * x, 0.5 * y, off))
         under[under] = surface.normals[under] @ -pose[:3, 2] > self.config.flush
-        return np.asarray(under)
+        return under
 
     def _touch(self, goal: Floats) -> Done:
         self._tried.note(goal[:3, 3])

@@ -88,7 +88,7 @@ class OpenSurface:
         """(n,) which places a pad at a (4, 4) pose would have felt, up to `off` mm from it."""
         (x, y), off = self.study.pad.size, self.config.off if off is None else off
         low, high = (-0.5 * x, -0.5 * y, -off), (0.5 * x, 0.5 * y, off)
-        return np.asarray(in_box(opened.points, pose, low, high))
+        return in_box(opened.points, pose, low, high)
 
     def stroke_to(self, goal: Floats, face: int) -> Done:
         """From where the pad lies, over a (3,) goal and on."""

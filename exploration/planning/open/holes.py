@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import permutations
+from itertools import combinations, permutations
 
 import numpy as np
 
@@ -41,6 +41,7 @@ class HolesConfig:
     normal_sigma: float = 0.02  # [rad]
     mouth: float = 1.0  # [mm] before a hole, that is its mouth
     lip: float = 0.2  # [mm] round it, likewise
+    shut: float = 1.0  # [mm] past a face touched across it, where a hole across a round body may end
     leaning: float = 0.93  # least cosine between the axes of two mouths in round faces and the way between
     slanting: float = 0.6  # least cosine between the axes of two ends, where the hole slants into one face
     meeting: float = 0.25  # of the radius, that the center of the longer rim is off the axis of the other
@@ -48,7 +49,7 @@ class HolesConfig:
 
 @dataclass(frozen=True)
 class Hole:
-    """A round hole that is taken for known, upright on the faces at its ends."""
+    """A round hole that is taken for known."""
 
     middle: Floats  # (3,) [mm] half way down
     axis: Floats  # (3,)
@@ -93,7 +94,7 @@ def holes_of(
     is `shut` so many [mm] down, and who is there did not go through.
     """
     left, out = [_doubted(rim, config) for rim in rims], list[Hole]()
-    while (pair := _nearest_ends(left, config)) is not None:
+    while (pair := _nearest_ends(left, shut, config)) is not None:
         left = [rim for rim in left if rim is not pair[0] and rim is not pair[1]]
         out.append(_between(*pair))
     while (pair := next((p for p in permutations(left, 2) if _slants(*p, config)), None)) is not None:
@@ -113,10 +114,17 @@ def _doubted(rim: RoundRim, config: HolesConfig) -> RoundRim:
     return rim if rim.measured else replace(rim, sigma=max(rim.sigma, unsure))
 
 
-def _nearest_ends(rims: Sequence[RoundRim], config: HolesConfig) -> tuple[RoundRim, RoundRim] | None:
-    """Of all that may be the two ends of a hole, those that are nearest to each other."""
-    pairs = [(a, b) for k, a in enumerate(rims) for b in rims[k + 1 :] if ends_of_one(a, b, config)]
-    return min(pairs, key=lambda p: float(np.linalg.norm(p[0].center - p[1].center)), default=None)
+def _nearest_ends(
+    rims: Sequence[RoundRim], shut: Callable[[RoundRim], float], config: HolesConfig
+) -> tuple[RoundRim, RoundRim] | None:
+    """Of all that may be the two ends of a hole, those that are nearest to each other, and not shut in between."""
+    pairs = [(a, b) for a, b in combinations(rims, 2) if ends_of_one(a, b, config)]
+    apart = [float(np.linalg.norm(a.center - b.center)) for a, b in pairs]
+    for k in np.argsort(apart, kind="stable"):
+        a, b = pairs[k]
+        if not (a.bent and b.bent) or apart[k] < min(shut(a), shut(b)) + config.shut:
+            return a, b
+    return None
 
 
 def ends_of_one(a: RoundRim, b: RoundRim, config: HolesConfig = HolesConfig()) -> bool:

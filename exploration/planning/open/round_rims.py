@@ -48,7 +48,7 @@ class RoundRim:
     radius: float  # [mm]
     sigma: float  # [mm] of the radius
     face: int
-    measured: bool = False  # by looks at its rim; else it is a guess
+    measured: bool = False  # by looks at its rim, or all round a mouth in a round face; else it is a guess
     outer: float = np.inf  # [mm] radius at which the face ends, about the same axis
     bent: bool = False  # in a round face, across which its hole may run leaning
 

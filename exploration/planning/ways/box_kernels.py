@@ -4,17 +4,21 @@ The second is asked for every step of every way that is looked at.  Along a way 
 outside the upright box about all that a box passes through are left out at once.
 """
 
+from collections.abc import Sequence
+
 import numba
 import numpy as np
 
 from primitives.arrays import Bools, Floats
 
 
-@numba.njit(cache=True, error_model="numpy")
-def in_box(
-    points: Floats, pose: Floats, low: tuple[float, float, float], high: tuple[float, float, float]
-) -> Bools:
+def in_box(points: Floats, pose: Floats, low: Sequence[float], high: Sequence[float]) -> Bools:
     """(n,) which of (n, 3) points lie in a box with given corners [mm] in the frame of a (4, 4) pose."""
+    return np.asarray(_in_box(points, pose, np.array(low, dtype=float), np.array(high, dtype=float)))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _in_box(points: Floats, pose: Floats, low: Floats, high: Floats) -> Bools:
     out = np.empty(len(points), dtype=np.bool_)
     for n in range(len(points)):
         x, y, z = points[n, 0] - pose[0, 3], points[n, 1] - pose[1, 3], points[n, 2] - pose[2, 3]

@@ -92,3 +92,12 @@ def test_a_few_contacts_of_it_that_passed_for_a_flat_face_are_the_corners():
     ((lot, flat),) = rounded_corners(known, [*faces, passed])
     assert flat == [9]
     assert int((lot.touch == 3).sum()) == 6
+
+
+def test_a_short_wall_beside_a_corner_is_no_part_of_it():
+    known = plate(20.0, np.pi / 2, np.random.default_rng(1))
+    short = known[2].face
+    near = np.argsort(np.linalg.norm(short.contacts.points, axis=1))[:9]
+    cut = ranked_face(2, short.contacts.select(near), MergeOptions())
+    ((_, flat),) = rounded_corners(known, [known[0].face, known[1].face, cut, known[3].face])
+    assert flat == []

@@ -56,6 +56,17 @@ def test_a_mouth_that_is_not_round_is_none_nor_is_a_bar_without_one():
     assert round_gaps(keyway) == []
 
 
+def test_the_bar_that_a_mouth_is_in_shuts_its_hole_on_the_far_side_if_it_was_touched_there():
+    rng = np.random.default_rng(4)
+    one = tube(25.0, missing=lambda points: drilled(6.0)(points) & (points[:, 0] > 0.0))
+    (rim,) = round_gaps(one)
+    for _ in range(20):
+        moved = replace(rim, center=rim.center + rng.uniform(-1e-9, 1e-9, 3))
+        assert abs(shut(moved, [one]) - 50.0) < 0.5
+    both = tube(25.0, missing=drilled(6.0))
+    assert [shut(mouth, [both]) for mouth in round_gaps(both)] == [np.inf, np.inf]
+
+
 def test_a_hole_in_a_tubes_wall_comes_out_in_its_bore_where_that_is_missing():
     one = lambda points: drilled(6.0)(points) & (points[:, 0] > 0.0)  # noqa: E731
     (rim,) = round_gaps(tube(25.0, missing=one))
@@ -79,6 +90,9 @@ def test_a_hole_that_leads_into_a_bore_comes_out_there_though_nobody_felt_the_bo
     (hole,), left = holes_of([rim, end], NOWHERE)
     assert not left
     assert abs(hole.depth - 10.0) < 1.0
+    floor = np.column_stack([np.full(5, 22.0), np.linspace(-1.0, 1.0, 5), np.full(5, 5.0)])
+    stopped = ranked_face(8, Contacts.of(floor, np.tile(X, (5, 1)), 0.01, touch=2), MergeOptions())
+    assert into_bores([rim], [unfelt, stopped]) == []
     elsewhere = [
         replace(rim, center=rim.center + 60.0 * Z),
         replace(rim, center=rim.center + 8.0 * np.eye(3)[1]),
