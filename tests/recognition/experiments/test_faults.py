@@ -67,11 +67,11 @@ def until(told, process):
 
 @pytest.mark.parametrize(
     ("harm", "outcome", "said"),
-    [(signal.SIGKILL, "lost", "ended by signal 9"), (signal.SIGSTOP, "timeout", "longer than 20 s")],
+    [(signal.SIGKILL, "lost", "ended by signal 9"), (signal.SIGSTOP, "timeout", "longer than 10 s")],
 )
 def test_a_worker_that_is_lost_or_hangs_costs_one_row_that_says_so(harm, outcome, said, tmp_path):
     suite = tmp_path / "some.toml"
-    suite.write_text(SUITE.format(seconds=20, memory=4000, count=60, seeds=15))
+    suite.write_text(SUITE.format(seconds=10, memory=4000, count=60, seeds=15))
     process = begun(suite, tmp_path / "out", "--workers", "2")
     until(lambda: len(rows_of([tmp_path / "out"])) > 3, process)
     os.kill(workers(process)[0], harm)
