@@ -55,7 +55,7 @@ def concave_pieces(
     room = np.stack([low, high]) + np.outer([-1, 1], [_ROOM * float(np.linalg.norm(high - low))] * 3)
     nowhere = np.empty((0, 3)) if free is None else free
     measured, apart = len(shapes), [*shapes, *separators(shapes)]
-    whole = [*apart, *one_sided(apart, [felt for felt, _ in touched])]
+    whole = [*apart, *one_sided(apart, touched)]
     told = [False] * measured if inferred is None else list(inferred)
     heard = np.repeat(told, [len(p) for p, _ in touched])
     found = _explained(whole, points, normals, nowhere, room, told, heard)

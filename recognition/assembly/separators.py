@@ -5,7 +5,7 @@ separator is needed, the plane through the cylinder's axis and across the tangen
 1993).  So is one where a bent tube goes over into a straight one, the plane through its ring's center and across
 the straight axis.  A wall that runs into a round body, or a pin into a ball, a ring or another pin, ends somewhere
 inside it, at no face: for the shortest list it may end at a stop, the plane through the round body's axis, center
-or tube and across the wall or the pin; one found on one side of that plane alone may always (our derivation).
+or tube and across the wall or the pin; a hole on one side of it alone may always (our derivation).
 """
 
 from __future__ import annotations
@@ -39,15 +39,16 @@ def separators(shapes: Sequence[Shape]) -> list[Plane]:
     return found
 
 
-def one_sided(shapes: Sequence[Shape], places: Sequence[Floats]) -> list[Plane]:
-    """The planes through the axes of round bodies at which a pin or a hole may end, found on one side alone.
+def one_sided(shapes: Sequence[Shape], touched: Sequence[tuple[Floats, Floats]]) -> list[Plane]:
+    """The planes through the axes of round bodies at which a hole may end that was found on one side alone.
 
-    `places[i]` are the (n, 3) contacts of surface i: a set screw's hole in a collar goes through one wall of two.
+    `touched[i]` are the (n, 3) contacts of surface i and their (n, 3) normals: a set screw's hole in a collar goes
+    through one wall of two.
     """
     found: list[Plane] = []
     planes = [shape for shape in shapes if isinstance(shape, Plane)]
-    for pin, felt in zip(shapes, places, strict=False):  # separators among the shapes have none
-        if not isinstance(pin, Cylinder) or not len(felt):
+    for pin, (felt, normals) in zip(shapes, touched, strict=False):  # separators among the shapes have none
+        if not isinstance(pin, Cylinder) or not len(felt) or (pin.normals(felt) * normals).sum() > 0.0:
             continue
         for body in shapes:
             if isinstance(body, Cylinder) and pin.radius < body.radius and _meets(pin, body):

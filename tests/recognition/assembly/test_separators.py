@@ -5,17 +5,18 @@ import numpy as np
 from primitives.shapes import Cylinder, Plane
 from recognition.assembly.separators import one_sided
 
-X, Z = np.eye(3)[0], np.eye(3)[2]
+X, Y, Z = np.eye(3)
 COLLAR = Cylinder(np.array([5.0, 3.0, 0.0]), Z, 28.0)
 SCREW = Cylinder(np.array([5.0, 3.0, 11.0]), X, 4.0)
-NOBODY = np.empty((0, 3))
+NOBODY = np.empty((0, 3)), np.empty((0, 3))
 
 
-def wall(*along):
+def wall(*along, of=SCREW, side=-1.0):
+    """Contacts round a hole at some heights along it, or round a pin."""
     turn = np.linspace(0.0, 2.0 * np.pi, 12)
-    return np.concatenate(
-        [[5.0 + x, 3.0, 11.0] + 4.0 * np.stack([0 * turn, np.cos(turn), np.sin(turn)], 1) for x in along]
-    )
+    ring = np.outer(np.cos(turn), of.frame[:, 0]) + np.outer(np.sin(turn), of.frame[:, 1])
+    points = [of.origin + x * of.axis + of.radius * ring for x in along]
+    return np.concatenate(points), np.tile(side * ring, (len(along), 1))
 
 
 def test_a_hole_found_in_one_wall_may_end_at_the_bodys_axis():
@@ -23,11 +24,14 @@ def test_a_hole_found_in_one_wall_may_end_at_the_bodys_axis():
     assert isinstance(plane, Plane)
     assert abs(plane.normal @ X) > 0.999
     assert abs((plane.origin - COLLAR.origin) @ X) < 1e-9
-    assert len(one_sided([COLLAR, SCREW, plane], [NOBODY, wall(-16.0, -26.0)])) == 0  # it is there already
+    assert one_sided([COLLAR, SCREW, plane], [NOBODY, wall(-16.0, -26.0)]) == []  # it is there already
 
 
-def test_one_found_in_both_walls_or_beside_the_body_or_along_it_goes_through():
+def test_one_found_in_both_walls_or_beside_the_body_or_along_it_goes_through_and_a_spoke_is_none():
     assert one_sided([COLLAR, SCREW], [NOBODY, wall(-20.0, 20.0)]) == []
-    beside = Cylinder(SCREW.origin + np.array([0.0, 40.0, 0.0]), X, 4.0)
-    assert one_sided([COLLAR, beside], [NOBODY, wall(16.0) + np.array([0.0, 40.0, 0.0])]) == []
-    assert one_sided([COLLAR, Cylinder(SCREW.origin + 8.0 * X, Z, 4.0)], [NOBODY, wall(16.0)]) == []
+    assert one_sided([COLLAR, SCREW], [NOBODY, wall(16.0, 26.0, side=1.0)]) == []
+    beside, along = (
+        Cylinder(SCREW.origin + shift, axis, 4.0) for shift, axis in ((40.0 * Y, X), (8.0 * X, Z))
+    )
+    assert one_sided([COLLAR, beside], [NOBODY, wall(16.0, of=beside)]) == []
+    assert one_sided([COLLAR, along], [NOBODY, wall(16.0, of=along)]) == []
