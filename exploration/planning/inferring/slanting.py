@@ -10,10 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from exploration.planning.open.holes import Hole
-from primitives.arrays import Floats
+from exploration.planning.open.round_rims import aside
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -40,11 +38,7 @@ def slanting(hole: Hole, faces: Sequence[Face], config: SlantingConfig = Slantin
         low, high = config.slant
         if len(felt) >= config.least and low < float(normal @ hole.axis) < high:
             deep = float((mouth - face.fit.shape.anchor) @ normal)
-            within = _aside(felt - mouth, normal).max() < hole.radius + config.inside
+            within = aside(felt, mouth, normal).max() < hole.radius + config.inside
             if within and deep > config.deep * hole.depth:
                 return replace(hole, middle=mouth - 0.5 * deep * normal, axis=normal, depth=deep)
     return hole
-
-
-def _aside(away: Floats, axis: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(away - np.outer(away @ axis, axis), axis=1))

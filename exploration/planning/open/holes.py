@@ -3,8 +3,9 @@
 Two rims of one radius on one axis, in faces that look away from each other, are taken for the ends of one hole.
 That is likely and not measured, so its wall is marked as inferred.  Where a hole slants into a face its rim is
 an ellipse, and passes for a circle a little wider: of two rims that lean to each other the narrower tells how the
-hole runs, if that leads to the middle of the other.  A rim with no partner, into which an array went, is a hole
-as deep as that; any other tells of its depth nothing (our derivation).
+hole runs, if that leads to the middle of the other.  Two mouths in round faces lean as these do, so that the way
+from one to the other is the axis.  A rim with no partner, into which an array went, is a hole as deep as that; any
+other tells of its depth nothing (our derivation).
 """
 
 from __future__ import annotations
@@ -68,9 +69,8 @@ class Hole:
     def holds(self, points: Floats, config: HolesConfig = HolesConfig()) -> Bools:
         """(n,) whether (n, 3) points are in it or in one of its mouths."""
         along = (points - self.middle) @ self.axis
-        aside = np.linalg.norm(points - self.middle - along[:, None] * self.axis, axis=1)
         near = np.abs(along) < 0.5 * self.depth + config.mouth
-        return np.asarray(near & (aside < self.radius + config.lip))
+        return np.asarray(near & (aside(points, self.middle, self.axis) < self.radius + config.lip))
 
     def off(self, face: Face) -> Face:
         """A face without its contacts in a mouth.
@@ -133,13 +133,13 @@ def ends_of_one(a: RoundRim, b: RoundRim, config: HolesConfig = HolesConfig()) -
     if a.bent and b.bent:
         return _across(a, b, config)
     depth = float(apart @ a.axis)
-    aside = float(np.linalg.norm(apart - depth * a.axis))
+    off = float(aside(b.center[None], a.center, a.axis)[0])
     unsure = config.sigmas * float(np.hypot(a.sigma, b.sigma))
     return (
         (a.measured or b.measured)
         and float(a.axis @ b.axis) < -config.opposed
         and depth > 0.0
-        and aside < config.aside + config.slant * depth + unsure
+        and off < config.aside + config.slant * depth + unsure
         and abs(a.radius - b.radius) < config.radii + unsure
     )
 
@@ -172,8 +172,8 @@ def _across(a: RoundRim, b: RoundRim, config: HolesConfig) -> bool:
 def _gone_in(rim: RoundRim, inside: Floats, most: float, config: HolesConfig) -> float:
     """[mm] behind a rim, `most` at most, down to which (n, 3) places that an array was in follow each other."""
     deep = (rim.center - inside) @ rim.axis
-    aside = np.linalg.norm(inside - rim.center + deep[:, None] * rim.axis, axis=1)
-    row = np.sort(deep[(aside < rim.radius) & (deep > 0.0) & (deep < most)])
+    within = aside(inside, rim.center, rim.axis) < rim.radius
+    row = np.sort(deep[within & (deep > 0.0) & (deep < most)])
     breaks = np.flatnonzero(np.diff(row, prepend=0.0) > config.row)
     return float(row[: breaks[0] if len(breaks) else len(row)].max(initial=0.0))
 

@@ -1,4 +1,4 @@
-"""Round holes from looks at their rims, and which rims are the two ends of one."""
+"""Round holes from looks at their rims."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -8,22 +8,19 @@ from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
 from exploration.planning.moves.round_holes import RoundHoles
-from exploration.planning.open.holes import holes_of
 from exploration.planning.open.round_rims import RoundRim
 from exploration.sensing.frame import TactileImage, TaxelArray
 from exploration.sensing.lines.blurred_disc import of_disc
 from exploration.sensing.lines.round_hole import RoundHoleConfig, _Look, _without_strays, fit_round_hole
 from exploration.sensing.response import rubber
 from primitives import pose as se3
-from primitives.evidence import NOT_FELT, Contacts
-from primitives.fit import fit
+from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
 from primitives.shapes import Plane
 
 UP = np.array([0.0, 0.0, 1.0])
 PAD = TaxelArray("pad", 10, 16, (1.8, 1.8))
 SPREAD, NOISE = 1.2, 0.01
-NOWHERE = np.empty((0, 3))
 
 
 def rim(height, up=1.0, radius=6.0, x=0.0, measured=True):
@@ -164,75 +161,6 @@ def test_a_hole_is_seen_beside_the_edges_of_its_face():
 def test_a_face_without_a_hole_shows_none():
     flat = over([0.0, 0.0], 1e-3, np.diag([1.0, -1.0, -1.0, 1.0]), np.random.default_rng(3))
     assert fit_round_hole([flat], np.zeros(3), UP, 4.0) is None
-
-
-def test_two_rims_that_look_away_from_each_other_are_one_hole():
-    (hole,), left = holes_of([rim(5.0), rim(-5.0, -1.0)], NOWHERE)
-    assert not left
-    wall = hole.wall()
-    found = fit("cylinder", wall)
-    assert found
-    assert not found.convex
-    assert abs(found.shape.radius - 6.0) < 0.05
-    assert (wall.touch == NOT_FELT).all()
-
-
-def test_other_rims_are_left_unknown():
-    lone = [rim(5.0)]
-    facing = [rim(-5.0), rim(5.0, -1.0)]  # a gap between them, no material
-    unlike = [rim(5.0), rim(-5.0, -1.0, radius=8.0)]
-    beside = [rim(5.0), rim(-5.0, -1.0, x=2.0)]
-    for rims in (lone, facing, unlike, beside):
-        assert holes_of(rims, NOWHERE) == ([], rims)
-
-
-def test_a_wide_ring_that_was_guessed_is_the_other_end_of_a_bore_and_a_counterbore_is_none():
-    wide = [rim(5.0, radius=29.7), rim(-5.0, -1.0, radius=27.3, measured=False)]
-    (hole,), left = holes_of(wide, NOWHERE)
-    assert not left
-    assert abs(hole.radius - 29.7) < 0.1
-    stepped = [rim(5.0, radius=3.4), rim(-5.0, -1.0, radius=5.2, measured=False)]
-    assert holes_of(stepped, NOWHERE)[0] == []
-
-
-def test_a_rim_that_was_looked_at_speaks_for_a_guess_at_the_other_end_and_two_guesses_for_nothing():
-    guess = rim(-5.0, -1.0, radius=5.2, x=0.7, measured=False)
-    (hole,), left = holes_of([rim(5.0), guess], NOWHERE)
-    assert not left
-    assert abs(hole.radius - 6.0) < 0.05
-    assert np.linalg.norm(hole.middle) < 0.05
-    assert not holes_of([rim(5.0, measured=False), guess], NOWHERE)[0]
-
-
-def test_of_lugs_in_a_row_the_nearest_rims_are_one_hole():
-    rims = [rim(5.0), rim(-5.0, -1.0), rim(-25.0), rim(-35.0, -1.0)]
-    holes, left = holes_of(rims, NOWHERE)
-    assert not left
-    assert [hole.depth for hole in holes] == [10.0, 10.0]
-
-
-def test_a_hole_is_as_deep_as_an_array_went_in():
-    went = np.column_stack([np.zeros((8, 2)), np.linspace(-7.0, 9.0, 8)])
-    (hole,), left = holes_of([rim(5.0)], went)
-    assert not left
-    assert abs(hole.depth - 12.0) < 1e-9
-
-
-def test_contacts_in_the_mouth_of_a_hole_are_no_places_of_its_face():
-    (hole,), _ = holes_of([rim(5.0), rim(-5.0, -1.0)], NOWHERE)
-    points = np.array([[0.0, 0.0, 5.0], [4.0, 1.0, 5.0], [9.0, 0.0, 5.0], [-9.0, 9.0, 5.0], [0.0, 12.0, 5.0]])
-    face = ranked_face(0, Contacts.of(points, np.tile(UP, (5, 1))), MergeOptions())
-    kept = hole.off(face)
-    assert len(kept.contacts) == len(kept.fit.inliers) == 3
-    assert kept.fit.shape is face.fit.shape
-
-
-def test_who_was_behind_a_face_touched_across_a_hole_did_not_go_through_it():
-    went = np.column_stack([np.zeros((4, 2)), [4.0, 2.0, -3.5, -9.0]])
-    (through,), _ = holes_of([rim(5.0)], went)
-    assert through.depth == 14.0
-    (hole,), _ = holes_of([rim(5.0)], went, lambda _: 8.0)
-    assert hole.depth == 3.0
 
 
 def test_taxels_off_a_circle_are_left_out_on_one_side_of_it_and_not_all_round():
