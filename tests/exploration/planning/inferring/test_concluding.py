@@ -105,6 +105,30 @@ def test_a_round_hole_between_two_rims_is_known_before_it_is_asked_what_stopped_
     assert "cylinder" in known[0]
 
 
+@pytest.mark.parametrize("bored", [True, False])
+def test_two_mouths_in_a_tubes_wall_lead_into_its_bore_and_in_a_bars_through_it(bored):
+    x, turn = np.eye(3)[0], np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    out = np.tile(np.column_stack([np.cos(turn), np.sin(turn), np.zeros(24)]), (3, 1))
+    found = Findings()
+    side = 25.0 * out + np.repeat([-15.0, 10.0, 15.0], 24)[:, None] * Z
+    found.graph, barrel = found.graph.add_stroke(Contacts.of(side, out, 0.02, 0.01))
+    ends = 20.0 * out[:24]
+    for way in (1.0, -1.0):
+        end = Contacts.of(ends + way * 20.0 * Z, np.tile(way * Z, (24, 1)), 0.02, 0.01)
+        found.graph, own = found.graph.add_stroke(end)
+        found.rims += [RoundRim(way * 20.0 * Z, way * Z, 10.0, 0.05, own, True)] if bored else []
+    mouths = [RoundRim(way * 25.0 * x, way * x, 5.0, 0.3, barrel, True, bent=True) for way in (1.0, -1.0)]
+    frontier = SimpleNamespace(openings=[], round_gaps=mouths, known=[], placed=list, ends=list)
+    conclude(found, list, lambda: frontier)
+    assert found.openings == []
+    inferred = [face for face in found.graph.faces if (face.contacts.touch == NOT_FELT).all()]
+    across = [face for face in inferred if abs(float(face.fit.shape.axis @ x)) > 0.99]
+    assert len(inferred) - len(across) == (1 if bored else 0)
+    depth = np.abs(np.concatenate([face.contacts.points for face in across]) @ x)
+    assert depth.max() > 15.0
+    assert (depth.min() > 10.0) == bored
+
+
 def ring_with_rims():
     """A ring whose crests passed for flat faces, and the rims that these seemed to have round its middle."""
     ring, rng = Torus(np.zeros(3), Z, 22.0, 6.0), np.random.default_rng(3)
