@@ -12,13 +12,12 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from primitives.arrays import Floats, Ints
+from primitives.arrays import Bools, Floats, Ints
 from primitives.surface import TriangleSurface
 
 _PARALLEL = (
     1e-7  # difference of unit normals, and [mm] off the plane over the facet's size, that count as none
 )
-_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 _SLACK = 5.0  # [mm] that the pad may move before facets are listed again
 
 
@@ -44,27 +43,51 @@ def facets_of(surface: TriangleSurface) -> Facets:
     corners = vertices[triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     double_area = np.linalg.norm(cross, axis=1)
-    solid = double_area > 1e-12
-    normals = cross / np.where(solid, double_area, 1.0)[:, None]
+    apart = double_area > 1e-12
+    normals = cross / np.where(apart, double_area, 1.0)[:, None]
     across = np.where(neighbors >= 0, neighbors, np.arange(len(triangles))[:, None])
+    group = _coplanar(normals, across, apart)
+    size, order = np.bincount(group), np.argsort(group, kind="stable")
+    begin = np.cumsum(size) - size
+    pairs = order[begin[size == 2, None] + [0, 1]]
+    quads = _quads(vertices, triangles, across, pairs)
+    whole = _convex(quads, normals[pairs[:, 0]])
+    apart[pairs[whole].ravel()] = False
+    first, loops = list[int](), list[Floats]()
+    for k in np.flatnonzero(size > 2):
+        members = order[begin[k] : begin[k] + size[k]]
+        loop = _outline(vertices, triangles, across, group, members, normals)
+        if loop is not None:
+            apart[members] = False
+            first.append(members[0])
+            loops.append(loop)
+    of = np.concatenate([np.flatnonzero(apart), pairs[whole, 0], np.array(first, dtype=np.int64)])
+    counts = [3] * int(apart.sum()) + [4] * int(whole.sum()) + [len(loop) for loop in loops]
+    start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    rows = np.concatenate([corners[apart].reshape(-1, 3), quads[whole].reshape(-1, 3), *loops])
+    return Facets(normals[of], start, rows).take(np.argsort(group[of], kind="stable"))
+
+
+def _coplanar(normals: Floats, across: Ints, solid: Bools) -> Ints:
+    """(t,) group of each triangle: neighbors `across` (t, 3) its sides share it where their normals are one."""
     alike = (
         (np.abs(normals[across] - normals[:, None]).max(axis=2) < _PARALLEL) & solid[across] & solid[:, None]
     )
     row, corner = np.nonzero(alike)
-    links = coo_array((np.ones(len(row)), (row, across[row, corner])), shape=(len(triangles),) * 2)
-    group = np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
-    outlines, outline_normals = [], []
-    order = np.argsort(group, kind="stable")
-    for members in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
-        if not solid[members[0]]:
-            continue
-        merged = _outline(vertices, triangles, across, group, members, normals) if len(members) > 1 else None
-        outlines += [merged] if merged is not None else list(corners[members])
-        outline_normals += [normals[members[0]]] if merged is not None else list(normals[members])
-    start = np.concatenate([[0], np.cumsum([len(o) for o in outlines])]).astype(np.int64)
-    return Facets(
-        np.array(outline_normals).reshape(-1, 3), start, np.concatenate([np.zeros((0, 3)), *outlines])
+    links = coo_array((np.ones(len(row)), (row, across[row, corner])), shape=(len(normals),) * 2)
+    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
+
+
+def _quads(vertices: Floats, triangles: Ints, across: Ints, pairs: Ints) -> Floats:
+    """(k, 4, 3) corners of (k, 2) pairs of triangles that share an edge: most of a surface of revolution."""
+    one, other = pairs.T
+    edge, back = (
+        np.argmax(across[own] == beside[:, None], axis=1) for own, beside in ((one, other), (other, one))
     )
+    loop = np.stack(
+        [triangles[one, (edge + k) % 3] for k in (1, 2, 0)] + [triangles[other, (back + 2) % 3]], axis=1
+    )
+    return np.asarray(vertices[loop])
 
 
 def _outline(
@@ -86,17 +109,18 @@ def _outline(
         names.append(following)
     if len(names) != len(t):
         return None
-    loop = vertices[names]
-    ahead = np.concatenate([loop[1:], loop[:1]])
-    sides = ahead - loop
-    after = np.concatenate([sides[1:], sides[:1]])
-    size = float((loop.max(axis=0) - loop.min(axis=0)).max())
-    normal = normals[members[0]]
-    turns = (
-        sides[:, _NEXT] * after[:, _LAST] - sides[:, _LAST] * after[:, _NEXT]
-    ) @ normal  # their cross products
-    flat = np.abs((loop - loop[0]) @ normal).max() <= 10 * _PARALLEL * size
-    return loop if flat and turns.min() >= -_PARALLEL * size * size else None
+    loop = np.asarray(vertices[names])
+    return loop if _convex(loop[None], normals[members[:1]])[0] else None
+
+
+def _convex(loops: Floats, normals: Floats) -> Bools:
+    """(k,) which of (k, n, 3) loops are flat across their (k, 3) normals, and turn one way only."""
+    sides = np.roll(loops, -1, axis=1) - loops
+    after = np.roll(sides, -1, axis=1)
+    size = np.ptp(loops, axis=1).max(axis=1)
+    turns = np.einsum("kni,ki->kn", np.cross(sides, after), normals)
+    off = np.abs(np.einsum("kni,ki->kn", loops - loops[:, :1], normals)).max(axis=1)
+    return np.asarray((off <= 10 * _PARALLEL * size) & (turns.min(axis=1) >= -_PARALLEL * size * size))
 
 
 class NearFacets:
