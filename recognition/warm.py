@@ -78,7 +78,7 @@ def _compile() -> None:
     ):
         try:
             for done in [
-                crew.submit(task, Path(name)) for task in (explore_once, perceive_all, the_rest, track_both)
+                crew.submit(task, Path(name)) for task in (perceive_all, the_rest, explore_once, track_both)
             ]:
                 done.result()
         except BaseException:
