@@ -69,6 +69,11 @@ class Solid:
         return float(self.body.mesh.surface_area())
 
     @property
+    def shells(self) -> int:
+        """Closed surfaces that bound it: one, unless it lies in pieces or has a cavity."""
+        return len(self.body.mesh.decompose())
+
+    @property
     def genus(self) -> int:
         """Handles, over all shells: 1 for a ring."""
         return int(self.body.mesh.genus())

@@ -31,6 +31,7 @@ from recognition.assembly.described import (
     describe_primitives,
     link,
 )
+from recognition.assembly.lapping import lapped
 from recognition.assembly.uncertainty import face_sigma
 from recognition.best_body import FeltFace, best_body, reach_past
 
@@ -98,6 +99,7 @@ def reconstruct(
         rows = [_open_face(number, face.fit) for number, face in enumerate(felt)]
         reason = (f"no closed body: {assembly.reason}",)
         return Reconstruction(assembly, None, rows, [], [], contacts, fit_of_contact, reason)
+    assembly = lapped(assembly)
     boundary = link(assembly)
     face_of_contact = _faces_of(assembly, boundary, contacts, fit_of_contact)
     faces = describe_faces(assembly, boundary)
