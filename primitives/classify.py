@@ -42,7 +42,7 @@ class RankOptions:
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
     bluntest: float = 1.5  # [rad] semi-angle from which a cone is a plane that was felt badly
-    of_a_line: int = 8  # contacts of each of two flat sides, that a cone or a cylinder may be in disguise,
+    of_a_line: int = 4  # contacts of each of two flat sides, that a cone or a cylinder may be in disguise,
     as_near: float = 1.1  # times its misfit, likewise,
     one_way: float = 0.12  # [rad] between the ways that the contacts of one side look, likewise
     far_worse: float = 4.0  # times its chi2, from which another shape is none either

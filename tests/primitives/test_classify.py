@@ -140,15 +140,19 @@ def test_a_cone_that_was_felt_along_three_lines_or_more_is_one(lines, semi_angle
     assert rank(touched)[0].fit.kind == "cone"
 
 
-def test_two_flat_sides_beside_a_corner_are_no_cone_and_nothing_else_that_is_far_off():
+@pytest.mark.parametrize("counts", [(40, 40), (20, 6)])
+def test_two_flat_sides_beside_a_corner_are_no_cone_and_nothing_else_that_is_far_off(counts):
     rng = np.random.default_rng(1)
-    along = rng.uniform(5.0, 60.0, 40)
     sides = [(np.array([0, 1.0, 0]), np.array([1.0, 0, 0])), (np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))]
     points = np.concatenate(
-        [np.outer(along, way) + np.outer(rng.uniform(-1.5, 1.5, 40), [0, 0, 1.0]) for way, _ in sides]
+        [
+            np.outer(rng.uniform(5.0, 60.0, count), way)
+            + np.outer(rng.uniform(-1.5, 1.5, count), [0, 0, 1.0])
+            for count, (way, _) in zip(counts, sides, strict=True)
+        ]
     )
-    normals = np.concatenate([np.tile(-normal, (40, 1)) for _, normal in sides])
-    touched = Contacts.of(points + 0.02 * rng.standard_normal((80, 3)), normals, 0.06, 0.1)
+    normals = np.concatenate([np.tile(-sides[k][1], (counts[k], 1)) for k in (0, 1)])
+    touched = Contacts.of(points + 0.02 * rng.standard_normal(points.shape), normals, 0.06, 0.1)
     assert all(one.fit.kind != "cone" and one.fit.chi2 < 10 * one.fit.dof for one in rank(touched))
 
 

@@ -83,6 +83,8 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     if not len(felt) or (felt.touch == NOT_FELT).any() or not np.isfinite(felt.normals).all():
         return None
     shape = face.fit.shape
+    if isinstance(shape, Cylinder) and (side := _flat_side(face.fit, felt, ways, flats)) is not None:
+        return side
     if isinstance(shape, Cylinder) and any(abs(float(shape.direction @ way)) > _UPRIGHT for way in ways):
         return None
     paid = np.log(_RESIDUALS * len(felt))
@@ -103,6 +105,28 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
             dof = max(_RESIDUALS * len(felt) - _PARAMETERS, 1)
             best, most = replace(made, inliers=rows, chi2=float(chi2), dof=dof), gain
     return best or next((rim for way in ways if (rim := _sliver(face.fit, felt, way, flats))), None)
+
+
+def _flat_side(own: Fit, felt: Contacts, ways: list[Floats], flats: list[Plane]) -> Fit | None:
+    """The plane along the direction that a cylinder lies across, where it was felt on a low side beside a flat.
+
+    A pad that rocked on the narrow side of a plate reads it round about the plate's own edge.
+    """
+    paid = np.log(_RESIDUALS * len(felt))
+    for way in ways:
+        low = float(np.ptp(felt.points @ way)) < _LOW
+        if not low or abs(float(own.shape.direction @ way)) > _ACROSS or not any(_at_flats(felt, way, flats)):
+            continue
+        told = _bent(felt)
+        made = fit("plane", _drawn_out(told, way))
+        if not isinstance(made, Fit) or made.rms > _BULGE:
+            continue
+        own_chi2, chi2 = squares(own, told).sum(), squares(made, told).sum()
+        gain = float(own_chi2 - chi2) / _SLACK + (len(own.sigma) - _PARAMETERS + 1) * paid
+        if gain > 0.0:
+            dof = max(_RESIDUALS * len(felt) - _PARAMETERS + 1, 1)
+            return replace(made, inliers=own.inliers, chi2=float(chi2), dof=dof)
+    return None
 
 
 def _sliver(own: Fit, felt: Contacts, way: Floats, flats: list[Plane]) -> Fit | None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from exploration.planning.faces.attribution import CONVEX
 from exploration.planning.faces.uprighted import uprighted
 from primitives.evidence import Contacts
 from primitives.fit import fit
@@ -143,3 +144,45 @@ def test_a_sliver_of_a_rim_beside_one_flat_is_a_cylinder_where_it_looks_straight
     assert own.shape.radius == pytest.approx(26.0, abs=0.1)
     assert own.inliers.sum() == 29  # what lies beside the rim is none of it
     assert uprighted(PatchGraph((plate(rng), dome), ())).faces[1] is dome
+
+
+ROCKED = np.array(
+    [  # along, out and up of a plate's side 4.5 mm high, its normal out and up: a pad leaned, and felt the edge
+        [-4.43, 0.035, 2.604, 0.999, 0.054],
+        [-0.43, 0.046, 2.651, 0.997, 0.083],
+        [0.03, 0.049, 2.635, 0.997, 0.083],
+        [1.14, -0.022, 2.924, 0.999, 0.032],
+        [-7.29, -0.001, 2.280, 0.999, 0.032],
+        [1.15, 0.014, 1.810, 0.999, 0.032],
+        [-4.64, 0.009, 1.963, 0.999, 0.032],
+        [0.15, 0.029, 2.906, 0.991, 0.131],
+        [0.05, -0.148, 4.034, 0.928, 0.372],
+    ]
+)
+
+
+def rocked(lean=None):
+    """Contacts of that side; or of one that is rounded, whose normals `lean` as they do there."""
+    along, out, up, level, upward = ROCKED.T
+    if lean is not None:
+        out, level, upward = -(1.0 - np.cos(lean)) * (up[-1] - up[0]) / lean[-1], np.cos(lean), np.sin(lean)
+    points, normals = np.column_stack([along, 39.0 + out, up - 4.5]), np.column_stack([0 * up, level, upward])
+    sure = np.arange(9) == 0
+    sigma, tilt = np.where(sure, 0.013, 0.06), np.where(sure, 0.006, 0.1)
+    return Contacts.of(points, normals, sigma, tilt, touch=np.where(sure, 17, 19))
+
+
+def test_a_narrow_side_that_a_pad_rocked_on_is_flat():
+    rng = np.random.default_rng(0)
+    side = ranked_face(1, rocked(), CONVEX)
+    assert side.fit.kind == "cylinder"
+    end = uprighted(PatchGraph((plate(rng), side), ())).faces[1].fit
+    assert end.kind == "plane"
+    assert abs(end.shape.direction @ Z) < 0.02
+
+
+def test_a_side_that_is_rounded_for_sure_stays_round():
+    rng = np.random.default_rng(0)
+    side = ranked_face(1, rocked(np.linspace(0.0, 1.0, 9)), CONVEX)
+    assert side.fit.kind != "plane"
+    assert uprighted(PatchGraph((plate(rng), side), ())).faces[1].fit.kind != "plane"
