@@ -10,7 +10,7 @@ measured is inferred from the surfaces that meet there.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,7 @@ from recognition.assembly.described import (
     describe_edges,
     describe_faces,
     describe_primitives,
+    describe_regularities,
     link,
 )
 from recognition.assembly.lapping import lapped
@@ -63,6 +64,7 @@ class Reconstruction:
     contacts: Contacts
     face_of_contact: Ints  # (n,) id of a face of the summary; -1 where it lies on none
     warnings: tuple[str, ...]
+    regularities: Rows = field(default_factory=list)
     closed: bool = False  # whether faces close the body; else there is none, or it is cut off somewhere
 
     def brep_json(self) -> dict[str, Any]:
@@ -113,7 +115,8 @@ def reconstruct(
             row["status"] = "measured"
     return Reconstruction(
         assembly, boundary, faces, edges, describe_primitives(assembly), contacts, face_of_contact,
-        (*assembly.warnings, *body.told(), *_untouched(assembly, faces, contacts, options)), body.whole,
+        (*assembly.warnings, *body.told(), *_untouched(assembly, faces, contacts, options)),
+        describe_regularities(assembly, boundary), body.whole,
     )  # fmt: skip
 
 

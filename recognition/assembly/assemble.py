@@ -247,7 +247,7 @@ def _speakers(count: int, regularized: Regularized) -> list[int]:
     speaker = list(range(count))
     for relation in regularized.relations:
         if relation.kind == "coincident":
-            low, high = sorted((speaker[relation.a], speaker[relation.b]))
+            low, high = sorted(speaker[i] for i in relation.faces)
             speaker = [low if s == high else s for s in speaker]
     return speaker
 

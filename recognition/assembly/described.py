@@ -24,6 +24,7 @@ from recognition.assembly.piece import Piece
 from recognition.assembly.uncertainty import face_sigma, piece_sigma
 
 _FINEST = 1e-4  # [mm] no size is known better than this
+_DIRECTIONS = "parallel", "perpendicular"  # relations of directions
 _ALONG = 1.0  # [mm] between a trace and the edge that it followed
 
 
@@ -88,6 +89,30 @@ def describe_primitives(assembly: Assembly) -> list[dict[str, Any]]:
     return [
         describe_piece(p, "add" if k == 0 else p.operation, assembly) for k, p in enumerate(assembly.pieces)
     ]
+
+
+def describe_regularities(assembly: Assembly, boundary: LinkedBoundary) -> list[dict[str, Any]]:
+    """`regularities`: what was measured and what stands instead; none that follows from others."""
+    first = {fit: face for face, fit in reversed(list(enumerate(boundary.fit_of_face))) if fit is not None}
+    out = []
+    for told in assembly.regularized.relations:
+        speakers = [assembly.surface_of_fit[i] for i in told.faces]
+        faces = [first[s] for s in speakers if s in first]
+        if told.implied or len(set(faces)) < len(told.faces):
+            continue
+        turned = told.kind in _DIRECTIONS
+        scale = float(np.rad2deg(1.0)) if turned else 1.0
+        out.append(
+            {
+                "kind": told.kind,
+                "faces": faces,
+                "unit": "deg" if turned else "mm",
+                "measured": scale * told.measured,
+                "sigma": scale * told.sigma,
+                "taken": told.taken,
+            }
+        )
+    return out
 
 
 def describe_piece(piece: Piece, operation: str, assembly: Assembly) -> dict[str, Any]:

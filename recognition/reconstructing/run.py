@@ -137,6 +137,7 @@ def _summary(
         "faces": made.faces,
         "edges": made.edges,
         "primitives": made.primitives,
+        "regularities": made.regularities,
         "volume_mm3": None if assembly is None else assembly.solid.volume,
         "csg": None if assembly is None else {"leaves": sum(1 for _ in assembly.tree.leaves())},
         "truth": None,

@@ -79,6 +79,7 @@ def _boundary_sections(s: Json) -> str:
             tables.section("Faces", tables.table(s.get("faces") or [], tables.FACES, face_rows=True)),
             tables.section("Edges", tables.table(s.get("edges") or [], tables.EDGES)),
             tables.section("Primitives", tables.table(s.get("primitives") or [], tables.PRIMITIVES)),
+            tables.section("Regularities", tables.table(s.get("regularities") or [], tables.REGULARITIES)),
         ]
     )
 

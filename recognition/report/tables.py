@@ -211,6 +211,13 @@ EDGES: tuple[Column, ...] = (
     ("Length, mm", True, lambda e: _rounded(e.get("length_mm"), 2) or ""),
     ("Dihedral, °", True, lambda e: _rounded(e.get("dihedral_deg"), 2) or ""),
 )
+REGULARITIES: tuple[Column, ...] = (
+    ("Kind", False, lambda r: escape(str(r["kind"]))),
+    ("Faces", False, lambda r: ", ".join(str(face) for face in r.get("faces") or [])),
+    ("Measured", True, lambda r: f"{_rounded(r.get('measured'), 4)} ± {_rounded(r.get('sigma'), 4)}"),
+    ("Taken", True, lambda r: _rounded(r.get("taken"), 4) or ""),
+    ("", False, lambda r: "°" if r.get("unit") == "deg" else "mm"),
+)
 PRIMITIVES: tuple[Column, ...] = (
     ("Operation", False, lambda p: escape(str(p.get("operation", "")))),
     ("Kind", False, lambda p: escape(str(p["kind"]))),

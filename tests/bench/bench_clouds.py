@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from clouds.fits import two_sigma_rows
 from clouds.killed import killed_rows
+from clouds.regular import regularity_rows
 from clouds.sampled import DATA, Cloud, builtin_parts, generated_parts, sampled, step_parts
 from clouds.score import instance_miou, shape_accuracy
 
@@ -55,6 +56,7 @@ def run() -> list[dict[str, Any]]:
         if count > 60:
             rows += _sparse_rows("random parts, no normals", random, count, normals=False)
     rows += _dense_rows(names() if WHOLE else names()[::6])
+    rows += [row for sigma in (0.05, SIGMA) for row in regularity_rows(names()[:: 1 if WHOLE else 6], sigma)]
     rows += two_sigma_rows(1000 if WHOLE else 150)
     rows += killed_rows(50 if WHOLE else 4)
     return rows

@@ -9,7 +9,9 @@ from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.pose import pose, random_rotation, rotation_exp
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
-from recognition.assembly.regularities import RegularityOptions, _coincident, _parallel, _State, regularize
+from recognition.assembly.regularities import RegularityOptions, regularize
+from recognition.assembly.regularities.proposals import coincident, parallel
+from recognition.assembly.regularities.state import State
 
 TILT = np.deg2rad(0.05)
 OFFSET = 0.01  # [mm]
@@ -21,6 +23,7 @@ class Given:
     covariance: np.ndarray
     chi2: float = 10.0
     dof: int = 10
+    convex: bool = True
 
 
 def given(shape, rng=None, offset=OFFSET, tilt=TILT):
@@ -132,7 +135,7 @@ def test_exact_shapes_are_left_as_they_are():
     world = pose(random_rotation(np.random.default_rng(2)), [10.0, 20, 30])
     planes = block_planes(world)
     found = regularize([Given(p, np.zeros((3, 3))) for p in planes])
-    assert counts(found) == {"parallel": 3, "perpendicular": 12}
+    assert counts(found) == {"parallel": 3, "perpendicular": 12, "round": 3}
     assert np.abs(found.step).max() < 1e-9
 
 
@@ -171,9 +174,9 @@ def test_a_nearly_cylindrical_cone_stays_on_its_contacts():
 def test_a_relation_that_follows_from_others_is_told_and_is_no_constraint_of_its_own():
     rng = np.random.default_rng(4)
     heights = 10.0 * np.arange(8)
-    state = _State([given(Plane(h * np.eye(3)[2], np.eye(3)[2]), rng) for h in heights], RegularityOptions())
-    for kind, a, b, constraint in _parallel(state):
-        state.consider(kind, a, b, constraint)
+    state = State([given(Plane(h * np.eye(3)[2], np.eye(3)[2]), rng) for h in heights], RegularityOptions())
+    for proposal in parallel(state):
+        state.consider(proposal)
     assert len(state.relations) == 8 * 7 / 2
     assert len(state.accepted) == 7
     state.polish()
@@ -183,8 +186,31 @@ def test_a_relation_that_follows_from_others_is_told_and_is_no_constraint_of_its
 
 def test_what_was_met_before_and_is_not_sure_becomes_a_constraint_all_the_same():
     flat = [given(Plane(np.zeros(3), np.eye(3)[2])) for _ in range(2)]
-    state = _State(flat, RegularityOptions())
-    for kind, a, b, constraint in _coincident(state):
-        state.consider(kind, a, b, constraint)
+    state = State(flat, RegularityOptions())
+    for proposal in coincident(state):
+        state.consider(proposal)
     assert len(state.accepted) == 1
     assert np.sqrt(np.diag(state.posterior)).max() < OFFSET  # two faces tell more than one
+
+
+def loose_hole(turn, rng):
+    """A hole whose axis is hardly known, and its size the less the more it leans."""
+    shape, sigma = (
+        Cylinder([30 * np.cos(turn), 30 * np.sin(turn), 0.0], np.eye(3)[2], 4.0),
+        [0.05] * 2 + [0.03] * 3,
+    )
+    covariance = (0.3 * np.eye(5) + 0.7) * np.outer(sigma, sigma)
+    return Given(
+        shape.retract(np.linalg.cholesky(covariance) @ rng.standard_normal(5)), covariance, convex=False
+    )
+
+
+@pytest.mark.parametrize("seed", [8, 11, 33])
+def test_axes_that_are_hardly_known_become_parallel_and_leave_holes_their_size(seed):
+    rng = np.random.default_rng(seed)
+    holes = [loose_hole(turn, rng) for turn in np.arange(4) * np.pi / 2]
+    faces = [given(Plane([0, 0, z], [0, 0, s]), rng, tilt=2e-4) for z, s in ((0.0, -1.0), (6.0, 1.0))]
+    found = regularize([*holes, *faces], RegularityOptions(round=False))
+    assert counts(found)["parallel"] >= 12
+    for before, after in zip(holes, found.shapes, strict=False):
+        assert after.radius == pytest.approx(before.shape.radius, abs=0.1)

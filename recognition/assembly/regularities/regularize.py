@@ -1,0 +1,55 @@
+"""Relations that a designer meant, accepted only where the measured uncertainty allows them.
+
+The fitted shapes s_i are retracted by one stacked step x, of prior x ~ N(0, P).  A relation is a constraint
+h(x) = 0, for example n_a . n_b = 0.  Given the relations accepted before it, it costs (our derivation; a Kalman
+update with a perfect measurement, as in Simon 2010, "Kalman filtering with state constraints")
+
+    chi2 = h' (H P H')^-1 h,    H = dh/dx,
+
+and is refused where chi2 exceeds its quantile.  That two directions nearly agree is rare by chance; that two
+radii do is not: of those h = 0 must also be likelier, with the spread that it has, than among sizes drawn at
+random.  At the end x is polished by Gauss-Newton onto all accepted constraints, and its covariance is P
+conditioned on them, so that sizes which span two faces gain from both.  A misalignment that was really measured is
+kept.  Sizes that together lie on one grid of round numbers are then put on it, and keep their covariance: no
+workshop meets a number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from primitives.arrays import frozen
+from primitives.fit import Fit
+from recognition.assembly.regularities import proposals
+from recognition.assembly.regularities.relation import Proposal, RegularityOptions, Regularized
+from recognition.assembly.regularities.round_sizes import put_on_grid
+from recognition.assembly.regularities.state import State
+
+_STAGES = (
+    proposals.coincident,
+    proposals.parallel,
+    proposals.perpendicular,
+    proposals.coaxial,
+    proposals.equal_radius,
+    proposals.tangent,
+    proposals.evenly_spaced,
+)
+
+
+def regularize(fits: Sequence[Fit], options: RegularityOptions | None = None) -> Regularized:
+    """Accept what the covariances allow, likeliest first, and adjust all shapes to it."""
+    state = State(fits, options or RegularityOptions())
+    for stage in _STAGES:
+        for proposal in _by_cost(state, stage(state)):
+            state.consider(proposal)
+    state.polish()
+    if state.options.round:
+        put_on_grid(state)
+    return Regularized(
+        tuple(state.shapes()), frozen(state.posterior), state.slices, tuple(state.relations), frozen(state.x)
+    )
+
+
+def _by_cost(state: State, found: list[Proposal]) -> list[Proposal]:
+    costs = [state.cost(*state.value_and_slope(p.faces, p.constraint)) for p in found]
+    return [found[i] for i in sorted(range(len(found)), key=costs.__getitem__)]
