@@ -18,7 +18,7 @@ from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
-from exploration.planning.inferring.far_ends import far_ends, into_bores, shut
+from exploration.planning.inferring.far_ends import far_ends, into_bores, narrowed_ends, shut
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.outlines import outline_walls
@@ -32,7 +32,7 @@ from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
-from exploration.planning.open.holes import Hole, HolesConfig, holes_of
+from exploration.planning.open.holes import Hole, HolesConfig, ends_of_one, holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
@@ -126,8 +126,10 @@ def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: F
     )
     rims = [*found.rims, *frontier().round_gaps]
     # two mouths in round faces are no pair yet: in a tube's wall each leads into a bore, which is made known here
-    apart = HolesConfig(leaning=np.inf)
-    found.openings = _holes(found, rims, guessed, inside, frontier().known, apart)
+    apart, known = HolesConfig(leaning=np.inf), frontier().known
+    single = [rim for rim in found.rims if not any(ends_of_one(rim, other) for other in rims)]
+    guessed += narrowed_ends(single, known, inside)
+    found.openings = _holes(found, rims, guessed, inside, known, apart)
     through = far_ends(found.openings, known := frontier().known)
     through += into_bores(found.openings, found.graph.faces)
     left = _holes(found, [*found.openings, *through], [], inside, known)

@@ -37,6 +37,11 @@ class FarEndsConfig:
     beside: float = 12.0  # [mm] round the hole, within which the face was touched
     past: float = 1.0  # [mm] past a ring's outer circle, at which a face was touched that is no such ring
     narrower: tuple[float, float] = (2.0, 0.6)  # [mm], and of the radius, that a narrower end has
+    inside: float = 0.75  # of the radius round the axis, where the face was touched that a hole narrows in,
+    around: int = 4  # in so many places at least,
+    lopsided: float = (
+        0.7  # with the mean of the ways there no longer than this: a pad's overhang is on one side
+    )
 
 
 # For the other rim of a hole: where nobody felt that it does not come out.
@@ -84,6 +89,36 @@ def narrower_ends(
         for deep, own, touched in sorted(across, key=lambda item: item[0])[:1]:
             radius = float(np.clip(touched, least, share * rim.radius))
             found.append(_opposite(rim, deep, own, radius, config))
+    return found
+
+
+def narrowed_ends(
+    rims: Sequence[RoundRim],
+    known: Sequence[KnownFace],
+    inside: Floats,
+    config: FarEndsConfig = FarEndsConfig(),
+) -> list[RoundRim]:
+    """Where holes come out narrower that an array passed: in a face that was felt all round within their width.
+
+    Of a rim that is not round, as of a square bore behind a round one, nobody makes a circle.  The array was at
+    (n, 3) places `inside`.
+    """
+    found, through = list[RoundRim](), replace(config, deepest=np.inf)  # however long: the array went there
+    for rim, own in product((rim for rim in rims if rim.measured), known):
+        deep = _deep(rim, own, through)
+        if deep is None:
+            continue
+        center = rim.center - deep * rim.axis
+        away = _near(own.cells, center, rim, config) - center
+        away = away - np.outer(away @ rim.axis, rim.axis)
+        off = np.linalg.norm(away, axis=1)
+        near = off < config.inside * rim.radius
+        if near.sum() < config.around or off[near].min() < config.narrower[0]:
+            continue
+        ways = away[near] / off[near, None]
+        gone = (aside(inside, center, rim.axis) < off[near].min()) & ((center - inside) @ rim.axis > 0.0)
+        if gone.any() and float(np.linalg.norm(ways.mean(axis=0))) < config.lopsided:
+            found.append(_opposite(rim, deep, own, float(off[near].min()), config))
     return found
 
 

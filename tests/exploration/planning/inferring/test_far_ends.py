@@ -5,7 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends, shut
+from exploration.planning.inferring.far_ends import (
+    WHERE_TO_LOOK,
+    far_ends,
+    narrowed_ends,
+    narrower_ends,
+    shut,
+)
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim
@@ -77,3 +83,21 @@ def test_a_hole_is_shut_by_the_first_face_touched_across_it():
     assert shut(RIM, [under((90.0, 0.0), height=-15.0), across]) == pytest.approx(10.0)
     assert shut(RIM, [under()]) == np.inf
     assert shut(RIM, [under((90.0, 0.0), up=1.0)]) == np.inf
+
+
+def test_a_hole_that_an_array_passed_comes_out_narrower_where_the_face_behind_was_felt_all_round():
+    wide, touched = replace(RIM, radius=9.0), replace(under(), free=np.empty((0, 3)))
+    passed = np.array([[5.0, 0.5, z] for z in (6.0, -6.0)])
+    (end,) = narrowed_ends([wide], [touched], passed)
+    assert np.allclose(end.center, [5.0, 0.0, 0.0], atol=0.05)
+    assert end.radius == pytest.approx(4.0, abs=0.6)
+    assert not end.measured
+    assert narrowed_ends([wide], [touched], np.empty((0, 3))) == []
+    assert narrowed_ends([RIM], [touched], passed) == []
+
+
+def test_a_pads_overhang_on_one_side_of_a_mouth_narrows_no_hole():
+    wide, passed = replace(RIM, radius=9.0), np.array([[5.0, 0.5, -6.0]])
+    one_side = under((2.0, 0.0))
+    cells = one_side.cells[one_side.cells[:, 0] > 7.0]
+    assert narrowed_ends([wide], [replace(one_side, cells=cells)], passed) == []
