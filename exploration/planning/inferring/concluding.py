@@ -32,6 +32,7 @@ from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
+from exploration.planning.open.cornered import cornered
 from exploration.planning.open.holes import Hole, HolesConfig, ends_of_one, holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
@@ -39,6 +40,7 @@ from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
 from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 from primitives.shapes import Plane
@@ -67,6 +69,7 @@ _RIM = 1.5  # [mm] from the face that a rim is of
 _AROUND = 16.0  # [mm] round a hole, within which the face was felt that it comes out of
 _LIP = 2.5  # [mm] round a hole, where what looks like a straight edge is a part of its rim
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
+_FAR = 12.0  # [mm] from a rim, within which an inferred face is known
 
 
 def conclude(
@@ -171,8 +174,9 @@ def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier], inside: Fl
 
 
 def _guessed(found: Findings, now: LocalFrontier) -> list[RoundRim]:
-    """Openings that nobody has looked at."""
-    return [rim for rim in now.openings if not _looked_at(rim, found)]
+    """Openings that nobody has looked at, and that no edge beside them tells to have corners."""
+    edges = [edge for edge, _ in (*found.wall_rims, *found.glimpsed)]
+    return [rim for rim in now.openings if not _looked_at(rim, found) and not cornered(rim, edges)]
 
 
 def _holes(
@@ -262,16 +266,27 @@ def _is_on(own: int, at: Floats, normal: Floats, faces: Sequence[Face]) -> bool:
 
 
 def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
-    """Whether a face is known by now that passes behind a rim and along it: at its end another may pass, too."""
+    """Whether a face is known by now that passes behind a rim and along it: at its end another may pass, too.
+
+    Where a flat face goes over into a round one there is no rim, but a pad that lies on both sees one.
+    """
     seen, own = rim
     for face in faces:
         if face.id != own and isinstance(face.fit, Fit):
             at, side = seen.point[None], 1.0 if face.fit.convex else -1.0
             normal = side * face.fit.shape.normals(at)[0]
             near = abs(float(face.fit.shape.signed_distance(at)[0])) < _BEHIND
-            if near and normal @ seen.outward > 0.3 and abs(float(normal @ seen.tangent)) < _ALONG:
+            along = normal @ seen.outward > 0.3 and abs(float(normal @ seen.tangent)) < _ALONG
+            bends = face.fit.kind != "plane" and float(normal @ seen.normal) > _ALIKE
+            if near and (bends or (along and _reaches(face, seen.point))):
                 return True
     return False
+
+
+def _reaches(face: Face, place: Floats) -> bool:
+    """Whether a face goes on to a (3,) place: one that is only inferred may be known at its other end alone."""
+    felt = bool((face.contacts.touch != NOT_FELT).any())
+    return felt or float(np.linalg.norm(face.contacts.points - place, axis=1).min()) < _FAR
 
 
 def _looked_at(rim: RoundRim, found: Findings) -> bool:

@@ -37,6 +37,27 @@ def test_a_wall_that_only_ends_at_a_rim_does_not_explain_it():
     assert unexplained([rim], [face, wall(2, np.pi / 3)[0]]) == []
 
 
+def test_a_wall_that_is_inferred_elsewhere_does_not_explain_a_rim_and_one_that_was_felt_does():
+    (face, out, along), far = wall(1, 0.0), 40.0
+    rim = Sighting(18.0 * out + far * along + 10.0 * Z, along, -out, Z, 0.05, 12.0), 0
+    guessed = replace(face, contacts=replace(face.contacts, touch=np.full(9, NOT_FELT)))
+    assert unexplained([rim], [face]) == []
+    assert unexplained([rim], [guessed]) == [rim]
+    near = Sighting(18.0 * out + 10.0 * Z, along, -out, Z, 0.05, 12.0), 0
+    assert unexplained([near], [guessed]) == []
+
+
+def test_a_flat_face_that_goes_over_into_a_round_one_has_no_rim_there():
+    turn = np.linspace(0.2, 1.4, 20)
+    ways = np.column_stack([np.sin(turn), np.cos(turn), np.zeros(20)])
+    points = 10.0 * ways + np.outer(np.linspace(-9.0, 9.0, 20), Z)
+    corner = ranked_face(1, Contacts.of(points, ways, 0.01, 0.02), MergeOptions())
+    assert corner.fit.kind == "cylinder"
+    x, y = np.eye(3)[:2]
+    beside, past = ((Sighting(np.array([at, 10.0, 0.0]), Z, x, y, 0.05, 12.0), 0) for at in (2.0, 6.0))
+    assert unexplained([beside, past], [corner]) == [past]
+
+
 def test_a_turned_face_that_ends_round_its_axis_ends_in_a_plane_upright_on_it():
     """A funnel's mouth, whose ring is too narrow to lie on, seen at two places of the cone outside it."""
     cone = Cone([0.0, 0.0, -18.2], Z, 0.58)
