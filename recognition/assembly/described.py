@@ -105,7 +105,7 @@ def describe_regularities(assembly: Assembly, boundary: LinkedBoundary) -> list[
         out.append(
             {
                 "kind": told.kind,
-                "faces": faces,
+                "faces": sorted(faces),
                 "unit": "deg" if turned else "mm",
                 "measured": scale * told.measured,
                 "sigma": scale * told.sigma,

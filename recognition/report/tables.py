@@ -215,7 +215,7 @@ REGULARITIES: tuple[Column, ...] = (
     ("Kind", False, lambda r: escape(str(r["kind"]))),
     ("Faces", False, lambda r: ", ".join(str(face) for face in r.get("faces") or [])),
     ("Measured", True, lambda r: f"{_rounded(r.get('measured'), 4)} ± {_rounded(r.get('sigma'), 4)}"),
-    ("Taken", True, lambda r: _rounded(r.get("taken"), 4) or ""),
+    ("Taken", True, lambda r: f"{float(r.get('taken') or 0.0):g}"),
     ("", False, lambda r: "°" if r.get("unit") == "deg" else "mm"),
 )
 PRIMITIVES: tuple[Column, ...] = (

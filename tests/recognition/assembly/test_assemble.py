@@ -13,9 +13,16 @@ from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit, refit
 from primitives.pose import pose, random_rotation
 from primitives.shapes import Plane
-from recognition.assembly.assemble import assemble, outward
+from recognition.assembly.assemble import AssemblyOptions, assemble, outward
 from recognition.assembly.closure import NotClosed
-from recognition.assembly.described import describe_edges, describe_faces, describe_primitives, link
+from recognition.assembly.described import (
+    describe_edges,
+    describe_faces,
+    describe_primitives,
+    describe_regularities,
+    link,
+)
+from recognition.assembly.regularities import RegularityOptions
 from recognition.truth import LabeledFaces, TruthOptions, evaluate, sample_surface
 
 CONVEX = [name for name in names() if describe(name).convex]
@@ -101,13 +108,31 @@ def test_a_block_is_one_cube_with_the_deviations_of_its_sides():
 def test_size_deviations_are_those_of_many_trials():
     solid = Solid.from_csg(Cube((60.0, 40.0, 30.0)), 0.01)
     errors, stated = [], []
+    measured = AssemblyOptions(regularity=RegularityOptions(round=False))
     for seed in range(40):
-        (entry,) = describe_primitives(
-            assemble(touched_faces(solid, np.random.default_rng(seed), 0.1, 40), BOX)
-        )
+        faces = touched_faces(solid, np.random.default_rng(seed), 0.1, 40)
+        (entry,) = describe_primitives(assemble(faces, BOX, measured))
         errors.append(np.subtract(entry["extent_mm"], [60, 40, 30]))
         stated.append(entry["sigma"]["extent_mm"])
     assert np.std(errors, axis=0) == pytest.approx(np.mean(stated, axis=0), rel=0.35)
+
+
+def test_a_block_is_regular_and_tells_what_was_measured():
+    truth, rng = placed(Cube((60.0, 40.0, 30.0)), 3)
+    found = assemble(touched_faces(truth, rng), BOX)
+    told = describe_regularities(found, link(found))
+    kinds = [row["kind"] for row in told]
+    assert {kind: kinds.count(kind) for kind in kinds} == {"parallel": 3, "perpendicular": 3, "round": 3}
+    sizes = {row["taken"]: row for row in told if row["kind"] == "round"}
+    assert set(sizes) == {30.0, 40.0, 60.0}
+    for size, row in sizes.items():
+        assert row["unit"] == "mm"
+        assert 0.0 < abs(row["measured"] - size) < 4 * row["sigma"]
+        first, second = (found.shape(link(found).fit_of_face[face]) for face in row["faces"])
+        assert abs((second.anchor - first.anchor) @ first.normal) == pytest.approx(size, abs=1e-6)
+    for row in told[:6]:
+        assert (row["unit"], row["taken"]) == ("deg", 0.0)
+        assert row["measured"] < 4 * row["sigma"] < 1.0
 
 
 def test_a_cone_without_a_second_cap_closes_at_its_apex():
