@@ -1,14 +1,15 @@
 """Hulls and Minkowski sums that have an exact form here.
 
-With conv the convex hull and + the Minkowski sum: the hull of discs of one radius r is conv(centers) + disc(r),
-which is the union of the discs at the hull's corners and of the polygon whose sides are the hull's, moved out by
-r (our derivation); so is the sum of a convex polygon and a disc.  The hull of flat-sided solids is that of their
-corners.  Equal upright bars hull like their discs.
+The hull of discs, and of corners, which are discs of radius zero, is the union of the discs on its rim and of the
+polygon through the points where its straight sides touch them (our derivation); the sum of a convex polygon and a
+disc is the hull of discs at the corners.  The hull of flat-sided solids is that of their corners.  Upright bars,
+boxes and prisms of one height hull like their outlines.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import permutations
 
 import numpy as np
 
@@ -38,6 +39,7 @@ from primitives.errors import PalpateError
 from primitives.pose import inverse, pose, transform_points
 
 _SAME = 1e-6  # of the size: lengths and directions this close are one
+_MOST = 150  # circles and corners of one hull
 
 
 def hull_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
@@ -54,38 +56,30 @@ def hull_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
         and np.ptp([p.radius for p, _ in balls]) <= _SAME * balls[0][0].radius
     ):
         return hull_of_balls(np.array([m[:3, 3] for _, m in balls]), balls[0][0].radius)
-    bars = [(p, m) for p, m in leaves if isinstance(p, Cylinder)]
-    if leaves and len(bars) == len(leaves):
-        (first, home), *rest = bars
-        size = first.radius + first.height
-        parallel = all(
-            abs(p.radius - first.radius) + abs(p.height - first.height) <= _SAME * size
-            and np.linalg.norm(np.cross(m[:3, 2], home[:3, 2])) <= _SAME
-            and abs((m[:3, 3] - home[:3, 3]) @ home[:3, 2]) <= _SAME * size
-            for p, m in rest
-        )
-        if parallel:
-            centers = np.array([((m[:3, 3] - home[:3, 3]) @ home[:3, :3])[:2] for _, m in bars])
-            return _bars(_rounded(centers, first.radius), first.height).placed(home)
+    if (flats := _upright(leaves)) is not None:
+        (bar, home) = next((p, m) for p, m in leaves if isinstance(p, Cylinder))
+        return _bars(hull_of_flats(shape, flats), bar.height).placed(home)
     if leaves and (profile := _common_profile(leaves)) is not None:
         return turned_outline(Outline(convex_corners(profile))).placed(leaves[0][1])
     raise shape.error(
-        "hull() of these has no exact form here; use flat-sided solids, or round ones of one kind"
+        "hull() of these has no exact form here; use flat-sided solids, balls of one radius, or what is upright"
     )
 
 
 def hull_of_flats(shape: Shape, flats: Sequence[Flat]) -> Flat:
-    """The hull of polygons, or of discs of one radius."""
+    """The hull of polygons and discs."""
     leaves = [leaf for flat in flats for leaf in _flat_leaves(flat)]
     discs = [leaf for leaf in leaves if isinstance(leaf, Disc)]
-    outlines = [leaf for leaf in leaves if isinstance(leaf, Outline)]
+    outlines = [leaf.corners for leaf in leaves if isinstance(leaf, Outline)]
     if len(leaves) == 1 and discs:
         return discs[0]
-    if outlines and not discs:
-        return Outline(convex_corners(np.concatenate([o.corners for o in outlines])))
-    if discs and not outlines and np.ptp([d.radius for d in discs]) <= _SAME * discs[0].radius:
-        return _rounded(np.array([d.center for d in discs]), discs[0].radius)
-    raise shape.error("hull() of these has no exact form here; use polygons, or circles of one radius")
+    corners = convex_corners(np.concatenate(outlines)) if outlines else np.empty((0, 2))
+    if not discs:
+        return Outline(corners)
+    if len(discs) + len(corners) > _MOST:
+        raise shape.error(f"hull() of more than {_MOST} circles and corners is not read; use fewer")
+    centers = np.concatenate([corners, *(disc.center[None] for disc in discs)])
+    return _wrapped(centers, np.array([0.0] * len(corners) + [disc.radius for disc in discs]))
 
 
 def sum_of_flats(shape: Shape, flats: Sequence[Flat]) -> Flat:
@@ -140,21 +134,63 @@ def sum_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
 
 def _rounded(centers: Floats, radius: float) -> Flat:
     """The hull of discs round (n, 2) centers."""
-    spread = np.ptp(centers, axis=0).max()
-    if spread <= _SAME * radius:
-        return Disc(centers[0], radius)
-    line = centers - centers.mean(axis=0)
-    _, size, axes = np.linalg.svd(line, full_matrices=False)
-    if size[1] <= _SAME * size[0]:
-        along = line @ axes[0]
-        corners = centers[[int(np.argmin(along)), int(np.argmax(along))]]
-    else:
-        corners = convex_corners(centers)
-    after = np.roll(corners, -1, axis=0)
-    sides = (after - corners) / np.linalg.norm(after - corners, axis=1)[:, None]
-    normals = radius * np.stack([sides[:, 1], -sides[:, 0]], axis=1)
-    moved = np.stack([corners + normals, after + normals], axis=1).reshape(-1, 2)
-    return Combined("union", (Outline(cleaned(moved)), *(Disc(corner, radius) for corner in corners)))
+    return _wrapped(centers, np.full(len(centers), radius))
+
+
+def _wrapped(centers: Floats, radii: Floats) -> Flat:
+    """The hull of discs of (n,) radii round (n, 2) centers; a corner is a disc of none."""
+    size = float(np.ptp(centers, axis=0).max() + radii.max())
+    _, first = np.unique(
+        np.round(np.column_stack([centers, radii]) / (_SAME * size)), axis=0, return_index=True
+    )
+    centers, radii = centers[np.sort(first)], radii[np.sort(first)]
+    sides: dict[float, tuple[float, int, int, Floats]] = {}  # by the way that they look, the longest of each
+    for i, j in permutations(range(len(centers)), 2):
+        along = centers[j] - centers[i]
+        far = float(np.linalg.norm(along))
+        if far <= abs(radii[i] - radii[j]) + _SAME * size:
+            continue  # one holds the other
+        along, lean = along / far, float(radii[i] - radii[j]) / far
+        normal = lean * along + np.sqrt(1.0 - lean**2) * np.array([along[1], -along[0]])
+        if (centers @ normal + radii).max() > centers[i] @ normal + radii[i] + _SAME * size:
+            continue
+        way = round(float(np.arctan2(normal[1], normal[0])) % (2.0 * np.pi), 6) % round(2.0 * np.pi, 6)
+        sides[way] = max(sides.get(way, (0.0, i, j, normal)), (far, i, j, normal), key=lambda side: side[0])
+    if not sides:
+        largest = int(np.argmax(radii))
+        return Disc(centers[largest], float(radii[largest]))
+    wound = [sides[way] for way in sorted(sides)]
+    rim = np.array([centers[k] + radii[k] * normal for _, *ends, normal in wound for k in ends])
+    round_ones = sorted({k for _, *ends, _ in wound for k in ends if radii[k] > 0.0})
+    return Combined(
+        "union", (Outline(cleaned(rim)), *(Disc(centers[k], float(radii[k])) for k in round_ones))
+    )
+
+
+def _upright(leaves: Sequence[tuple[Primitive, Floats]]) -> list[Flat] | None:
+    """Bars, boxes and prisms along one bar's axis and as long as it, as flat shapes across it; else None."""
+    home = next((m for p, m in leaves if isinstance(p, Cylinder)), None)
+    if home is None:
+        return None
+    flats: list[Flat] = []
+    ends: list[tuple[float, float]] = []
+    for primitive, placed in leaves:
+        moved = inverse(home) @ placed
+        if isinstance(primitive, Cylinder) and abs(moved[2, 2]) > 1.0 - _SAME:
+            flats.append(Disc(moved[:2, 3], primitive.radius))
+            ends.append((moved[2, 3] - primitive.height / 2, moved[2, 3] + primitive.height / 2))
+        elif isinstance(primitive, Cube | Prism):
+            corners = transform_points(moved, outside(primitive)[0])
+            low, high = corners[:, 2].min(), corners[:, 2].max()
+            near = _SAME * float(np.ptp(corners, axis=0).max())
+            if not (np.minimum(corners[:, 2] - low, high - corners[:, 2]) < near).all():
+                return None
+            flats.append(Outline(convex_corners(corners[:, :2])))
+            ends.append((low, high))
+        else:
+            return None
+    level = np.ptp(np.array(ends), axis=0).max() <= _SAME * np.ptp(np.array(ends))
+    return flats if level else None
 
 
 def _common_profile(leaves: Sequence[tuple[Primitive, Floats]]) -> Floats | None:
