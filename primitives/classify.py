@@ -42,7 +42,10 @@ class RankOptions:
     blunt: float = 1.3  # [rad] semi-angle from which a cone is nearly a plane; few parts have one,
     blunt_share: float = 0.1  # of the prior of cones
     bluntest: float = 1.5  # [rad] semi-angle from which a cone is a plane that was felt badly
-    of_a_line: int = 4  # contacts of each of two flat sides, that a cone or a cylinder may be in disguise,
+    of_a_line: tuple[int, int] = (
+        4,
+        8,
+    )  # contacts of each of two flat sides that may be a cone's, a cylinder's
     as_near: float = 1.1  # times its misfit, likewise,
     one_way: float = 0.12  # [rad] between the ways that the contacts of one side look, likewise
     far_worse: float = 4.0  # times its chi2, from which another shape is none either
@@ -141,8 +144,8 @@ def two_flats(found: Fit, contacts: Contacts, options: RankOptions) -> bool:
         return False
     out = (contacts.points - shape.anchor) @ shape.frame[:, :2]
     side = out @ np.linalg.svd(out, full_matrices=False)[2][0] > 0.0
-    if min(side.sum(), (~side).sum()) < options.of_a_line:
-        return False
+    if min(side.sum(), (~side).sum()) < options.of_a_line[isinstance(shape, Cylinder)]:
+        return False  # few contacts on two lines are a cylinder's as often
     if isinstance(shape, Cylinder) and max(_turn(out[lot]) for lot in (side, ~side)) > options.one_way:
         return False
     near = options.as_near * max(found.rms, float(np.median(contacts.sigma)))

@@ -18,8 +18,8 @@ from recognition.assembly.assemble import Assembly, AssemblyOptions, tree_of
 from recognition.assembly.piece import Piece
 
 _FARTHER = 1.0  # [mm] that a primitive runs on
-_SHARE = 1e-3  # of what it runs on through, that may be otherwise
-_SLIT = 1e-3  # [mm] wide at most
+_SLIT = 1e-3  # [mm] that slits are wide
+_SPECK = 0.5  # [mm^3] that all slits hold, and less than anything that was felt
 
 
 def lapped(assembly: Assembly, facet: float = AssemblyOptions().facet) -> Assembly:
@@ -28,6 +28,7 @@ def lapped(assembly: Assembly, facet: float = AssemblyOptions().facet) -> Assemb
     Where it still falls apart, what takes away ends sooner: it may end at the very side that is added there.
     """
     made = _made(assembly, tuple(_lapped(piece, assembly.solid) for piece in assembly.pieces), facet)
+    made = made if _alike(made.solid, assembly.solid) else assembly
     for number in range(len(made.pieces)):
         for place, axis, side in _ends(made.pieces[number]):
             if made.solid.shells == 1:
@@ -51,7 +52,7 @@ def _made(assembly: Assembly, named: tuple[Piece, ...], facet: float) -> Assembl
 
 def _alike(one: Solid, other: Solid) -> bool:
     """Whether two bodies differ by no more than slits."""
-    return one.volume + other.volume - 2.0 * one.shared_volume(other) <= _SLIT * other.area
+    return one.volume + other.volume - 2.0 * one.shared_volume(other) <= min(_SLIT * other.area, _SPECK)
 
 
 def _ends(piece: Piece) -> list[tuple[int, int, int]]:
@@ -79,7 +80,7 @@ def _changes_nothing(piece: Piece, axis: int, side: int, solid: Solid) -> bool:
     away = (side - 0.5) * (_length(piece.solid, axis) + _FARTHER)
     block = Solid.from_csg(before.placed(piece.world_from_piece @ _along(axis, away)))
     wanted = block.volume if piece.operation == "add" else 0.0
-    return abs(solid.shared_volume(block) - wanted) <= _SHARE * block.volume
+    return abs(solid.shared_volume(block) - wanted) <= min(_SLIT / _FARTHER * block.volume, _SPECK)
 
 
 def _resized(piece: Piece, place: int, axis: int, side: int, by: float) -> Piece:

@@ -156,6 +156,16 @@ def test_two_flat_sides_beside_a_corner_are_no_cone_and_nothing_else_that_is_far
     assert all(one.fit.kind != "cone" and one.fit.chi2 < 10 * one.fit.dof for one in rank(touched))
 
 
+@pytest.mark.parametrize("count", [4, 6])
+def test_a_cylinder_that_few_contacts_on_two_lines_are_of_is_one(count):
+    rng = np.random.default_rng(count)
+    turn = np.repeat([0.0, np.pi], count) + 0.04 * rng.standard_normal(2 * count)
+    ways = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(2 * count)])
+    points = (10.0 + 0.03 * rng.standard_normal((2 * count, 1))) * ways
+    points[:, 2] = rng.uniform(-15.0, 15.0, 2 * count)
+    assert rank(Contacts.of(points, ways, 0.03, 0.05))[0].fit.kind == "cylinder"
+
+
 def test_a_cone_of_nearly_a_right_angle_is_a_plane():
     flat = np.random.default_rng(2).uniform(-30.0, 30.0, (60, 2))
     height = 0.01 * np.linalg.norm(flat, axis=1)

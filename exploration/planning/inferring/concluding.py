@@ -286,7 +286,7 @@ def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
 def _reaches(face: Face, place: Floats) -> bool:
     """Whether a face goes on to a (3,) place: one that is only inferred may be known at its other end alone."""
     felt = bool((face.contacts.touch != NOT_FELT).any())
-    return felt or float(np.linalg.norm(face.contacts.points - place, axis=1).min()) < _FAR
+    return felt or float(np.linalg.norm(face.contacts.points - place, axis=1).min(initial=np.inf)) < _FAR
 
 
 def _looked_at(rim: RoundRim, found: Findings) -> bool:

@@ -36,6 +36,8 @@ def cornered(rim: RoundRim, edges: Sequence[Sighting], config: CorneredConfig = 
         inward = rim.center - edge.point
         inward = inward - (inward @ rim.axis) * rim.axis
         away = float(np.linalg.norm(inward))
-        if abs(away - rim.radius) < config.beside and float(edge.normal @ rim.axis) > config.alike:
-            turned.append(float(edge.outward @ inward) / away < np.cos(config.turned))
+        leads = float(edge.outward @ inward) / max(away, 1e-9)
+        own = abs(away - rim.radius) < config.beside and float(edge.normal @ rim.axis) > config.alike
+        if own and leads > 0.0:  # another leads away from the gap: the outer rim of a lug
+            turned.append(leads < np.cos(config.turned))
     return sum(turned) >= config.few and float(np.mean(turned)) > config.share

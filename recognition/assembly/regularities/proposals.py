@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-
-import networkx
 import numpy as np
 
 from primitives.arrays import Floats
-from primitives.pose import cross, frame_along, rotation_exp
+from primitives.pose import cross, frame_along
 from primitives.shapes import Cylinder, Plane, Shape, Sphere
 from recognition.assembly.regularities.relation import Constraint, Proposal
 from recognition.assembly.regularities.state import State
 
-_MOST_EVEN = 12  # places round a center
-_SHOULDER = 10.0  # times as many round ends touch their walls as leave a small shoulder there
-
 
 def coincident(state: State) -> list[Proposal]:
-    """One surface felt in two places."""
+    """One surface felt in two places; the two sides of a plate are none."""
     reach = state.options.reach
     out: list[Proposal] = []
     for i, j, a, b in _pairs(state):
@@ -97,61 +91,8 @@ def tangent(state: State) -> list[Proposal]:
             continue
         touching, room = _touching(-1.0 if state.convex[m] else 1.0), state.options.reach * end.radius
         if abs(float(touching(wall, end)[0])) < room:
-            out.append(Proposal("tangent", (k, m), touching, among=2.0 * _SHOULDER * room))
+            out.append(Proposal("tangent", (k, m), touching, among=2.0 * room))
     return out
-
-
-def evenly_spaced(state: State) -> list[Proposal]:
-    """Of parallel cylinders of about one radius, those in a row or round another's axis, as bolt holes are."""
-    shapes, out = state.shapes(), list[Proposal]()
-    for group in _alike(state):
-        anchors = {i: shapes[i].anchor for i in group}
-        for ends in combinations(group, 2):
-            for middle in group:
-                if middle not in ends:
-                    out += _even(state, middle, ends, 2)
-        for center, shape in enumerate(shapes):
-            if (
-                center in group
-                or not isinstance(shape, Cylinder)
-                or not state.has("parallel", (center, group[0]))
-            ):
-                continue
-            flat = np.array([anchors[i] - shape.anchor for i in group]) @ frame_along(shape.direction)[:, :2]
-            order = np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))
-            ring = [group[k] for k in order]
-            if len(ring) <= _MOST_EVEN:
-                around = list(zip(ring, [*ring[1:], ring[0]], strict=True))
-                for pair in around if len(ring) > 2 else around[:1]:
-                    out += _even(state, center, pair, len(ring))
-    return out
-
-
-def _alike(state: State) -> list[list[int]]:
-    """Parallel cylinders, all solid or all hollow, whose radii differ by less than the reach; none twice."""
-    alike = networkx.Graph()
-    for i, j, a, b in _pairs(state):
-        if isinstance(a, Cylinder) and isinstance(b, Cylinder) and state.convex[i] == state.convex[j]:
-            near = abs(a.radius - b.radius) < state.options.reach * max(a.radius, b.radius)
-            if near and state.has("parallel", (i, j)) and not state.has("coaxial", (i, j)):
-                alike.add_edge(i, j)
-    return sorted(sorted(group) for group in networkx.connected_components(alike))
-
-
-def _even(state: State, center: int, pair: tuple[int, ...], count: int) -> list[Proposal]:
-    """That the second of a pair is the first, turned about a center by one of `count` equal parts."""
-    shapes = state.shapes()
-    axis = shapes[center].direction
-    across, turn = frame_along(axis)[:, :2], rotation_exp(2.0 * np.pi / count * axis)
-
-    def turned(middle: Shape, one: Shape, other: Shape) -> Floats:
-        out: Floats = (other.anchor - middle.anchor - turn @ (one.anchor - middle.anchor)) @ across
-        return out
-
-    away = float(np.linalg.norm((shapes[pair[0]].anchor - shapes[center].anchor) @ across))
-    off = float(np.linalg.norm(turned(*(shapes[i] for i in (center, *pair)))))
-    room = state.options.reach * away
-    return [Proposal("evenly spaced", (center, *pair), turned, 2, 2.0 * room)] if off < room else []
 
 
 def _pairs(state: State) -> list[tuple[int, int, Shape, Shape]]:

@@ -8,10 +8,10 @@ update with a perfect measurement, as in Simon 2010, "Kalman filtering with stat
 
 and is refused where chi2 exceeds its quantile.  That two directions nearly agree is rare by chance; that two
 radii do is not: of those h = 0 must also be likelier, with the spread that it has, than among sizes drawn at
-random.  At the end x is polished by Gauss-Newton onto all accepted constraints, and its covariance is P
-conditioned on them, so that sizes which span two faces gain from both.  A misalignment that was really measured is
-kept.  Sizes that together lie on one grid of round numbers are then put on it, and keep their covariance: no
-workshop meets a number.
+random.  At the end, and wherever a step left what it should meet, x is polished by Gauss-Newton onto all accepted
+constraints, and its covariance is P conditioned on them, so that sizes which span two faces gain from both.  A
+misalignment that was really measured is kept.  Sizes that together lie on one grid of round numbers are then put
+on it, and keep their covariance: no workshop meets a number.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from collections.abc import Sequence
 
 from primitives.arrays import frozen
 from primitives.fit import Fit
-from recognition.assembly.regularities import proposals
+from recognition.assembly.regularities import patterns, proposals
 from recognition.assembly.regularities.relation import Proposal, RegularityOptions, Regularized
 from recognition.assembly.regularities.round_sizes import put_on_grid
 from recognition.assembly.regularities.state import State
@@ -32,15 +32,15 @@ _STAGES = (
     proposals.coaxial,
     proposals.equal_radius,
     proposals.tangent,
-    proposals.evenly_spaced,
+    patterns.evenly_spaced,
 )
 
 
 def regularize(fits: Sequence[Fit], options: RegularityOptions | None = None) -> Regularized:
-    """Accept what the covariances allow, likeliest first, and adjust all shapes to it."""
+    """Accept what the covariances allow, the best known first, and adjust all shapes to it."""
     state = State(fits, options or RegularityOptions())
     for stage in _STAGES:
-        for proposal in _by_cost(state, stage(state)):
+        for proposal in _surest_first(state, stage(state)):
             state.consider(proposal)
     state.polish()
     if state.options.round:
@@ -50,6 +50,10 @@ def regularize(fits: Sequence[Fit], options: RegularityOptions | None = None) ->
     )
 
 
-def _by_cost(state: State, found: list[Proposal]) -> list[Proposal]:
-    costs = [state.cost(*state.value_and_slope(p.faces, p.constraint)) for p in found]
-    return [found[i] for i in sorted(range(len(found)), key=costs.__getitem__)]
+def _surest_first(state: State, found: list[Proposal]) -> list[Proposal]:
+    """By how well they are known, and not by how well they hold.
+
+    Those that hold best first would gather what is alike in several clusters, each too sure to join another.
+    """
+    unsure = [state.unsure(proposal) for proposal in found]
+    return [found[i] for i in sorted(range(len(found)), key=unsure.__getitem__)]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,10 +17,17 @@ Constraint = Callable[..., Floats]  # of the shapes that it relates: (k,) zeros 
 class RegularityOptions:
     """What may be regularized."""
 
-    significance: float = 1e-3  # a true relation is refused this often
+    significance: float = (
+        1e-3  # a true relation is refused this often, but for sizes also where it may be chance:
+    )
+    odds: Mapping[str, float] = field(  # so many pairs that are near it are meant, to one that is not
+        default_factory=lambda: {"equal radius": 20.0, "tangent": 10.0, "evenly spaced": 20.0}
+    )
     reach: float = 0.1  # [rad] and share of size: never bend by more, however uncertain the fit
     floor: float = 1e-4  # [rad] and, tenfold, [mm]: errors that no covariance knows of
-    implied: float = 3e-5  # [rad, mm] a relation as sure as this follows from those before it
+    implied: float = (
+        3e-5  # [rad, mm] off it and unsure, up to which a relation is met, and follows from others
+    )
     iterations: int = 8
     settled: float = 1e-9  # [rad, mm] of a step, that is no more than differences err by
     round: bool = True  # whether to look for a grid that the sizes lie on

@@ -9,6 +9,7 @@ is put on a number (Bayes; our derivation).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -34,6 +35,7 @@ class GridConfig:
     odds: float = 9.0  # [nats] that all sizes together must say for it
     sure: float = 0.9  # that a size is a number, to be put there
     floor: float = 1e-3  # [mm] no size is known better
+    own: float = 0.05  # of a size's variance, that is left where those before it are known, if it has a vote
 
 
 @dataclass(frozen=True)
@@ -42,23 +44,41 @@ class _Size:
     of: Constraint  # (1,) the size [mm]
     value: float
     sigma: float
+    slope: Floats  # (d,)
 
 
 def put_on_grid(state: State, config: GridConfig | None = None) -> None:
     """Put the sizes of a state on the round numbers that explain them best, if any do."""
     config = config or GridConfig()
-    sizes = [size for size in _sizes(state, config) if size.value > config.floor]
+    sizes = _new_ones(state, [size for size in _sizes(state, config) if size.value > config.floor], config)
     told = [[_densities(size, grids) for size in sizes] for grids in config.systems]
     odds = [sum(np.log(sum(d.values()) + config.none) for d in of_each) for of_each in told]
     best = int(np.argmax(odds))
     if not sizes or odds[best] < config.odds:
         return
+    put = list[tuple[Proposal, Relation]]()
     for size, density in zip(sizes, told[best], strict=True):
         number = max(density, key=density.__getitem__, default=0.0)
         if density and density[number] > config.sure * (sum(density.values()) + config.none):
             relation = Relation("round", size.faces, 0.0, size.value, size.sigma, number)
-            state.put(Proposal("round", size.faces, _equal(size.of, number)), relation)
+            put.append((Proposal("round", size.faces, _equal(size.of, number)), relation))
+            state.put(*put[-1])
     state.polish(sure=False)
+    for proposal, relation in put:
+        if float(np.abs(state.value(proposal)).max()) > config.floor:
+            state.relations.remove(relation)  # not all could be met together
+
+
+def _new_ones(state: State, sizes: Sequence[_Size], config: GridConfig) -> list[_Size]:
+    """Sizes that do not follow from those before them, as the height of a corner's axis does from its radius."""
+    found, left = list[_Size](), state.posterior
+    for size in sizes:
+        gain = left @ size.slope
+        variance = float(size.slope @ gain)
+        if variance > config.own * max(size.sigma**2 - config.floor**2, 1e-12):
+            found.append(size)
+            left = left - np.outer(gain, gain) / variance
+    return found
 
 
 def _densities(size: _Size, grids: Grids) -> dict[float, float]:
@@ -119,7 +139,7 @@ def _step(state: State, flat: int, other: int, config: GridConfig) -> _Size:
 def _size(state: State, faces: tuple[int, ...], of: Constraint, config: GridConfig) -> _Size:
     value, slope = state.value_and_slope(faces, of)
     sigma = float(np.sqrt(max(float((slope @ state.posterior @ slope.T)[0, 0]), 0.0)))
-    return _Size(faces, of, float(value[0]), float(np.hypot(sigma, config.floor)))
+    return _Size(faces, of, float(value[0]), float(np.hypot(sigma, config.floor)), slope[0])
 
 
 def _diameter(shape: Cylinder | Sphere) -> Floats:

@@ -104,8 +104,8 @@ class State:
         met = float(np.abs(value).max()) <= self.options.implied
         cost = 0.0 if met else self.cost(value, slope)
         spread = slope @ self.posterior @ slope.T
-        if cost > chdtri(len(value), self.options.significance) or self._by_chance(
-            cost, spread, proposal.among
+        if not cost <= chdtri(len(value), self.options.significance) or self._by_chance(
+            proposal, cost, spread
         ):
             return
         relation = self._relation(proposal, cost, slope)
@@ -119,7 +119,7 @@ class State:
         self._hold(relation)
         self.accepted.append(proposal)
         self.x = moved
-        self.posterior = self.posterior - gain @ slope @ self.posterior
+        self.posterior = self.posterior - gain @ (slope @ self.posterior)
         if float(np.abs(self.value(proposal)).max()) > self.options.implied:
             self.polish()  # slopes taken far away mislead whatever is considered next
 
@@ -127,13 +127,19 @@ class State:
         """How far the faces are from a relation, as adjusted so far."""
         return proposal.constraint(*(self.shape(i) for i in proposal.faces))
 
-    def _by_chance(self, cost: float, spread: Floats, among: float | None) -> bool:
-        """Whether values that lie at random over `among` [mm] come as near to zero."""
-        if among is None:
+    def unsure(self, proposal: Proposal) -> float:
+        """How far off a relation the faces may be, squared."""
+        _, slope = self.value_and_slope(proposal.faces, proposal.constraint)
+        return float(np.trace(slope @ self.posterior @ slope.T))
+
+    def _by_chance(self, proposal: Proposal, cost: float, spread: Floats) -> bool:
+        """Whether values that lie at random over `among` [mm] come as near to zero, given the odds of its kind."""
+        if proposal.among is None:
             return False
         spread = spread + self.options.implied**2 * np.eye(len(spread))
         likely = cost + float(np.log(np.linalg.det(2.0 * np.pi * spread)))
-        return bool(likely > 2.0 * len(spread) * np.log(among))
+        meant = self.options.odds.get(proposal.kind, 1.0)
+        return not likely <= 2.0 * (len(spread) * np.log(proposal.among) + np.log(meant))
 
     def _relation(self, proposal: Proposal, cost: float, slope: Floats) -> Relation:
         """With what the faces were measured to be."""
@@ -167,7 +173,7 @@ class State:
             done = float(np.abs(moved - self.x).max()) < self.options.settled
             self.x = moved
             if sure:
-                self.posterior = self.prior - gain @ slope @ self.prior
+                self.posterior = self.prior - gain @ (slope @ self.prior)
             if done:
                 break
 

@@ -85,6 +85,12 @@ def test_an_end_that_runs_on_is_no_surfaces_and_others_stay():
     assert after.pieces[1].solid.bounds()[1][2] == pytest.approx(10.5, abs=SLIT)
 
 
+def test_a_small_pin_is_not_cut_off_by_a_wide_box_that_ends_on_it():
+    slab, pin = box("add", [-50, -50, 0], [50, 50, 10]), box("add", [-1, -1, 10], [1, 1, 12])
+    before = assembly(slab, pin, box("subtract", [-48, -48, 12], [48, 48, 40]))
+    assert lapped(before).solid.volume == pytest.approx(before.solid.volume, abs=1e-3)
+
+
 def test_nothing_runs_on_into_the_open_or_out_of_a_thin_wall():
     thin = assembly(box("add", [-20, -20, 0], [20, 20, 0.5]), STEM)
     assert lapped(thin).pieces == thin.pieces

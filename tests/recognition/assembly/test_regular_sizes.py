@@ -61,12 +61,6 @@ def test_radii_become_one_where_they_are_and_not_where_they_differ(apart, most):
     assert apart or np.mean(taken) > 0.9
 
 
-def test_radii_that_are_hardly_known_are_not_taken_for_one():
-    rng = np.random.default_rng(0)
-    pair = [given(hole(0, 0, 5.0), rng, 0.5), given(hole(30, 7, 5.3), rng, 0.5)]
-    assert not of(regularize(pair), "equal radius")
-
-
 def test_what_was_measured_is_told_beside_what_stands():
     rng = np.random.default_rng(4)
     pair = [given(hole(0, 0, 5.0), rng, 0.02), given(hole(30, 7, 5.0), rng, 0.02)]
@@ -113,6 +107,25 @@ def test_holes_round_a_bore_are_evenly_spaced(count):
     assert np.allclose(np.diff(turn), 2.0 * np.pi / count, atol=1e-7)
 
 
+@pytest.mark.parametrize("more", ["a like hole elsewhere", "a second flange"])
+def test_other_holes_hide_no_ring(more):
+    rng = np.random.default_rng(12)
+    fits = ring(4, rng)
+    if more == "a second flange":
+        fits += [given(hole(*fit.shape.anchor[:2], 2.5), rng, 0.02) for fit in fits[1:]]
+    else:
+        fits.append(given(hole(37.0, 5.0, 2.5), rng, 0.02))
+    assert len(of(regularize(fits, RegularityOptions(round=False)), "evenly spaced")) >= 4
+
+
+@pytest.mark.parametrize("count", [12, 24])
+def test_many_like_holes_become_one_family(count):
+    rng = np.random.default_rng(count)
+    fits = [given(hole(12.0 * k, 3.0 * rng.standard_normal(), 4.03), rng, 0.02) for k in range(count)]
+    found = regularize(fits, RegularityOptions(round=False))
+    assert np.ptp([shape.radius for shape in found.shapes]) < 1e-6
+
+
 def test_a_hole_that_is_off_its_ring_stays_there():
     found = regularize(ring(4, np.random.default_rng(0), off=0.5), RegularityOptions(round=False))
     place = found.shapes[1].anchor[:2]
@@ -136,6 +149,19 @@ def test_sizes_on_a_grid_are_put_there_and_keep_their_deviation():
         assert abs((b.anchor - a.anchor) @ b.direction) == pytest.approx(size, abs=1e-6)
     assert found.shapes[6].radius == pytest.approx(3.25, abs=1e-6)
     assert np.array_equal(free.covariance, found.covariance)
+
+
+def test_corners_of_another_radius_keep_no_other_size_from_its_number():
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        corners = [(sx * (30.0 - 5.05), sy * (20.0 - 5.05)) for sx in (-1, 1) for sy in (-1, 1)]
+        rounded = [given(hole(x, y, 5.05), rng, convex=True) for x, y in corners]
+        flat = [(Plane([0, 0, z], [0, 0, np.sign(z)])) for z in (-6.0, 6.0)]
+        flat += [Plane([x, 0, 0], [np.sign(x), 0, 0]) for x in (-30.0, 30.0)]
+        flat += [Plane([0, y, 0], [0, np.sign(y), 0]) for y in (-20.0, 20.0)]
+        fits = [given(plane, rng, convex=True) for plane in flat] + rounded
+        fits += [given(hole(x, 0.0, 3.25), rng) for x in (-20.0, 20.0)]
+        assert {12.0, 40.0, 60.0} <= {r.taken for r in of(regularize(fits), "round")}
 
 
 def test_what_was_scaled_at_random_is_on_no_grid():

@@ -31,6 +31,17 @@ def test_a_polygon_has_corners_and_a_circle_none(sides, seed):
     assert not cornered(RIM, edges(None, rng))
 
 
+def test_the_outer_rim_of_a_lug_gives_its_eye_no_corners():
+    rng = np.random.default_rng(0)
+    eye = RoundRim(RIM.center, Z, 12.0, 0.3, 0)
+    seen = []
+    for turn in rng.uniform(0.0, 2.0 * np.pi, 12):
+        way = np.array([np.cos(turn), np.sin(turn), 0.0])
+        seen.append(Sighting(RIM.center + 12.0 * way, np.cross(Z, way), -way, Z, 0.05, 6.0))
+        seen.append(Sighting(RIM.center + 15.0 * way, np.cross(Z, way), way, Z, 0.05, 6.0))
+    assert not cornered(eye, seen)
+
+
 def test_few_edges_or_those_of_another_face_tell_nothing():
     rng = np.random.default_rng(0)
     seen = edges(6, rng)
