@@ -28,7 +28,7 @@ from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces, ring_piece, round_piece, slab_cube
 from recognition.assembly.prisms import prism
 from recognition.assembly.search import shortest
-from recognition.assembly.separators import one_sided, separators, stops
+from recognition.assembly.separators import felt_ends, one_sided, separators, stops
 from recognition.assembly.vocabulary import Vocabulary, frame_of
 
 _ROOM = 0.15  # of the contacts' extent, by which the sampled room reaches past them
@@ -62,7 +62,7 @@ def concave_pieces(
     if (
         not isinstance(found, NotClosed)
         and found.listed.wrong + found.against > _ENDS
-        and (more := stops(whole))
+        and (more := [*stops(whole), *felt_ends(whole, touched)])
     ):
         again = _explained([*whole, *more], points, normals, nowhere, room, told, heard)
         if not isinstance(again, NotClosed) and again.cost < found.cost:

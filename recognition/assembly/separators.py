@@ -23,6 +23,8 @@ _SHARE = 0.02  # of a radius, within which a plane touches a cylinder that was f
 _TOUCHING = 0.05  # [mm] the same, however small the radius
 _GOES_OVER = 0.1  # of a tube's radius, within which a straight axis touches the circle of its bent one
 _MOST = 12  # stops
+_NEAR_END = 4.0  # [mm] from where a round body was felt last, within which a face may end it
+_PAST_LAST = 1.0  # [mm] past it, where it ends else: a pad does not feel up to the rim
 
 
 def separators(shapes: Sequence[Shape]) -> list[Plane]:
@@ -73,6 +75,26 @@ def stops(shapes: Sequence[Shape]) -> list[Plane]:
             if pin is not body and _meets(pin, body):
                 for point in _middles(pin, body):
                     _add(Plane(point, pin.axis), found, planes)
+    return found[:_MOST]
+
+
+def felt_ends(shapes: Sequence[Shape], touched: Sequence[tuple[Floats, Floats]]) -> list[Plane]:
+    """The planes across round bodies where they were felt last, with no face near that they could end at.
+
+    A collar whose underside is too narrow to be felt ends somewhere there; without an end it would be none, for
+    what it stands on lies inside it.
+    """
+    found: list[Plane] = []
+    planes = [shape for shape in shapes if isinstance(shape, Plane)]
+    for shape, (felt, _) in zip(shapes, touched, strict=False):  # separators among the shapes have none
+        if not isinstance(shape, Cylinder | Cone) or not len(felt):
+            continue
+        across = [plane for plane in planes if abs(float(plane.normal @ shape.axis)) > 1.0 - _TANGENT]
+        ends = [float((plane.origin - shape.anchor) @ shape.axis) for plane in across]
+        along = (felt - shape.anchor) @ shape.axis
+        for last, way in ((float(along.min()), -1.0), (float(along.max()), 1.0)):
+            if not any(abs(end - last) < _NEAR_END for end in ends):
+                _add(Plane(shape.anchor + (last + way * _PAST_LAST) * shape.axis, shape.axis), found, planes)
     return found[:_MOST]
 
 
