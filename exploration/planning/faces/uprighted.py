@@ -93,7 +93,7 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
         if np.median(np.abs(felt.normals @ way)) > _ACROSS:
             continue
         told = _bent(felt) if float(np.ptp(felt.points @ way)) < _LOW else felt
-        made = fit("cylinder", _drawn_out(told, way))
+        made = fit("cylinder", drawn_out(told, way))
         if not isinstance(made, Fit) or (len(face.contacts) >= _FEW and not _narrow(face, made.shape, way)):
             continue
         own, chi2 = squares(face.fit, told).sum(), squares(made, told).sum()
@@ -118,7 +118,7 @@ def _flat_side(own: Fit, felt: Contacts, ways: list[Floats], flats: list[Plane])
         if not low or abs(float(own.shape.direction @ way)) > _ACROSS or not any(_at_flats(felt, way, flats)):
             continue
         told = _bent(felt)
-        made = fit("plane", _drawn_out(told, way))
+        made = fit("plane", drawn_out(told, way))
         if not isinstance(made, Fit) or made.rms > _BULGE:
             continue
         own_chi2, chi2 = squares(own, told).sum(), squares(made, told).sum()
@@ -138,7 +138,7 @@ def _sliver(own: Fit, felt: Contacts, way: Floats, flats: list[Plane]) -> Fit | 
     if float(np.mean(low)) < _TOGETHER or not level or not any(_at_flats(rim, way, flats)):
         return None
     told = _bent(rim)
-    made = fit("cylinder", _drawn_out(told, way))
+    made = fit("cylinder", drawn_out(told, way))
     if not isinstance(made, Fit) or made.rms > _BULGE:
         return None
     rows = own.inliers.copy()
@@ -173,7 +173,7 @@ def _narrow(face: Face, shape: Shape, way: Floats) -> bool:
     return float(np.ptp(face.contacts.points @ way)) < _BAND * shape.radius
 
 
-def _drawn_out(felt: Contacts, way: Floats) -> Contacts:
+def drawn_out(felt: Contacts, way: Floats) -> Contacts:
     """The contacts, and the same again a step up and a step down a (3,) direction."""
     moved = [replace(felt, points=felt.points + step * way) for step in (0.0, _STEP, -_STEP)]
     return Contacts.concatenate(moved)
