@@ -295,3 +295,19 @@ def test_a_dome_on_a_plate_is_a_ball_less_what_is_under_the_plate_and_the_plate(
     assert found
     assert iou(found.solid, truth) > 0.999
     assert len(found.pieces) == 3
+
+
+def test_a_collar_whose_underside_nobody_felt_ends_where_it_was_felt_last():
+    """A cone would lie inside the collar's cylinder all its length; contacts of both say what is between them."""
+    rng = np.random.default_rng(4)
+    handle = ConeSolid(7.0, 11.0, 50.0).at(0, 0, 25.0) | CylinderSolid(14.0, 14.0).at(0, 0, 57.0)
+    truth = Solid.from_csg(handle | Sphere(16.0), 0.005)
+    ledge = [
+        face
+        for face in touched_faces(truth, rng)
+        if not (face.fit.kind == "plane" and abs(face.fit.shape.origin[2] - 50.0) < 1.0)
+    ]
+    found = assemble(ledge, BOX)
+    assert found
+    assert iou(found.solid, truth) > 0.95
+    assert [piece.kind for piece in found.pieces].count("cylinder") == 1
