@@ -62,7 +62,7 @@ def concave_pieces(
     if (
         not isinstance(found, NotClosed)
         and found.listed.wrong + found.against > _ENDS
-        and (more := [*stops(whole), *felt_ends(whole, touched)])
+        and (more := [*stops(whole), *felt_ends(whole, touched, told)])
     ):
         again = _explained([*whole, *more], points, normals, nowhere, room, told, heard)
         if not isinstance(again, NotClosed) and again.cost < found.cost:

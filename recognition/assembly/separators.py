@@ -78,7 +78,9 @@ def stops(shapes: Sequence[Shape]) -> list[Plane]:
     return found[:_MOST]
 
 
-def felt_ends(shapes: Sequence[Shape], touched: Sequence[tuple[Floats, Floats]]) -> list[Plane]:
+def felt_ends(
+    shapes: Sequence[Shape], touched: Sequence[tuple[Floats, Floats]], inferred: Sequence[bool]
+) -> list[Plane]:
     """The planes across round bodies where they were felt last, with no face near that they could end at.
 
     A collar whose underside is too narrow to be felt ends somewhere there; without an end it would be none, for
@@ -86,8 +88,10 @@ def felt_ends(shapes: Sequence[Shape], touched: Sequence[tuple[Floats, Floats]])
     """
     found: list[Plane] = []
     planes = [shape for shape in shapes if isinstance(shape, Plane)]
-    for shape, (felt, _) in zip(shapes, touched, strict=False):  # separators among the shapes have none
-        if not isinstance(shape, Cylinder | Cone) or not len(felt):
+    for shape, (felt, _), guessed in zip(
+        shapes, touched, inferred, strict=False
+    ):  # no separators among these
+        if guessed or not isinstance(shape, Cylinder | Cone) or not len(felt):
             continue
         across = [plane for plane in planes if abs(float(plane.normal @ shape.axis)) > 1.0 - _TANGENT]
         ends = [float((plane.origin - shape.anchor) @ shape.axis) for plane in across]

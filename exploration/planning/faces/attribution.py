@@ -28,6 +28,10 @@ CONVEX = MergeOptions(
         largest_torus=3.0,
         least_turn=0.5,
         least_arc=0.3,
+        of_a_line=(
+            4,
+            4,
+        ),  # a pad on a cylinder goes round it as far as the skin gives, on a plate's side it does not
     ),
 )
 
