@@ -83,14 +83,12 @@ def felt_ends(
 ) -> list[Plane]:
     """The planes across round bodies where they were felt last, with no face near that they could end at.
 
-    A collar whose underside is too narrow to be felt ends somewhere there; without an end it would be none, for
+    Nothing was felt of the separators among the shapes, which come last, nor of what is `inferred`.  A collar whose underside is too narrow to be felt ends somewhere there; without an end it would be none, for
     what it stands on lies inside it.
     """
     found: list[Plane] = []
     planes = [shape for shape in shapes if isinstance(shape, Plane)]
-    for shape, (felt, _), guessed in zip(
-        shapes, touched, inferred, strict=False
-    ):  # no separators among these
+    for shape, (felt, _), guessed in zip(shapes, touched, inferred, strict=False):
         if guessed or not isinstance(shape, Cylinder | Cone) or not len(felt):
             continue
         across = [plane for plane in planes if abs(float(plane.normal @ shape.axis)) > 1.0 - _TANGENT]
