@@ -83,8 +83,9 @@ def felt_ends(
 ) -> list[Plane]:
     """The planes across round bodies where they were felt last, with no face near that they could end at.
 
-    Nothing was felt of the separators among the shapes, which come last, nor of what is `inferred`.  A collar whose underside is too narrow to be felt ends somewhere there; without an end it would be none, for
-    what it stands on lies inside it.
+    Nothing was felt of the separators among the shapes, which come last, nor of what is `inferred`.  A collar
+    whose underside is too narrow to be felt ends somewhere there; without an end it would be none, for what it
+    stands on lies inside it.
     """
     found: list[Plane] = []
     planes = [shape for shape in shapes if isinstance(shape, Plane)]
