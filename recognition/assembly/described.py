@@ -92,7 +92,10 @@ def describe_primitives(assembly: Assembly) -> list[dict[str, Any]]:
 
 
 def describe_regularities(assembly: Assembly, boundary: LinkedBoundary) -> list[dict[str, Any]]:
-    """`regularities`: what was measured and what stands instead; none that follows from others."""
+    """`regularities`, none that follows from others: a round size as measured and as taken, or how far off.
+
+    Two fits of one surface are one face, so that `coincident` does not appear.
+    """
     first = {fit: face for face, fit in reversed(list(enumerate(boundary.fit_of_face))) if fit is not None}
     out = []
     for told in assembly.regularized.relations:

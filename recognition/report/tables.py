@@ -216,7 +216,7 @@ REGULARITIES: tuple[Column, ...] = (
     ("Faces", False, lambda r: ", ".join(str(face) for face in r.get("faces") or [])),
     ("Measured", True, lambda r: f"{_rounded(r.get('measured'), 4)} ± {_rounded(r.get('sigma'), 4)}"),
     ("Taken", True, lambda r: f"{float(r.get('taken') or 0.0):g}"),
-    ("", False, lambda r: "°" if r.get("unit") == "deg" else "mm"),
+    ("Unit", False, lambda r: "°" if r.get("unit") == "deg" else "mm"),
 )
 PRIMITIVES: tuple[Column, ...] = (
     ("Operation", False, lambda p: escape(str(p.get("operation", "")))),

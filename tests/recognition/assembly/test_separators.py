@@ -1,9 +1,9 @@
-"""Where a hole ends that was found on one side of a round body alone."""
+"""Where a hole ends that was found on one side of a round body alone, and a round body that no face ends."""
 
 import numpy as np
 
 from primitives.shapes import Cylinder, Plane
-from recognition.assembly.separators import one_sided
+from recognition.assembly.separators import felt_ends, one_sided
 
 X, Y, Z = np.eye(3)
 COLLAR = Cylinder(np.array([5.0, 3.0, 0.0]), Z, 28.0)
@@ -35,3 +35,20 @@ def test_one_found_in_both_walls_or_beside_the_body_or_along_it_goes_through_and
     )
     assert one_sided([COLLAR, beside], [NOBODY, wall(16.0, of=beside)]) == []
     assert one_sided([COLLAR, along], [NOBODY, wall(16.0, of=along)]) == []
+
+
+def test_a_round_body_ends_past_where_it_was_felt_last_and_at_a_face_that_is_near():
+    felt = [wall(-20.0, 9.0, of=COLLAR, side=1.0), NOBODY]
+    cap = Plane(np.array([0.0, 0.0, 11.0]), Z)
+    (end,) = felt_ends([COLLAR, cap], felt, [False, False])
+    assert abs(end.normal @ Z) > 0.999
+    assert -23.0 < end.origin[2] < -20.0
+    low, high = sorted(plane.origin[2] for plane in felt_ends([COLLAR], felt[:1], [False]))
+    assert low < -20.0
+    assert high > 9.0
+
+
+def test_the_contacts_of_an_inferred_wall_tell_nothing_of_its_ends():
+    felt = [wall(-20.0, 9.0, of=COLLAR, side=1.0)]
+    assert felt_ends([COLLAR], felt, [True]) == []
+    assert felt_ends([COLLAR], [NOBODY], [False]) == []
