@@ -6,8 +6,9 @@
     refine      these on the exact surface, each once (`refining`); some by what the skin felt (`sharpened`)
     weigh       names, poses and "unknown" against each other
 
-Where the belief is not settled by the first objects of the shortlist, the next ones are searched too; and more of
-them, before it is called unknown.  Where nothing fits at last, the likeliest poses are slid (`sliding`).
+Where the belief is not settled by the first objects of the shortlist, or what is decided does not fit, the next
+ones are searched too, and at last as many as there is time for.  Where nothing fits even then, the likeliest poses
+are slid (`sliding`).
 """
 
 from __future__ import annotations
@@ -47,9 +48,9 @@ class MatchConfig:
     search: SearchConfig = field(default_factory=SearchConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     sift: SiftConfig = field(default_factory=SiftConfig)
-    first: int = 12  # objects of the shortlist that are searched at once
-    most_objects: int = 48  # that are searched where these settle nothing
-    most_strange: int = 160  # that are searched before it is called unknown
+    first: int = 20  # objects of the shortlist that are searched at once
+    then: int = 48  # that are searched where these settle nothing
+    at_last: int = 160  # that are searched where these settle nothing, either
     telling: int = 4  # contacts from which on their pairs rank objects
     most_untold: int = 500  # objects that are searched where they do not
     settled: float = 0.98  # probability of a name from which on the first are enough
@@ -95,20 +96,19 @@ def _matched(whole: Evidence, library: Mapping[str, Entry], prior: Prior | None,
         evidence.contacts, config.search, float(np.median(evidence.contacts.sigma)), evidence.scale_known
     )
     told = len(evidence.contacts) >= config.telling
-    most = config.most_strange if told else config.most_untold
+    most = config.at_last if told else config.most_untold
     likely = [name for name in known if name in library][: config.first // 2]
     ranked = shortlist(evidence.contacts, library, most, tuple(known))
     names = [*likely, *(name for name in ranked if name not in likely)]
     found: dict[str, Found] = {}
     refining = Refining(library, evidence, prior, config.noise, config.sift, config.polished, config.slid)
     belief = Belief((), {})
-    for count in sorted({min(k, len(names)) for k in (config.first, config.most_objects, len(names))}):
+    for count in sorted({min(k, len(names)) for k in (config.first, config.then, len(names))}):
         for name in names[len(found) : count]:
             found[name] = _searched(library[name], begun, known.get(name, []), config)
         modes = refining.modes(found)
         belief = _weighed(modes, library, evidence, prior, unknown, config)
-        enough = told and count >= config.most_objects
-        if (enough or _settled(belief, config)) and _fits(belief, evidence, config):
+        if _settled(belief, config) and _fits(belief, evidence, config):
             break
     if modes and not _fits(belief, evidence, config):
         modes = refining.beside(modes, begun, config.search)
