@@ -64,17 +64,19 @@ def symmetry(brep: Brep, tolerance: float | SameConfig = SameConfig()) -> Symmet
 
 
 def nearest_pose(group: SymmetryGroup, world_from_part: Floats, wanted: Floats) -> Floats:
-    """(4, 4) of all poses that are the same as `world_from_part`, the one turned least from `wanted`."""
-    same = world_from_part @ group.rotations
+    """(..., 4, 4) of all poses that are the same as one (4, 4), those turned least from the (..., 4, 4) wanted."""
+    turns = wanted[..., :3, :3]
     if group.name == "K":
         at_center = pose(np.eye(3), group.center)
-        turn = world_from_part[:3, :3].T @ wanted[:3, :3]
+        turn = world_from_part[:3, :3].T @ turns
         return np.asarray(world_from_part @ at_center @ pose(turn) @ inverse(at_center))
+    same = world_from_part @ group.rotations
     if group.continuous and group.axis is not None:
-        same = np.stack([p @ _about(group, _twist(p, wanted, group.axis)) for p in same])
-    between = np.swapaxes(same[:, :3, :3], 1, 2) @ wanted[:3, :3]
-    best: Floats = same[int(np.argmax(np.trace(between, axis1=1, axis2=2)))]
-    return best
+        same = same @ _about(group, _twist(same, wanted[..., None, :, :], group.axis))
+    cosines = np.einsum("...sij,...ij->...s", same[..., :3, :3], turns)
+    least = np.argmax(cosines, axis=-1)[..., None, None, None]
+    same = np.broadcast_to(same, (*wanted.shape[:-2], *same.shape[-3:]))
+    return np.asarray(np.take_along_axis(same, least, axis=-3)[..., 0, :, :])
 
 
 def pose_error(group: SymmetryGroup, estimated: Floats, true: Floats) -> PoseError:
@@ -159,13 +161,13 @@ def _half_turn(axis: Floats) -> Floats:
     return rotation_exp(np.pi * frame_along(axis)[:, 0])
 
 
-def _twist(part: Floats, wanted: Floats, axis: Floats) -> float:
-    """[rad] the turn about `axis` of the part that brings it nearest to `wanted`: twist without swing."""
-    w, *v = quaternion_wxyz(part[:3, :3].T @ wanted[:3, :3])
-    return float(2 * np.arctan2(np.array(v) @ axis, w))
+def _twist(part: Floats, wanted: Floats, axis: Floats) -> Floats:
+    """(...) [rad] turns about `axis` of parts that bring them nearest to `wanted`: twist without swing."""
+    q = quaternion_wxyz(np.swapaxes(part[..., :3, :3], -1, -2) @ wanted[..., :3, :3])
+    return np.asarray(2 * np.arctan2(q[..., 1:] @ axis, q[..., 0]))
 
 
-def _about(group: SymmetryGroup, angle: float) -> Floats:
+def _about(group: SymmetryGroup, angle: Floats) -> Floats:
     assert group.axis is not None
-    turn = rotation_exp(group.axis * angle)
+    turn = rotation_exp(angle[..., None] * group.axis)
     return pose(turn, group.center - turn @ group.center)

@@ -149,7 +149,7 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
         if more is not None:
             covariance, _ = spread_of(known[k] + more, done.poses[k], seen.points, target)
         covariance = but_for_turns(entry, covariance)
-        if any(same(entry, f.made, world, target) for f in found):
+        if same(entry, [f.made for f in found], world, target).any():
             continue
         log_volume += log_room(done.poses[k], covariance, middle, target) + log_copies(
             entry, covariance, target

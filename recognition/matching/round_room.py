@@ -43,7 +43,8 @@ def rooms_round(
     for h, at, information in zip(made, poses, known, strict=True):
         covariance, log_volume = spread_of(_without(information, twists, at), at, points, target)
         covariance = but_for_turns(entry, covariance)
-        face = next((k for k, other in enumerate(wide) if same(entry, other, h.pose, target)), len(wide))
+        alike = same(entry, wide, h.pose, target)
+        face = int(np.argmax(alike)) if alike.any() else len(wide)
         wide.append(replace(h, covariance=frozen(covariance)))
         log_volume += log_room(at, covariance, middle, target) + log_copies(entry, covariance, target)
         rooms.append(Room((face, True), log_volume))

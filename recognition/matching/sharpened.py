@@ -99,7 +99,7 @@ def among(kept: Sequence[Mode], mode: Mode, entry: Entry) -> bool:
     """Whether a mode is one that is there already."""
     target = target_of(entry)
     own = [m.hypothesis for m in kept if m.hypothesis.name == entry.name]
-    return any(same(entry, h, mode.hypothesis.pose, target) for h in own)
+    return bool(same(entry, own, mode.hypothesis.pose, target).any())
 
 
 def _sharper(mode: Mode, entry: Entry, seen: Felt, evidence: Evidence, prior: Prior, noise: NoiseConfig,

@@ -6,19 +6,20 @@ spans are one mode.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from models.library import Entry
 from models.symmetry import nearest_pose
-from primitives.arrays import Floats
-from primitives.pose import hat, inverse, log, pose, rotation_log
+from primitives.arrays import Bools, Floats
+from primitives.pose import hat, inverse, log, pose
 from recognition.matching.belief import Hypothesis
 from recognition.matching.target import Target
 
 _FREE_TURN = 1.71  # [rad] sigma of a direction of turning that nothing bounds: its cube gives all of SO(3)
 _SPANNED = 9.0  # squared sigmas of a mode's covariance, within which a pose is of that mode
 _MERGED = 0.005, 0.01  # of the size, and [rad]: poses closer than that are one, however sharp they are
-_BENDS = 0.1  # [rad] of a turn from which on its way is an arc, not a straight line
 
 
 def spread_of(information: Floats, found: Floats, points: Floats, target: Target) -> tuple[Floats, float]:
@@ -63,26 +64,17 @@ def log_copies(entry: Entry, covariance: Floats, target: Target) -> float:
     return float(np.log(len(turns)) - np.log(max(int(spanned.sum()), 1)))
 
 
-def same(entry: Entry, h: Hypothesis, world: Floats, target: Target) -> bool:
-    """Whether a pose is one that is there already, up to symmetry and to what the covariance spans."""
-    near = nearest_pose(entry.symmetry, world, h.pose)
-    turn = h.pose[:3, :3].T @ near[:3, :3]
-    shift = (near - h.pose)[:3, :3] @ target.center + (near - h.pose)[:3, 3]
-    spans = h.covariance + _least(target)
-    between = np.concatenate([h.pose[:3, :3].T @ shift, _axis(turn)])
-    if between[3:] @ between[3:] > _BENDS**2:
-        between = log(pose(turn, between[:3]))
-    return bool(between @ np.linalg.solve(spans, between) <= _SPANNED)
-
-
-def _axis(turn: Floats) -> Floats:
-    """(3,) rotation vector [rad]; `rotation_log` where it is near a half turn, which takes longer."""
-    cosine = 0.5 * float(turn[0, 0] + turn[1, 1] + turn[2, 2] - 1.0)
-    if cosine < -0.95:
-        return rotation_log(turn)
-    twice = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    angle = float(np.arccos(min(cosine, 1.0)))
-    return np.asarray(0.5 * twice / max(float(np.sinc(angle / np.pi)), 1e-9))
+def same(entry: Entry, there: Sequence[Hypothesis], world: Floats, target: Target) -> Bools:
+    """(k,) whether a pose is one that is there already, up to symmetry and to what its covariance spans."""
+    if not there:
+        return np.zeros(0, dtype=bool)
+    poses = np.stack([h.pose for h in there])
+    spans = np.stack([h.covariance for h in there]) + _least(target)
+    near, back = nearest_pose(entry.symmetry, world, poses), np.swapaxes(poses[:, :3, :3], 1, 2)
+    shift = (near - poses)[:, :3, :3] @ target.center + (near - poses)[:, :3, 3]
+    between = log(pose(back @ near[:, :3, :3], np.einsum("kij,kj->ki", back, shift)))
+    squared = np.einsum("ki,ki->k", between, np.linalg.solve(spans, between[..., None])[..., 0])
+    return np.asarray(squared <= _SPANNED)
 
 
 def _least(target: Target) -> Floats:

@@ -125,3 +125,15 @@ def test_a_ball_has_no_orientation() -> None:
     same = nearest_pose(group, estimated, wanted)
     center = np.append(group.center, 1.0)
     np.testing.assert_allclose(same @ center, estimated @ center, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "node", [Sphere(20).at(9, 0, 0), Cone(20, 10, 30), Cylinder(5, 20), Cube((20, 30, 40))]
+)
+def test_the_nearest_to_many_poses_is_the_nearest_to_each(node: Csg) -> None:
+    group, rng = group_of(node), np.random.default_rng(3)
+    many = pose(rotation_exp(rng.standard_normal((6, 3))), rng.standard_normal((6, 3)))
+    at = nearest_pose(group, pose(rotation_exp([1.0, 2.0, 0.5]), (4, 5, 6)), many)
+    for wanted, near in zip(many, at, strict=True):
+        one = nearest_pose(group, pose(rotation_exp([1.0, 2.0, 0.5]), (4, 5, 6)), wanted)
+        np.testing.assert_allclose(near, one, atol=1e-12)

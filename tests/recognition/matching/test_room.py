@@ -1,5 +1,7 @@
 """One touch, or many at one place or on one face, says little of the name: loose poses have the room of a face."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -69,8 +71,12 @@ def test_a_pose_that_turned_far_about_a_place_beside_the_object_is_of_the_same_m
     twist = np.concatenate([arm, [0.0, 0.0, 1.0]])
     covariance = 2.0 * np.outer(twist, twist) + np.diag([0.1**2] * 3 + [0.01**2] * 3)
     h = Hypothesis("step", np.eye(4), 0.0, covariance, 0.0, np.zeros(0))
-    assert same(entry, h, turned, target)
-    assert not same(entry, h, pose(None, [0.0, 30.0, 0.0]), target)
+    assert same(entry, [h], turned, target).all()
+    assert not same(entry, [h], pose(None, [0.0, 30.0, 0.0]), target).any()
+    assert same(entry, [h, replace(h, pose=pose(None, [0.0, 90.0, 0.0]))], turned, target).tolist() == [
+        True,
+        False,
+    ]
 
 
 def test_contacts_of_the_bracket_are_still_named() -> None:
