@@ -12,6 +12,7 @@ import numpy as np
 
 from exploration.planning.faces.coaxial import coaxial_face
 from exploration.planning.faces.consistency import concave, drop_contradicted, drop_edges, drop_false
+from exploration.planning.faces.two_sides import two_sides
 from primitives.arrays import Floats, Ints
 from primitives.classify import RankOptions
 from primitives.evidence import Contacts
@@ -232,7 +233,11 @@ def _about(contacts: Contacts, rest: Contacts, config: AttributionConfig) -> Con
 def _told(face: Face, any_way: bool, config: AttributionConfig) -> bool:
     """Whether contacts tell enough of a face; those that face `any_way` are to lie on a round one, and closely."""
     fit = face.fit
-    if config.convex or not isinstance(fit, Fit):
+    if config.convex:
+        return True
+    if two_sides(face):
+        return False
+    if not isinstance(fit, Fit):
         return True
     if any_way and (fit.kind == "plane" or fit.rms > config.curled):
         return False
