@@ -12,6 +12,7 @@ import numpy as np
 
 from exploration.planning.faces.coaxial import coaxial_face
 from exploration.planning.faces.consistency import concave, drop_contradicted, drop_edges, drop_false
+from exploration.planning.faces.repeated import repeated_face
 from exploration.planning.faces.two_sides import two_sides
 from primitives.arrays import Floats, Ints
 from primitives.classify import RankOptions
@@ -123,7 +124,8 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
 def name_loose(graph: PatchGraph, loose: Contacts, config: AttributionConfig) -> Taken:
     """Make faces of what none explains, seen as a cloud: a ring is felt in places that lie and face all apart.
 
-    What then lies round an axis that is known is a cylinder.
+    What then lies round an axis that is known is a cylinder, and what lies where one of equal faces would come
+    again, is one more.
     """
     cloud = loose
     for found in segment(cloud):
@@ -133,7 +135,7 @@ def name_loose(graph: PatchGraph, loose: Contacts, config: AttributionConfig) ->
         close = isinstance(face.fit, Fit) and face.fit.rms < config.curled
         if close and len(np.unique(lot.touch)) >= config.curled_touches and _told(face, False, config):
             graph, loose = replace(graph, faces=(*graph.faces, face)), without(loose, lot)
-    while (more := coaxial_face(graph, loose)) is not None:
+    while (more := coaxial_face(graph, loose) or repeated_face(graph, loose)) is not None:
         graph, loose = replace(graph, faces=(*graph.faces, more)), without(loose, more.contacts)
     graph, gone = graph.merge_faces()
     return Taken(*_cleared(graph, loose, True, config), None, gone, True)
