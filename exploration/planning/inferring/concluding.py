@@ -192,7 +192,7 @@ def _holes(
     rims = [rim for rim in rims if not own_rim(rim, hollows)]
     led = {id(rim): hole for rim in rims if (hole := led_into(rim, hollows)) is not None}
     rims = [rim for rim in rims if id(rim) not in led]
-    steps = stepped_holes(rims, guessed, found.stopped)
+    steps = stepped_holes(rims, guessed, found.stopped, found.graph.faces)
     ends = [id(rim) for step in steps for rim in step.rims]
     single = [rim for rim in rims if id(rim) not in ends]
     holes, left = holes_of(single, inside, lambda rim: shut(rim, known), config or HolesConfig())

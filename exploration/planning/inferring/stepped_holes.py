@@ -2,10 +2,11 @@
 
 Two rims on opposite faces that share an axis are of one hole.  Where one is wider, the hole narrows in between.
 What stopped an array there tells how: as deep wherever it was stopped, there is a flat ledge; the deeper the
-nearer to the axis, a cone that begins at the rim, of depth (R - rho) k.  Where nothing was felt it is most often
-a ledge.  Whose two widths are those of a screw's head and shank is sunk for such a head, which is as high as the
-screw is thick (ISO 4762, DIN 974-1); else half way down is nearest to all that may be (our derivation).  The sigma
-of its contacts does not say how far off that may be, the warning beside the model does.
+nearer to the axis, a cone that begins at the rim, of depth (R - rho) k.  Where neither is so the hole narrows as
+the outside round it does (`sleeves`).  Where that does not, and nothing was felt, it is most often a ledge.  Whose
+two widths are those of a screw's head and shank is sunk for such a head, which is as high as the screw is thick
+(ISO 4762, DIN 974-1); else half way down is nearest to all that may be (our derivation).  The sigma of its
+contacts does not say how far off that may be, the warning beside the model does.
 """
 
 from __future__ import annotations
@@ -15,17 +16,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from exploration.planning.inferring.sleeves import narrowing
 from exploration.planning.open.holes import Hole
 from exploration.planning.open.round_rims import RoundRim, far_end
 from exploration.planning.touching.findings import Stopped
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
+from primitives.patch_graph import Face
 
 BY_GUESS = "a round hole is wider at one end; its ledge is taken for half way down"
 BY_SCREW = (
     "a round hole is wider at one end, as for a screw's head; its ledge is taken for as deep as such a head"
 )
 BY_TOUCH = "a round hole is wider at one end; its ledge is where an array was stopped"
+BY_OUTSIDE = "a round hole is wider at one end; it narrows where the outside does"
 BY_SLOPE = "a round hole is wider at one end; it narrows as an array was stopped in it"
 _DOWN = (0.2, 0.5, 0.8)  # of a cone's depth, where its contacts are
 
@@ -57,6 +61,7 @@ def stepped_holes(
     rims: Sequence[RoundRim],
     guessed: Sequence[RoundRim] = (),
     stopped: Sequence[Stopped] = (),
+    faces: Sequence[Face] = (),
     config: SteppedHoleConfig = SteppedHoleConfig(),
 ) -> list[SteppedHole]:
     """Every hole that becomes narrower; its far end may be one that is only guessed."""
@@ -67,15 +72,27 @@ def stepped_holes(
             own = np.array([(s.off, s.deep) for s in stopped if np.allclose(s.rim, rim.center)]).reshape(
                 -1, 2
             )
-            found.append(_made(rim, other, own, config))
+            found.append(_made(rim, other, own, narrowing(rim, other, faces), config))
     return found
 
 
-def _made(rim: RoundRim, other: RoundRim, own: Floats, config: SteppedHoleConfig) -> SteppedHole:
+def _made(
+    rim: RoundRim,
+    other: RoundRim,
+    own: Floats,
+    outside: tuple[float, float] | None,
+    config: SteppedHoleConfig,
+) -> SteppedHole:
     far = float((rim.center - other.center) @ rim.axis)
     own = own[(own[:, 1] > 0.0) & (own[:, 1] < far) & (own[:, 0] < rim.radius)]
     if len(own) > 1 and np.ptp(own[:, 0]) > config.slope and np.ptp(own[:, 1]) > config.level:
-        return _countersunk(rim, other, far, own, config)
+        inward = rim.radius - own[:, 0]
+        deep = (rim.radius - other.radius) * float(inward @ own[:, 1] / (inward @ inward))
+        if outside is None or deep < far:
+            return _coned(rim, other, (0.0, min(deep, far)), BY_SLOPE, config)
+    ledge_felt = len(own) > 0 and float(np.ptp(own[:, 1])) <= config.level
+    if outside is not None and not ledge_felt:
+        return _coned(rim, other, outside, BY_OUTSIDE, config)
     deep, why = (float(np.median(own[:, 1])), BY_TOUCH) if len(own) else (0.5 * far, BY_GUESS)
     low, high = config.screw
     if not len(own) and low < rim.radius / other.radius < high and config.head * other.radius < deep:
@@ -94,17 +111,16 @@ def _made(rim: RoundRim, other: RoundRim, own: Floats, config: SteppedHoleConfig
     return SteppedHole((rim, other), holes, ledge, "plane", why)
 
 
-def _countersunk(
-    rim: RoundRim, other: RoundRim, far: float, own: Floats, config: SteppedHoleConfig
+def _coned(
+    rim: RoundRim, other: RoundRim, depths: tuple[float, float], why: str, config: SteppedHoleConfig
 ) -> SteppedHole:
-    """The cone from the rim through the (n, 2) places off the axis and depths where an array was stopped."""
-    inward = rim.radius - own[:, 0]
-    slope = float(inward @ own[:, 1] / (inward @ inward))
+    """A cone between two depths [mm], which what is as wide as the mouth and what is narrow go on from."""
+    far = float((rim.center - other.center) @ rim.axis)
+    begins, deep = depths[0], depths[1] - depths[0]
     wide = rim.radius - other.radius
-    deep = min(wide * slope, far)
     ring, ways = rim.places()
     looks = deep * -ways + wide * rim.axis
-    places = [ring - share * (wide * ways + deep * rim.axis) for share in _DOWN]
+    places = [ring - begins * rim.axis - share * (wide * ways + deep * rim.axis) for share in _DOWN]
     cone = Contacts.of(
         np.concatenate(places),
         np.tile(looks / np.hypot(deep, wide), (len(_DOWN), 1)),
@@ -112,8 +128,9 @@ def _countersunk(
         normal_sigma=config.normal_sigma,
         touch=NOT_FELT,
     )
-    holes = (_narrow(rim, other, deep, far),) if deep < far else ()
-    return SteppedHole((rim, other), holes, cone, "cone", BY_SLOPE)
+    mouth = Hole(rim.center - 0.5 * begins * rim.axis, rim.axis, rim.radius, begins, rim.sigma)
+    parts = (mouth, begins > 0.0), (_narrow(rim, other, depths[1], far), depths[1] < far)
+    return SteppedHole((rim, other), tuple(hole for hole, there in parts if there), cone, "cone", why)
 
 
 def _narrow(rim: RoundRim, other: RoundRim, deep: float, far: float) -> Hole:
