@@ -27,6 +27,7 @@ from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.rounded_corners import rounded_corners
+from exploration.planning.inferring.rounded_edges import rounded_edges
 from exploration.planning.inferring.slanting import slanting
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.stepped_holes import stepped_holes
@@ -61,6 +62,7 @@ _BY_OUTSIDE = (
 _BY_FLOOR = "a side of what stands on a floor is inferred from a stroke it stopped and the floor behind it"
 _BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where both its sides end"
 _BY_CORNER = "a rounded corner of a plate is inferred from where both its sides end between two walls"
+_BY_ROUNDING = "a rounded edge is inferred from where contact with the walls on both sides ends"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
@@ -81,6 +83,10 @@ def conclude(
     _add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     _add_ends(found, frontier, inside)
+    for lot in rounded_edges(
+        unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces), found.graph.faces
+    ):
+        add(found, lot, _BY_ROUNDING, "cylinder")
     through = slots(known := frontier().known)
     looked, beside = (
         [

@@ -29,7 +29,7 @@ class RoundedCornersConfig:
     """What is a plate, and a rounded corner of it."""
 
     opposed: float = 0.998  # least cosine between a side's normal and the reverse of the other's
-    thick: tuple[float, float] = (0.3, 15.0)  # [mm]
+    thick: tuple[float, float] = (0.3, 25.0)  # [mm]
     upright: float = 0.02  # most cosine between a wall's normal and a side's
     turns: tuple[float, float] = (0.35, 2.6)  # [rad] from one wall's normal to the other's
     radii: tuple[float, float] = (4.0, 40.0)  # [mm]
