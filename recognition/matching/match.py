@@ -7,8 +7,8 @@
     weigh       names, poses and "unknown" against each other
 
 Where the belief is not settled by the first objects of the shortlist, or what is decided does not fit, the next
-ones are searched too, and at last as many as there is time for.  Where nothing fits even then, the likeliest poses
-are slid (`sliding`).
+ones are searched too, and at last a few hundred.  Where nothing fits even then, the likeliest poses are slid
+(`sliding`).
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ import numpy as np
 
 from exploration.planning.faces.coaxial import coaxial_face
 from exploration.planning.faces.consistency import concave, drop_contradicted, drop_edges, drop_false
+from exploration.planning.faces.hollows import hollow_face
 from exploration.planning.faces.repeated import repeated_face
 from exploration.planning.faces.two_sides import two_sides
 from primitives.arrays import Floats, Ints
@@ -124,8 +125,8 @@ def take_in(graph: PatchGraph, loose: Contacts, contacts: Contacts, config: Attr
 def name_loose(graph: PatchGraph, loose: Contacts, config: AttributionConfig) -> Taken:
     """Make faces of what none explains, seen as a cloud: a ring is felt in places that lie and face all apart.
 
-    What then lies round an axis that is known is a cylinder, and what lies where one of equal faces would come
-    again, is one more.
+    What then lies round an axis that is known is a cylinder; so is what lies where one of equal faces would come
+    again, and what one touch felt all round it in a hollow.
     """
     cloud = loose
     for found in segment(cloud):
@@ -135,10 +136,15 @@ def name_loose(graph: PatchGraph, loose: Contacts, config: AttributionConfig) ->
         close = isinstance(face.fit, Fit) and face.fit.rms < config.curled
         if close and len(np.unique(lot.touch)) >= config.curled_touches and _told(face, False, config):
             graph, loose = replace(graph, faces=(*graph.faces, face)), without(loose, lot)
-    while (more := coaxial_face(graph, loose) or repeated_face(graph, loose)) is not None:
+    while (more := _one_more(graph, loose)) is not None:
         graph, loose = replace(graph, faces=(*graph.faces, more)), without(loose, more.contacts)
     graph, gone = graph.merge_faces()
     return Taken(*_cleared(graph, loose, True, config), None, gone, True)
+
+
+def _one_more(graph: PatchGraph, loose: Contacts) -> Face | None:
+    """A face of contacts too few to name one by themselves, that what is known already names."""
+    return coaxial_face(graph, loose) or repeated_face(graph, loose) or hollow_face(graph, loose)
 
 
 def _cleared(

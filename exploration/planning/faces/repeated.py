@@ -27,10 +27,11 @@ class RepeatedConfig:
 
     parallel: float = 0.999  # least cosine between axes
     equal: float = 0.3  # [mm] between radii, and between distances from the axis that faces go round
+    elsewhere: float = 1.0  # [mm] from the axis of any face that is there already
     off: float = 0.25  # [mm] of a contact from where a face would come again,
     facing: float = 0.985  # and least cosine of its normal with its own
-    contacts: int = 4  # of them at least,
-    turn: float = 0.35  # [rad] that their normals go round
+    contacts: int = 3  # of them at least,
+    turn: float = 0.3  # [rad] that their normals go round
     carried: float = 0.15  # [mm] sigma of where a face would come again
 
 
@@ -58,38 +59,59 @@ def repeated_face(
     if not len(best):
         return None
     made = fit("cylinder", Contacts.concatenate([best, like]))
-    if not isinstance(made, Fit):
+    if not isinstance(made, Fit) or made.rms > config.off:
         return None
     number = 1 + max((face.id for face in graph.faces), default=-1)
     return Face(number, replace(made, inliers=frozen(np.ones(len(best)), bool)), best)
 
 
 def _steps(graph: PatchGraph, config: RepeatedConfig) -> Iterator[tuple[_Round, Floats]]:
-    """Cylinders, and the (4, 4) motions that take each a step on from another that is equal."""
+    """Cylinders, and the (4, 4) motions that take each a step on from another that is equal, to where none is."""
     fits = [(face, face.fit) for face in graph.faces if isinstance(face.fit, Fit)]
     centers = [own.shape for _, own in fits if isinstance(own.shape, Cylinder | Cone)]
-    rounds = [_Round(f.contacts, own.shape, own.convex) for f, own in fits if isinstance(own.shape, Cylinder)]
+    rounds = [
+        _Round(face.contacts.select(own.inliers), own.shape, own.convex)
+        for face, own in fits
+        if isinstance(own.shape, Cylinder)
+    ]
     for a, b in permutations(rounds, 2):
-        shift, axis = b.shape.anchor - a.shape.anchor, b.shape.axis
+        axis = b.shape.axis
         equal = a.convex == b.convex and abs(a.shape.radius - b.shape.radius) < config.equal
         if not equal or abs(float(a.shape.axis @ axis)) < config.parallel:
             continue
-        yield b, pose(None, shift - shift @ axis * axis)
+        at = b.contacts.points.mean(axis=0)
+        start, end = _level(a.shape, at, axis), _level(b.shape, at, axis)
+        motions = [pose(None, end - start)]
         for center in centers:
-            angle = _turn(a.shape, b.shape, center, config)
-            if angle is not None:
-                yield b, turn_about(center.anchor, axis, angle)
+            angle = _turn(start, end, center, axis, at, config)
+            motions += [] if angle is None else [turn_about(_level(center, at, axis), axis, angle)]
+        for motion in motions:
+            there = transform_points(motion, end[None])[0]
+            if all(np.linalg.norm(_level(c.shape, there, axis) - there) > config.elsewhere for c in rounds):
+                yield b, motion
 
 
-def _turn(a: Cylinder, b: Cylinder, center: Cylinder | Cone, config: RepeatedConfig) -> float | None:
-    """[rad] from one to the other round the axis of a third; None where that is not parallel, or no center."""
-    arms = [shape.anchor - center.anchor for shape in (a, b)]
-    first, second = (arm - arm @ b.axis * b.axis for arm in arms)
-    far, other = float(np.linalg.norm(first)), float(np.linalg.norm(second))
-    level = abs(float(center.axis @ b.axis)) > config.parallel
-    if not level or min(far, other) < config.equal or abs(far - other) > config.equal:
+def _level(shape: Cylinder | Cone, at: Floats, axis: Floats) -> Floats:
+    """(3,) where the axis of a shape passes the height of a (3,) place along another (3,) axis."""
+    way = shape.axis
+    slope = float(way @ axis)
+    return np.asarray(
+        shape.anchor + float((at - shape.anchor) @ axis) / slope * way if slope else shape.anchor
+    )
+
+
+def _turn(
+    start: Floats, end: Floats, center: Cylinder | Cone, axis: Floats, at: Floats, config: RepeatedConfig
+) -> float | None:
+    """[rad] from one place to another round a third axis; None where that is not parallel, or no center."""
+    if abs(float(center.axis @ axis)) < config.parallel:
         return None
-    return float(np.arctan2(np.cross(first, second) @ b.axis, first @ second))
+    middle = _level(center, at, axis)
+    first, second = start - middle, end - middle
+    far, other = float(np.linalg.norm(first)), float(np.linalg.norm(second))
+    if min(far, other) < config.equal or abs(far - other) > config.equal:
+        return None
+    return float(np.arctan2(np.cross(first, second) @ axis, first @ second))
 
 
 def _enough(found: Contacts, config: RepeatedConfig) -> bool:

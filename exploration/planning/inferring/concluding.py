@@ -83,20 +83,11 @@ def conclude(
     _add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     _add_ends(found, frontier, inside)
-    for lot in rounded_edges(
-        unexplained([*found.wall_rims, *found.glimpsed], found.graph.faces), found.graph.faces
-    ):
-        add(found, lot, _BY_ROUNDING, "cylinder")
     through = slots(known := frontier().known)
-    looked, beside = (
-        [
-            (rim, own)
-            for rim, own in unexplained(rims, found.graph.faces)
-            if not dead_end(rim, own, known)
-            and not any(slot.rounds(rim.point, rim.outward) for slot in through)
-        ]
-        for rims in (found.wall_rims, found.glimpsed)
-    )
+    looked, beside = _open_rims(found, known, through)
+    for lot in rounded_edges([*looked, *beside], found.graph.faces):
+        add(found, lot, _BY_ROUNDING, "cylinder")
+    looked, beside = _open_rims(found, known, through)
     for lot in upright_walls(looked, found.graph.faces, beside):
         add(found, lot, _BY_RIM)
     found.openings = _holes(
@@ -118,6 +109,22 @@ def conclude(
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
     found.warnings.extend(rim.told() for rim in found.openings)
+
+
+def _open_rims(
+    found: Findings, known: Sequence[KnownFace], through: Sequence[Slot]
+) -> tuple[list[SeenRim], list[SeenRim]]:
+    """The rims that were looked at, and those only seen beside others, that nothing explains by now."""
+    looked, beside = (
+        [
+            (rim, own)
+            for rim, own in unexplained(rims, found.graph.faces)
+            if not dead_end(rim, own, known)
+            and not any(slot.rounds(rim.point, rim.outward) for slot in through)
+        ]
+        for rims in (found.wall_rims, found.glimpsed)
+    )
+    return looked, beside
 
 
 def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats) -> None:

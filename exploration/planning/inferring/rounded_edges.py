@@ -6,9 +6,9 @@ the angle between their normals, contact ends at
 
     t - sqrt(2 r d) = e,   t = r tan(a / 2)
 
-from there.  Where both walls end as far from their common edge, or one does and nothing of the other was felt
-nearer to it, the edge is rounded, or cut off by a chamfer so small that it was not felt, whose volume is nearly
-the same (our derivation).
+from there.  Where both walls end as far from their common edge, or one does and the other was felt about as far
+from it last, and nothing of either was felt much nearer, the edge is rounded, or cut off by a chamfer so small
+that it was not felt (our derivation).
 """
 
 from __future__ import annotations
@@ -32,15 +32,16 @@ class RoundedEdgesConfig:
     """What is a rounded edge."""
 
     turns: tuple[float, float] = (0.5, 2.2)  # [rad] from one wall's normal to the other's
-    ends: tuple[float, float] = (1.5, 12.0)  # [mm] from where the walls would meet
+    ends: tuple[float, float] = (1.5, 8.0)  # [mm] from where the walls would meet
     toward: float = 0.97  # least cosine between a rim's way out and the straight way there
     alike: float = 0.15  # of the distances of both walls' ends, that they differ from each other at most
-    least: int = 2  # rims of a wall
+    least: int = 2  # rims of a wall, at so many places
+    place: float = 1.0  # [mm] of the edge, that is one
     together: float = (
         12.0  # [mm] along the edge from a rim of one wall to one of the other, or to where it was felt,
     )
-    nearer: float = 0.7  # of the distance of a rim, that the other wall was not felt nearer to the edge,
-    short: float = 8.0  # [mm] and how much farther from it it may have been felt last
+    nearer: float = 0.7  # of the distance of a rim, that no wall was felt nearer to the edge,
+    short: float = 4.0  # [mm] and how much farther from it the other may have been felt last
     pressed: float = 0.24  # [mm] d
     arc: float = 0.4  # of the turn to either side of the middle, where contacts are laid
     count: int = 7  # of them, in each of so many
@@ -65,12 +66,13 @@ def rounded_edges(
 ) -> list[Contacts]:
     """Contacts of the rounding of each edge at which two walls end alike; nothing explains these `rims`."""
     found: list[Contacts] = []
-    for one, other in combinations(_walls(rims, faces), 2):
+    walls = list(_walls(rims, faces))
+    for one, other in combinations(walls, 2):
         turn = float(np.arccos(np.clip(one.normal @ other.normal, -1.0, 1.0)))
         if config.turns[0] < turn < config.turns[1]:
-            ends, others = _ends(one, other, config), _ends(other, one, config)
-            if _alike(one, other, ends, others, config):
-                found.append(_laid(one, other, turn, ends, others, config))
+            ends = _ended(one, other, walls, config)
+            if len(ends):
+                found.append(_laid(one, other, turn, ends, config))
     return found
 
 
@@ -86,13 +88,46 @@ def _walls(rims: Sequence[SeenRim], faces: Sequence[Face]) -> Iterator[_Wall]:
                 yield _Wall(normal, float(face.fit.shape.anchor @ normal), points, outward, felt)
 
 
-def _ends(own: _Wall, other: _Wall, config: RoundedEdgesConfig) -> Floats:
-    """(n, 2) [mm] along the common edge, and from it, of the rims of a wall that look straight to it."""
-    across = other.normal - other.normal @ own.normal * own.normal
-    toward = own.outward @ (across / np.linalg.norm(across)) > config.toward
+def _ended(one: _Wall, other: _Wall, walls: Sequence[_Wall], config: RoundedEdgesConfig) -> Floats:
+    """(n, 2) [mm] along the common edge, and from it, of the rims that show it rounded; none where it is not."""
+    own, others = _ends(one, other, walls, config), _ends(other, one, walls, config) * [-1.0, 1.0]
+    felt, felt_other = _from_edge(one, other, one.felt), _from_edge(other, one, other.felt) * [-1.0, 1.0]
+    if _enough(own, config) and _enough(others, config):
+        far = float(np.median(own[:, 1])), float(np.median(others[:, 1]))
+        beside = np.abs(own[:, 0][:, None] - others[:, 0])
+        ends = np.concatenate(
+            [own[beside.min(axis=1) < config.together], others[beside.min(axis=0) < config.together]]
+        )
+        alike = abs(far[0] - far[1]) < config.alike * max(far)
+        bare = all(_nearest(ends, places, config) > config.nearer * max(far) for places in (felt, felt_other))
+        return ends if alike and bare and _enough(ends, config) else ends[:0]
+    for ends, mine, theirs in ((own, felt, felt_other), (others, felt_other, felt)):
+        if _enough(ends, config):
+            last = config.nearer * float(np.median(ends[:, 1]))
+            near, nearest = _nearest(ends, mine, config), _nearest(ends, theirs, config)
+            if near > last and last < nearest < float(np.median(ends[:, 1])) + config.short:
+                return ends
+    return own[:0]
+
+
+def _ends(own: _Wall, other: _Wall, walls: Sequence[_Wall], config: RoundedEdgesConfig) -> Floats:
+    """(n, 2) [mm] along the common edge, and from it, of the rims of a wall that look straight to it first."""
+    ahead = {id(wall): _ahead(own, wall, config) for wall in walls if wall is not own}
+    first = np.min([*ahead.values()], axis=0)
+    mine = ahead[id(other)]
     places = _from_edge(own, other, own.points)
-    near = toward & (places[:, 1] > config.ends[0]) & (places[:, 1] < config.ends[1])
-    return places[near]
+    return np.asarray(places[np.isfinite(mine) & (mine <= first)])
+
+
+def _ahead(own: _Wall, other: _Wall, config: RoundedEdgesConfig) -> Floats:
+    """(n,) [mm] from the rims of a wall straight to where another would meet it; inf where it does not."""
+    across = other.normal - other.normal @ own.normal * own.normal
+    slope = float(np.linalg.norm(across))
+    if slope < np.sin(config.turns[0]):
+        return np.full(len(own.points), np.inf)
+    before = _from_edge(own, other, own.points)[:, 1]
+    toward = own.outward @ (across / slope) > config.toward
+    return np.where(toward & (before > config.ends[0]) & (before < config.ends[1]), before, np.inf)
 
 
 def _from_edge(own: _Wall, other: _Wall, points: Floats) -> Floats:
@@ -102,29 +137,19 @@ def _from_edge(own: _Wall, other: _Wall, points: Floats) -> Floats:
     return np.column_stack([points @ (along / slope), (other.offset - points @ other.normal) / slope])
 
 
-def _alike(one: _Wall, other: _Wall, ends: Floats, others: Floats, config: RoundedEdgesConfig) -> bool:
-    """Whether two walls end as far from their common edge, beside each other."""
-    if min(len(ends), len(others)) >= config.least:
-        apart = np.abs(ends[:, 0][:, None] + others[:, 0]).min()
-        far = float(np.median(ends[:, 1])), float(np.median(others[:, 1]))
-        return bool(apart < config.together and abs(far[0] - far[1]) < config.alike * max(far))
-    if len(ends) >= config.least:
-        return _stays_behind(ends, _from_edge(other, one, other.felt), config)
-    return len(others) >= config.least and _stays_behind(others, _from_edge(one, other, one.felt), config)
+def _enough(ends: Floats, config: RoundedEdgesConfig) -> bool:
+    return len(np.unique(np.round(ends[:, 0] / config.place))) >= config.least
 
 
-def _stays_behind(ends: Floats, felt: Floats, config: RoundedEdgesConfig) -> bool:
-    """Whether a wall was felt beside the rims of another, and about as far from the edge as those are."""
-    far, beside = float(np.median(ends[:, 1])), np.abs(ends[:, 0][:, None] + felt[:, 0]).min(axis=0)
-    nearest = float(felt[beside < config.together, 1].min(initial=np.inf))
-    return config.nearer * far < nearest < far + config.short
+def _nearest(ends: Floats, felt: Floats, config: RoundedEdgesConfig) -> float:
+    """[mm] from the edge that a wall was felt nearest, beside some rims; inf where it was not."""
+    beside = np.abs(ends[:, 0][:, None] - felt[:, 0]).min(axis=0) < config.together
+    return float(felt[beside, 1].min(initial=np.inf))
 
 
-def _laid(
-    one: _Wall, other: _Wall, turn: float, ends: Floats, others: Floats, config: RoundedEdgesConfig
-) -> Contacts:
+def _laid(one: _Wall, other: _Wall, turn: float, ends: Floats, config: RoundedEdgesConfig) -> Contacts:
     """Contacts of the rounding, as far along the edge as rims were seen."""
-    end, half = float(np.median(np.concatenate([ends[:, 1], others[:, 1]]))), np.tan(0.5 * turn)
+    end, half = float(np.median(ends[:, 1])), np.tan(0.5 * turn)
     pressed = np.sqrt(2.0 * config.pressed)
     radius = float((pressed + np.sqrt(2.0 * config.pressed + 4.0 * half * end)) / (2.0 * half)) ** 2
     along = np.cross(one.normal, other.normal)
@@ -134,8 +159,7 @@ def _laid(
     center = corner - radius / np.cos(0.5 * turn) * out
     angles = np.linspace(-config.arc, config.arc, config.count) * turn
     ways = np.outer(np.cos(angles), out) + np.outer(np.sin(angles), np.cross(along, out))
-    places = np.concatenate([ends[:, 0], -others[:, 0]])
-    rows = np.linspace(places.min(), places.max(), config.rows)
+    rows = np.linspace(ends[:, 0].min(), ends[:, 0].max(), config.rows)
     points = np.concatenate([center + radius * ways + row * along for row in rows])
     return Contacts.of(
         points, np.tile(ways, (config.rows, 1)), config.sigma, config.normal_sigma, touch=NOT_FELT

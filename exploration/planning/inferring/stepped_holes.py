@@ -85,19 +85,21 @@ def _made(
 ) -> SteppedHole:
     far = float((rim.center - other.center) @ rim.axis)
     own = own[(own[:, 1] > 0.0) & (own[:, 1] < far) & (own[:, 0] < rim.radius)]
+    wide = rim.radius - other.radius
+    beyond = np.inf if outside is None else _beyond(own, rim.radius, wide, outside)
     if len(own) > 1 and np.ptp(own[:, 0]) > config.slope and np.ptp(own[:, 1]) > config.level:
         inward = rim.radius - own[:, 0]
-        deep = (rim.radius - other.radius) * float(inward @ own[:, 1] / (inward @ inward))
-        if outside is None or deep < far:
-            return _coned(rim, other, (0.0, min(deep, far)), BY_SLOPE, config)
+        cone = 0.0, min(wide * float(inward @ own[:, 1] / (inward @ inward)), far)
+        if _beyond(own, rim.radius, wide, cone) <= beyond:
+            return _coned(rim, other, cone, BY_SLOPE, config)
     ledge_felt = len(own) > 0 and float(np.ptp(own[:, 1])) <= config.level
-    if outside is not None and not ledge_felt:
+    if outside is not None and not (ledge_felt and beyond > config.level):
         return _coned(rim, other, outside, BY_OUTSIDE, config)
     deep, why = (float(np.median(own[:, 1])), BY_TOUCH) if len(own) else (0.5 * far, BY_GUESS)
     low, high = config.screw
     if not len(own) and low < rim.radius / other.radius < high and config.head * other.radius < deep:
         deep, why = config.head * other.radius, BY_SCREW
-    wide = Hole(rim.center - 0.5 * deep * rim.axis, rim.axis, rim.radius, deep, rim.sigma)
+    mouth = Hole(rim.center - 0.5 * deep * rim.axis, rim.axis, rim.radius, deep, rim.sigma)
     middle = replace(rim, center=rim.center - deep * rim.axis, radius=0.5 * (rim.radius + other.radius))
     places, _ = middle.places()
     ledge = Contacts.of(
@@ -107,8 +109,14 @@ def _made(
         normal_sigma=config.normal_sigma,
         touch=NOT_FELT,
     )
-    holes = (wide, _narrow(rim, other, deep, far))
+    holes = (mouth, _narrow(rim, other, deep, far))
     return SteppedHole((rim, other), holes, ledge, "plane", why)
+
+
+def _beyond(own: Floats, radius: float, wide: float, depths: tuple[float, float]) -> float:
+    """[mm] that (n, 2) places off the axis and depths lie off a cone between two depths, in the mean."""
+    foreseen = depths[0] + (radius - own[:, 0]) / wide * (depths[1] - depths[0])
+    return float(np.abs(own[:, 1] - foreseen).mean()) if len(own) else 0.0
 
 
 def _coned(

@@ -1,5 +1,7 @@
 """One more of equal round faces, of which a touch or two tell."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,27 @@ def test_a_few_contacts_a_step_on_are_one_more(knob: PatchGraph, number: int) ->
     assert face.fit.shape.signed_distance(middle)[0] == pytest.approx(-12.0, abs=0.15)
 
 
+def test_what_strays_from_a_face_is_not_carried_on(knob: PatchGraph) -> None:
+    place, way = on_ring(2)
+    felt = scallop(place, way + np.array([-0.4, -0.1, 0.1, 0.3]), 50)
+    hollow = knob.faces[2]
+    assert isinstance(hollow.fit, Fit)
+    astray = replace(hollow.contacts.select(slice(0, 5)), points=hollow.contacts.points[:5] + 2.0)
+    with_them = replace(
+        hollow,
+        contacts=Contacts.concatenate([hollow.contacts, astray]),
+        fit=replace(hollow.fit, inliers=np.append(hollow.fit.inliers, np.zeros(5, dtype=bool))),
+    )
+    clean, strewn = (
+        repeated_face(PatchGraph((*knob.faces[:2], last), ()), felt) for last in (hollow, with_them)
+    )
+    assert clean is not None
+    assert strewn is not None
+    assert isinstance(clean.fit, Fit)
+    assert isinstance(strewn.fit, Fit)
+    assert strewn.fit.shape.sizes == pytest.approx(clean.fit.shape.sizes)
+
+
 def test_a_row_goes_on_both_ways() -> None:
     around = np.linspace(3.6, 5.8, 14)
     row = PatchGraph(tuple(face_of(k, scallop((30.0 * k, 0.0), around, k)) for k in (0, 1)), ())
@@ -82,6 +105,9 @@ def test_what_lies_elsewhere_or_faces_one_way_or_is_of_another_radius_is_none(kn
     assert repeated_face(knob, scallop(on_ring(2, 41.0)[0], wide, 50)) is None
     assert repeated_face(knob, scallop(place, way + np.array([0.0, 0.01, 0.02, 0.03]), 50)) is None
     assert repeated_face(knob, scallop(place, wide, 50, radius=9.0)) is None
-    assert repeated_face(knob, scallop(place, wide[:3], 50)) is None
+    assert repeated_face(knob, scallop(place, wide[:2], 50)) is None
     assert repeated_face(knob, Contacts.of([])) is None
+    known, back = on_ring(1)
+    beside = scallop(known, back + np.array([-0.4, -0.1, 0.1, 0.3]), 50, radius=12.2)  # of one that is there
+    assert repeated_face(knob, beside) is None
     assert repeated_face(PatchGraph(knob.faces[:2], ()), scallop(place, wide, 50)) is None

@@ -1,5 +1,7 @@
 """Edges of a block that are rounded, inferred from where contact with its walls ends."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,7 +61,7 @@ class Corner:
 
 
 @pytest.mark.parametrize(
-    ("radius", "turn"), [(6.0, np.pi / 3), (4.0, np.pi / 2), (6.0, np.pi / 2), (10.0, 1.9)]
+    ("radius", "turn"), [(6.0, np.pi / 3), (4.0, np.pi / 2), (6.0, np.pi / 2), (5.0, 1.9)]
 )
 def test_where_both_walls_end_tells_the_radius(radius: float, turn: float) -> None:
     far = end(radius, turn)
@@ -82,6 +84,24 @@ def test_one_wall_s_rims_do_where_the_other_was_felt_no_nearer() -> None:
     assert len(rounded_edges(corner.rims(0, far), corner.faces)) == 1
     assert len(rounded_edges(corner.rims(1, far), corner.faces)) == 1
     assert not rounded_edges(corner.rims(1, far, count=1), corner.faces)
+
+
+def test_a_slot_along_an_edge_that_was_felt_is_no_rounding_of_it() -> None:
+    near = Corner(np.pi / 2, (0.5, 0.5))
+    assert not rounded_edges([*near.rims(0, 7.0), *near.rims(1, 7.0)], near.faces)
+    own = Corner(np.pi / 2, (0.5, 8.0))
+    assert not rounded_edges(own.rims(0, 7.0), own.faces)
+
+
+def test_a_rim_far_along_the_edge_proves_nothing_of_it_here() -> None:
+    far = end(6.0, np.pi / 2)
+    corner = Corner(np.pi / 2, (far + 2.0, far + 2.0))
+    away = replace(
+        corner.rims(1, far, 1)[0][0], point=corner.rims(1, far, 1)[0][0].point + 80.0 * corner.world[:3, 2]
+    )
+    (lot,) = rounded_edges([*corner.rims(0, far), (away, 1)], corner.faces)
+    along = (lot.points - corner.world[:3, 3]) @ corner.world[:3, 2]
+    assert np.abs(along).max() < 10.0
 
 
 def test_what_goes_on_to_the_edge_is_a_step_and_what_was_felt_far_away_tells_nothing() -> None:

@@ -77,3 +77,27 @@ def test_what_was_felt_in_it_goes_before(outside: list[Face]) -> None:
         Stopped(MOUTH.center, 24.0, 40.0),
     ]  # of no cone from the mouth
     assert stepped_holes([MOUTH, FOOT], stopped=scraped, faces=outside)[0].why == BY_OUTSIDE
+
+
+def test_stops_on_the_outside_s_cone_are_of_it(outside: list[Face]) -> None:
+    on_it = [Stopped(MOUTH.center, 25.0, 34.4), Stopped(MOUTH.center, 21.0, 43.3)]
+    assert stepped_holes([MOUTH, FOOT], stopped=on_it, faces=outside)[0].why == BY_OUTSIDE
+    assert stepped_holes([MOUTH, FOOT], stopped=on_it[:1], faces=outside)[0].why == BY_OUTSIDE
+    off = [Stopped(MOUTH.center, 22.5, 60.0)]
+    assert stepped_holes([MOUTH, FOOT], stopped=off, faces=outside)[0].why == BY_TOUCH
+
+
+def test_a_chamfer_at_the_foot_narrows_no_bore() -> None:
+    top, foot = replace(MOUTH, center=np.array([3.0, 1.0, 30.0]), radius=9.0), replace(FOOT, radius=5.5)
+    body = turned(3, Cylinder([3.0, 1.0, 0.0], UP, 15.0), 3.0, 29.0)
+    chamfer = turned(4, Cone([3.0, 1.0, -13.0], UP, np.pi / 4), 0.2, 1.8)
+    assert narrowing(top, foot, [body, chamfer]) is None
+
+
+def test_a_thick_wall_and_an_axis_a_little_off_are_no_hindrance(outside: list[Face]) -> None:
+    assert narrowing(replace(MOUTH, radius=20.0), replace(FOOT, radius=11.0), outside) == pytest.approx(
+        (30.0, 50.0), abs=0.3
+    )
+    lean = np.array([0.004, 0.0, 1.0])
+    taper = turned(6, Cone([3.0 - 0.004 * 850.0, 1.0, -807.5], lean / np.linalg.norm(lean), 0.04), 2.0, 83.0)
+    assert narrowing(replace(MOUTH, radius=30.0), replace(FOOT, radius=26.7), [taper]) is not None
