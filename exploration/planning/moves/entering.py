@@ -32,6 +32,7 @@ _PLANE = 1.5  # [mm] off a face's plane, that is still in it
 _ACROSS = np.array([-1.0, 0.0, 1.0])
 _BESIDE = 4.0  # [mm] beside a way, that is still on it
 _WAYS = 20  # across one mouth, that are looked at for room
+_FLOORS = 12  # places of floors, nearest to a mouth, that are looked at
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,7 @@ class EnteringConfig:
     aside: float = 4.5  # [mm] from the middle, of the two strokes to one side
     spare: float = 1.5  # [mm] of room beside them
     lift: float = 5.0  # [mm] off the floor between them
+    land: float = 1.5  # [mm] beside the way from a mouth to a floor, where its face bars that
     vain: int = 3  # of them that came to nothing, after which no more are made there
     within: float = 1.0  # [mm] of skin and housing, where there is surely nothing else
     rim: float = 6.0  # [mm] from a mouth's end, within which its face goes on
@@ -98,11 +100,15 @@ class Entering:
         return lambda normal: points[facing @ normal > _ALIKE]
 
     def _floored(self, mouth: Mouth, floors: Floats) -> bool:
-        """Whether one of (n, 3) places that face as a mouth does is a floor behind it."""
+        """Whether one of (n, 3) places that face as a mouth does is a floor behind it, and not beyond its land."""
         cells = floors - mouth.center
         deep = cells @ mouth.normal
-        beside = np.linalg.norm(cells - deep[:, None] * mouth.normal, axis=1)
-        return bool(((deep < -_PLANE) & (beside < self.config.known) & (deep > -self._deep)).any())
+        flat = cells - deep[:, None] * mouth.normal
+        beside = np.linalg.norm(flat, axis=1)
+        behind = np.flatnonzero((deep < -_PLANE) & (beside < self.config.known) & (deep > -self._deep))
+        nearest = behind[np.argsort(beside[behind])[:_FLOORS]]
+        land = flat[(np.abs(deep) < _PLANE) & (beside < self.config.known)]
+        return bool(len(nearest)) and not all(_crossed(land, way, self.config.land) for way in flat[nearest])
 
     def _inside(self, mouth: Mouth) -> Floats:
         return mouth.center - self.config.inside * mouth.normal
@@ -189,6 +195,14 @@ def _once(told: Callable[[Floats], _Told]) -> Callable[[Floats], _Told]:
         return known[key]
 
     return answer
+
+
+def _crossed(land: Floats, way: Floats, near: float) -> bool:
+    """Whether (n, 3) places of a face lie on the straight way from its mouth's middle to a place beside."""
+    length = max(float(np.linalg.norm(way)), 1e-9)
+    along = land @ (way / length)
+    off = np.linalg.norm(land - np.outer(along, way / length), axis=1)
+    return bool(((along > 0.0) & (along < length) & (off < near)).any())
 
 
 def _farthest(places: Floats, normal: Floats, way: Floats, most: float) -> float:

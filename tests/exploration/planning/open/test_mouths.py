@@ -4,7 +4,7 @@ import pytest
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.inferring.inferred_walls import inferred_walls
-from exploration.planning.moves.entering import Entering
+from exploration.planning.moves.entering import Entering, EnteringConfig
 from exploration.planning.open.mouths import MouthConfig, gathered, lids, mouths
 from exploration.planning.touching.findings import ExplorerConfig, Findings
 from exploration.planning.touching.pad import Pad
@@ -130,3 +130,20 @@ def test_a_mouth_that_was_sounded_in_vain_is_sounded_elsewhere(over_slot):
     entering._sounded.note(middle)
     beside = [place for place, _ in entering.ways_in(across, lambda normal: [])]
     assert [9.0 < abs(place[1] - middle[1]) < 24.0 for place in beside] == [True, True]
+
+
+@pytest.mark.parametrize(("left", "ways"), [(36.0, 1), (-5.0, 0)])
+def test_a_floor_in_the_slot_tells_what_is_behind_its_mouth_and_one_beyond_its_land_does_not(
+    over_slot, left, ways
+):
+    reach, guard, across = over_slot
+    study = Study(reach.pad, Findings(), ExplorerConfig().attribution)
+    x, y = np.meshgrid(left + np.arange(0.0, 10.0, 2.0), np.arange(-20.0, 21.0, 4.0))
+    cells = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    reach.pad.felt.append((cells, np.tile(UP, (len(cells), 1))))
+    for places in (cells, top_of_slotted_block()[0]):
+        flat = Contacts.of(places, np.tile(UP, (len(places), 1)), 0.01, 0.002)
+        study.found.graph, _ = study.found.graph.add_stroke(flat)
+    entering = Entering(study, reach, EnteringConfig(known=60.0))
+    guard.use(1)
+    assert len(list(entering.ways_in(across, lambda normal: []))) == ways
