@@ -29,6 +29,7 @@ from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
 from recognition.matching.imprints import ImprintConfig, foreseen, together
 from recognition.matching.likelihood import NoiseConfig
+from recognition.matching.loose import LooseConfig, sigma_points
 from recognition.matching.modes import Felt, Mode, modes_at
 from recognition.matching.span import same
 from recognition.matching.steps import turn
@@ -50,6 +51,12 @@ class SharpenConfig:
     longest: float = 1.0  # [mm] of a step
     bound: float = 20.0  # of half the squared sigmas that one imprint is off: it counts no more
     fits: float = 4.0  # of these, beyond which it says that the pose is another one, and not which
+    loose: float = (
+        2.0  # [mm] error of its place, from which a mode is asked whether imprints fit it elsewhere,
+    )
+    loose_turn: float = 0.15  # [rad] likewise
+    worse: float = 2.0  # of half the squared sigmas, that they are off more where they do not
+    beside: LooseConfig = LooseConfig(moved=0.01, sigmas=(0.6, 1.2))  # noqa: RUF009
     skin: ImprintConfig = ImprintConfig()  # noqa: RUF009
 
 
@@ -129,8 +136,24 @@ def _sharper(mode: Mode, entry: Entry, seen: Felt, evidence: Evidence, prior: Pr
     if fit.worst > config.fits:
         return mode
     done = _there(at, entry, seen)
-    found = modes_at(entry, done, seen, evidence, prior, noise, fit.information, mode.log_share)
+    told = None if _fits_elsewhere(mode, entry, seen, evidence, config, fit.off) else fit.information
+    found = modes_at(entry, done, seen, evidence, prior, noise, told, mode.log_share)
     return found[0] if found else mode
+
+
+def _fits_elsewhere(
+    mode: Mode, entry: Entry, seen: Felt, evidence: Evidence, config: SharpenConfig, off: float
+) -> bool:
+    """Whether imprints fit a loose mode beside its middle as well: what they tell holds at its middle alone.
+
+    Beside a hole that nobody felt they tell how near to it the skin was not, and nothing of where it is.
+    """
+    h = mode.hypothesis
+    if h.rotation_sigma < config.loose_turn and h.translation_sigma < config.loose:
+        return False
+    beside = sigma_points(h.pose, h.covariance, entry, config.beside)[1:]
+    poses = (np.ascontiguousarray(inverse(at)[:3]) for at in beside)
+    return any(_fit(at, entry, seen, evidence, config).off < off + config.worse for at in poses)
 
 
 def _there(at: Floats, entry: Entry, seen: Felt) -> Aligned:

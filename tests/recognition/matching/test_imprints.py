@@ -1,5 +1,7 @@
 """The picture that a simulated skin felt, against near-duplicates whose contacts are the same."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from exploration.devices.guard import Guard
@@ -8,6 +10,7 @@ from exploration.planning.touching.lone_touch import Approach, touch_once
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models import parts
+from models.csg import Cylinder
 from models.library import Library
 from models.solid import Solid
 from models.symmetry import pose_error
@@ -66,3 +69,28 @@ def test_an_edge_under_the_skin_says_where_along_its_face_an_object_is() -> None
     assert off[0] > 0.5
     assert off[1] < 0.3
     assert sigma_told < 0.4
+
+
+def test_skin_that_was_not_over_a_hole_does_not_tell_where_that_is() -> None:
+    pipe = (
+        Cylinder(30.0, 60.0)
+        - Cylinder(20.0, 70.0)
+        - Cylinder(8.0, 40.0).turned((0, 1, 0), np.pi / 2).at(25, 0, 0)
+    )
+    known = Library.of({"pipe": Solid.from_csg(pipe)})
+    spec, felt, pictures = load_sensor("lts210"), list[Contacts](), list[Imprint]()
+    for number, turn in enumerate((2.0, 2.8, 3.6)):
+        out = np.array([np.cos(turn), np.sin(turn), 0.0])
+        start = se3.pose(se3.frame_along(-out), 40.0 * out)
+        stage, arrays = simulate(known["pipe"].solid, [spec], np.random.default_rng(number), start_pose=start)
+        touch = touch_once(Guard(stage, arrays, [Calibration.nominal(spec)]), Approach(start, 30.0))
+        assert touch.imprint is not None
+        felt.append(replace(touch.contacts, touch=np.full(len(touch.contacts), number)))
+        pictures.append(replace(touch.imprint, touch=number))
+    ends = np.array([[24.0 * np.cos(a), 24.0 * np.sin(a), z] for a in (2.0, 2.8, 3.6) for z in (-30.0, 30.0)])
+    felt.append(Contacts.of(ends, np.sign(ends[:, 2:]) * [[0.0, 0.0, 1.0]], 0.02, 0.01, touch=9))
+    belief = match(Evidence(Contacts.concatenate(felt), imprints=tuple(pictures)), known)
+    best = belief.hypotheses[0]
+    assert belief.decision == "pipe"
+    assert best.translation_sigma < 1.0
+    assert sum(float(np.exp(h.log_weight)) for h in belief.hypotheses if h.rotation_sigma > 0.2) > 0.8
