@@ -22,7 +22,7 @@ from models.library import Entry
 from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.evidence import Imprint
-from primitives.pose import hat, inverse, pose
+from primitives.pose import hat, inverse, log, pose
 from recognition.console.interrupts import checkpoint
 from recognition.matching.align import Aligned, refine
 from recognition.matching.evidence import Evidence, Prior
@@ -136,24 +136,30 @@ def _sharper(mode: Mode, entry: Entry, seen: Felt, evidence: Evidence, prior: Pr
     if fit.worst > config.fits:
         return mode
     done = _there(at, entry, seen)
-    told = None if _fits_elsewhere(mode, entry, seen, evidence, config, fit.off) else fit.information
+    told = _told_everywhere(mode, at, fit, entry, seen, evidence, config)
     found = modes_at(entry, done, seen, evidence, prior, noise, told, mode.log_share)
     return found[0] if found else mode
 
 
-def _fits_elsewhere(
-    mode: Mode, entry: Entry, seen: Felt, evidence: Evidence, config: SharpenConfig, off: float
-) -> bool:
-    """Whether imprints fit a loose mode beside its middle as well: what they tell holds at its middle alone.
+def _told_everywhere(mode: Mode, at: Floats, fit: _Fit, entry: Entry, seen: Felt, evidence: Evidence,
+                     config: SharpenConfig) -> Floats:  # fmt: skip
+    """(6, 6) what imprints tell of a mode, less of ways on which it is loose and they fit beside it as well.
 
     Beside a hole that nobody felt they tell how near to it the skin was not, and nothing of where it is.
     """
-    h = mode.hypothesis
+    h, known = mode.hypothesis, fit.information
     if h.rotation_sigma < config.loose_turn and h.translation_sigma < config.loose:
-        return False
+        return known
     beside = sigma_points(h.pose, h.covariance, entry, config.beside)[1:]
-    poses = (np.ascontiguousarray(inverse(at)[:3]) for at in beside)
-    return any(_fit(at, entry, seen, evidence, config).off < off + config.worse for at in poses)
+    center, each = at[:, :3] @ seen.points.mean(axis=0) + at[:, 3], 2 * len(config.beside.sigmas)
+    for poses in (beside[k : k + each] for k in range(0, len(beside), each)):
+        fits = (_fit(np.ascontiguousarray(inverse(p)[:3]), entry, seen, evidence, config).off for p in poses)
+        if any(off < fit.off + config.worse for off in fits):
+            v, w = np.split(log(inverse(h.pose) @ poses[0]), 2)
+            way = np.concatenate([v + np.cross(w, center), w])
+            held = known @ way
+            known = known - np.outer(held, held) / max(float(way @ held), 1e-12)
+    return known
 
 
 def _there(at: Floats, entry: Entry, seen: Felt) -> Aligned:
