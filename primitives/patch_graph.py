@@ -68,6 +68,11 @@ class PatchGraph:
         default=(), repr=False, compare=False
     )  # which are known to be two
 
+    @property
+    def next_id(self) -> int:
+        """The id of a face that is added."""
+        return 1 + max((face.id for face in self.faces), default=-1)
+
     def face(self, face_id: int) -> Face:
         """The face of an id."""
         for face in self.faces:
@@ -85,7 +90,7 @@ class PatchGraph:
 
     def add_stroke(self, contacts: Contacts) -> tuple[PatchGraph, int]:
         """The graph with a stroke's contacts, and the face that they joined or opened."""
-        stroke = ranked_face(1 + max((face.id for face in self.faces), default=-1), contacts, self.options)
+        stroke = ranked_face(self.next_id, contacts, self.options)
         joined = [(found, face) for face in self.faces if (found := join(face, stroke, self.options))]
         if not joined:
             return replace(self, faces=(*self.faces, stroke)), stroke.id

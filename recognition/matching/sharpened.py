@@ -51,9 +51,7 @@ class SharpenConfig:
     longest: float = 1.0  # [mm] of a step
     bound: float = 20.0  # of half the squared sigmas that one imprint is off: it counts no more
     fits: float = 4.0  # of these, beyond which it says that the pose is another one, and not which
-    loose: float = (
-        2.0  # [mm] error of its place, from which a mode is asked whether imprints fit it elsewhere,
-    )
+    loose: float = 2.0  # [mm] error of its place, from which it is asked whether imprints fit elsewhere,
     loose_turn: float = 0.15  # [rad] likewise
     worse: float = 2.0  # of half the squared sigmas, that they are off more where they do not
     beside: LooseConfig = LooseConfig(moved=0.01, sigmas=(0.6, 1.2))  # noqa: RUF009

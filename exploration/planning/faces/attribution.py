@@ -31,10 +31,7 @@ CONVEX = MergeOptions(
         largest_torus=3.0,
         least_turn=0.5,
         least_arc=0.3,
-        of_a_line=(
-            4,
-            4,
-        ),  # a pad on a cylinder goes round it as far as the skin gives, on a plate's side it does not
+        of_a_line=(4, 4),  # of a cylinder a pad feels more than a line, of a plate's side it does not
     ),
 )
 
@@ -131,7 +128,7 @@ def name_loose(graph: PatchGraph, loose: Contacts, config: AttributionConfig) ->
     cloud = loose
     for found in segment(cloud):
         lot = cloud.select(found.rows)
-        number = 1 + max((face.id for face in graph.faces), default=-1)
+        number = graph.next_id
         face = ranked_face(number, lot, graph.options)
         close = isinstance(face.fit, Fit) and face.fit.rms < config.curled
         if close and len(np.unique(lot.touch)) >= config.curled_touches and _told(face, False, config):

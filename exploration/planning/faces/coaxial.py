@@ -54,7 +54,7 @@ def coaxial_face(graph: PatchGraph, loose: Contacts, config: CoaxialConfig = Coa
                     best = len(found), made, found
     if best is None:
         return None
-    number = 1 + max((face.id for face in graph.faces), default=-1)
+    number = graph.next_id
     count, made, found = best
     return Face(number, replace(made, inliers=frozen(np.ones(count), bool)), found)
 

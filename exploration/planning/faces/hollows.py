@@ -41,7 +41,7 @@ def hollow_face(graph: PatchGraph, loose: Contacts, config: HollowsConfig = Holl
             level = lot.select(np.abs(lot.normals @ axis) < config.level)
             made = _hollow(level, axis, config)
             if made is not None:
-                number = 1 + max((face.id for face in graph.faces), default=-1)
+                number = graph.next_id
                 return Face(number, replace(made, inliers=frozen(np.ones(len(level)), bool)), level)
     return None
 

@@ -61,7 +61,7 @@ def repeated_face(
     made = fit("cylinder", Contacts.concatenate([best, like]))
     if not isinstance(made, Fit) or made.rms > config.off:
         return None
-    number = 1 + max((face.id for face in graph.faces), default=-1)
+    number = graph.next_id
     return Face(number, replace(made, inliers=frozen(np.ones(len(best)), bool)), best)
 
 

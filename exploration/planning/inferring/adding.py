@@ -30,7 +30,7 @@ def add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> Fit | 
         both = Contacts.concatenate([home.contacts, lot])
         change(found, lambda face: Face(face.id, made, both) if face is home else face)
     elif home is None and isinstance(made, Fit):
-        number = 1 + max((face.id for face in found.graph.faces), default=-1)
+        number = found.graph.next_id
         found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
     found.warnings.append(why)
     return made if isinstance(made, Fit) else None
@@ -54,7 +54,7 @@ def once(lots: Iterable[Contacts]) -> list[Contacts]:
 
 def add_own(found: Findings, lot: Contacts, why: str, kind: str) -> None:
     """Add a face of its own, which may be near another that looks its way and is none of it."""
-    made, number = fit(kind, lot), 1 + max((face.id for face in found.graph.faces), default=-1)
+    made, number = fit(kind, lot), found.graph.next_id
     if isinstance(made, Fit):
         found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
         found.warnings.append(why)
