@@ -133,9 +133,11 @@ def _sliver(own: Fit, felt: Contacts, way: Floats, flats: list[Plane]) -> Fit | 
     """The cylinder along a (3,) way through nearly all contacts, where they are of a low rim beside a flat."""
     along = felt.points @ way
     low = np.abs(along - np.median(along)) < 0.5 * _SLIVER
+    if float(np.mean(low)) < _TOGETHER:
+        return None
     rim = felt.select(low)
     level = float(np.median(np.abs(rim.normals @ way))) < _LEVEL
-    if float(np.mean(low)) < _TOGETHER or not level or not any(_at_flats(rim, way, flats)):
+    if not level or not any(_at_flats(rim, way, flats)):
         return None
     told = _bent(rim)
     made = fit("cylinder", drawn_out(told, way))

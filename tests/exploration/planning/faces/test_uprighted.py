@@ -146,6 +146,17 @@ def test_a_sliver_of_a_rim_beside_one_flat_is_a_cylinder_where_it_looks_straight
     assert uprighted(PatchGraph((plate(rng), dome), ())).faces[1] is dome
 
 
+@pytest.mark.filterwarnings("error")
+def test_two_bands_apart_of_a_ball_are_no_sliver_though_their_median_lies_between_them():
+    rng, ball = np.random.default_rng(9), Sphere([0, 0, 2.0], 26.0)
+    turn, up = np.linspace(0.0, 5.0, 12), np.repeat([-2.0, 6.0], 6)
+    away = np.sqrt(26.0**2 - (up - 2.0) ** 2)
+    at = np.column_stack([away * np.cos(turn), away * np.sin(turn), up])
+    contacts = Contacts.of(at, ball.normals(at), 0.02, 0.03)
+    bands = Face(1, fit("sphere", contacts), contacts)
+    assert uprighted(PatchGraph((plate(rng), bands), ())).faces[1] is bands
+
+
 ROCKED = np.array(
     [  # along, out and up of a plate's side 4.5 mm high, its normal out and up: a pad leaned, and felt the edge
         [-4.43, 0.035, 2.604, 0.999, 0.054],
