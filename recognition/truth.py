@@ -6,7 +6,8 @@ With a the distances from model to truth and b those back (Aspert, Santa-Cruz an
     hausdorff = max(max a, max b),   rms = sqrt((mean a^2 + mean b^2) / 2),   mean = (mean a + mean b) / 2.
 
 A face of the truth is matched to the face of the model on which most of its samples land; faces of the model that
-no face of the truth is matched to are extra, and count as wrong.
+no face of the truth is matched to are extra, and count as wrong.  Faces of the truth that no shape explains, as
+lettering or a scan, are not judged; the accuracy is None where that is all of it.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from models.brep import Face
 from models.solid import Solid, iou
 from primitives.arrays import Floats, Ints, frozen
 from primitives.pose import inverse, quaternion_wxyz, transform_points
+
+_RECOVERED = 30_000  # triangles of a mesh, up to which its faces are looked for
 
 
 @dataclass(frozen=True)
@@ -39,10 +42,12 @@ class Truth:
     hausdorff: float  # [mm]
     surface_rms: float  # [mm]
     surface_mean: float  # [mm]
-    face_shape_accuracy: float  # share of the area, of the truth and of extra faces, with the right shape
+    face_shape_accuracy: (
+        float | None
+    )  # share of the area, of the truth and of extra faces, with the right shape
     extent_errors: tuple[float, ...]  # [mm] two for each face of the truth with a match of the same shape
-    missed_faces: int  # faces of the truth whose match in the model has another shape, or that have none
-    extra_faces: int  # faces of the model that are no face's match
+    missed_faces: int | None  # faces of the truth whose match in the model has another shape
+    extra_faces: int | None  # faces of the model that are no face's match
     world_from_part: Floats  # (4, 4)
 
     def as_dict(self) -> dict[str, Any]:
@@ -76,8 +81,8 @@ class LabeledFaces:
 
     @staticmethod
     def of(solid: Solid) -> LabeledFaces:
-        """Of a solid made from a tree; a mesh is one face without a shape."""
-        if solid.surfaces:
+        """Those that a tree or file tells, or a mesh's triangles; a huge mesh is one face without a shape."""
+        if solid.surfaces or len(solid.triangles) <= _RECOVERED:
             brep, of_triangle = labeled_boundary(solid)
             return LabeledFaces(brep.faces, of_triangle)
         whole = Face(0, None, True, solid.area, (0.0, 0.0), ())
@@ -100,20 +105,20 @@ def evaluate(
     a, _ = _nearest(truth, on_model.points)
     b, landed = _nearest(model, on_truth.points)
     matches = _matches(of_truth, mine.of_triangle[landed], len(wanted.faces), len(mine.faces))
-    pairs = [(face, mine.faces[m]) for face, m in zip(wanted.faces, matches, strict=True)]
+    pairs = [(f, mine.faces[m]) for f, m in zip(wanted.faces, matches, strict=True) if f.shape is not None]
     right = [(face, match) for face, match in pairs if _alike(face, match)]
     extra = [face for k, face in enumerate(mine.faces) if k not in set(matches.tolist())]
-    judged = sum(face.area for face in (*wanted.faces, *extra))
+    judged = sum(face.area for face, _ in pairs) + sum(face.area for face in extra)
     errors = [abs(s - t) for face, match in right for s, t in zip(match.extent, face.extent, strict=True)]
     return Truth(
         iou(model, truth),
         float(max(a.max(), b.max())),
         float(np.sqrt(0.5 * (on_model.mean(a**2) + on_truth.mean(b**2)))),
         float(0.5 * (on_model.mean(a) + on_truth.mean(b))),
-        sum(face.area for face, _ in right) / judged,
+        sum(face.area for face, _ in right) / judged if pairs else None,
         tuple(errors),
-        len(pairs) - len(right),
-        len(extra),
+        len(pairs) - len(right) if pairs else None,
+        len(extra) if pairs else None,
         truth.pose,
     )
 
@@ -168,4 +173,4 @@ def _matches(of_truth: Ints, of_model: Ints, wanted: int, have: int) -> Ints:
 
 
 def _alike(face: Face, match: Face) -> bool:
-    return face.shape is not None and face.kind == match.kind and face.convex == match.convex
+    return face.kind == match.kind and face.convex == match.convex

@@ -74,18 +74,10 @@ def fault_of(summary: Mapping[str, Any]) -> str:
     return ended.removeprefix(FAULT) if ended.startswith(FAULT) else ""
 
 
-def truth_json(truth: Truth, has_faces: bool) -> dict[str, Any]:
-    """The comparison; a mesh has no faces of known shape to compare with."""
-    told = truth.as_dict()
-    return (
-        told if has_faces else told | {"face_shape_accuracy": None, "missed_faces": None, "extra_faces": None}
-    )
-
-
 def _told_truth(world: World, truth: Truth | None) -> dict[str, Any] | None:
     if not world.known:
         return None
-    return _unmet(world) if truth is None else truth_json(truth, bool(world.solid.surfaces))
+    return _unmet(world) if truth is None else truth.as_dict()
 
 
 def _unmet(world: World) -> dict[str, Any]:
