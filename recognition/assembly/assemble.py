@@ -25,12 +25,14 @@ from primitives.shapes import Plane, Shape, Torus
 from primitives.shared_error import with_shared_error
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
+from recognition.assembly.hollowed import Body, Known, hollowed
 from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
 
 _HEARSAY = 4  # inferred contacts that count as much as one that was felt
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
+_CUT = "a hollow that no face bounds is taken away where an array passed through"
 
 
 class FittedFace(Protocol):
@@ -101,10 +103,11 @@ def assemble(
     speaker = _speakers(len(fits), regularized)
     distinct = sorted(set(speaker))
     touched = [_touched(regularized.shapes[i], i, speaker, fits, faces) for i in distinct]
+    given = _Given(faces, fits, regularized, speaker, distinct, touched, options, free)
     sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
     allowed = max(options.reach_sigmas * sigma, options.least_step)
-    if _is_concave([regularized.shapes[i] for i in distinct], distinct, fits, touched, faces, allowed):
-        whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options, free)
+    if _is_concave(given, allowed):
+        whole = _from_cells(given)
         if not isinstance(whole, NotClosed) or any(f.kind == "torus" for f in fits):
             return whole
     shells = [i for i in distinct if fits[i].convex]
@@ -120,17 +123,44 @@ def assemble(
         np.array([area.get(i, 0.0) for i in kept]),
         found.corners,
     )
-    named = tuple(_renumbered(p, kept) for p in named)
-    tree = tree_of(named)
-    surface_of_fit = tuple(s if s in kept else None for s in speaker)
-    warnings = _unused(faces, fits, surface_of_fit)
-    solid = Solid.from_csg(tree, options.facet)
-    made = Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
-    if not holes or (off := _off_surface(solid, touched, allowed)) <= options.off_surface:
+    made = _less_hollows(given, tuple(_renumbered(p, kept) for p in named), set(kept))
+    made = replace(made, warnings=(*_unused(given, made.surface_of_fit), *made.warnings))
+    if not holes or (off := _off_surface(made.solid, touched, allowed)) <= options.off_surface:
         return made
-    whole = _from_cells(faces, fits, regularized, speaker, distinct, touched, options, free)
+    whole = _from_cells(given)
     better = not isinstance(whole, NotClosed) and _off_surface(whole.solid, touched, allowed) < 0.5 * off
     return whole if better else made
+
+
+@dataclass(frozen=True)
+class _Given:
+    """What is known of the body; of surfaces that coincide the first speaks for all."""
+
+    faces: Sequence[FittedFace]
+    fits: tuple[Fit, ...]
+    regularized: Regularized
+    speaker: Sequence[int]  # of each fit
+    distinct: Sequence[int]  # speakers
+    touched: Sequence[tuple[Floats, Floats]]  # of each speaker (n, 3) places and (n, 3) normals
+    options: AssemblyOptions
+    free: Floats | None
+
+    @property
+    def shapes(self) -> list[Shape]:
+        """Of the speakers."""
+        return [self.regularized.shapes[i] for i in self.distinct]
+
+    @property
+    def inferred(self) -> list[bool]:
+        """Whether nobody felt what a speaker speaks for."""
+        return [
+            all(
+                (self.faces[i].contacts.touch == NOT_FELT).all()
+                for i, s in enumerate(self.speaker)
+                if s == own
+            )
+            for own in self.distinct
+        ]
 
 
 def _off_surface(solid: Solid, touched: Sequence[tuple[Floats, Floats]], allowed: float) -> float:
@@ -140,21 +170,14 @@ def _off_surface(solid: Solid, touched: Sequence[tuple[Floats, Floats]], allowed
     return float(np.mean(np.abs(solid.signed_distance(some)) > allowed))
 
 
-def _is_concave(
-    shapes: Sequence[Shape],
-    distinct: Sequence[int],
-    fits: Sequence[Fit],
-    touched: Sequence[tuple[Floats, Floats]],
-    faces: Sequence[FittedFace],
-    allowed: float,
-) -> bool:
+def _is_concave(given: _Given, allowed: float) -> bool:
     """Whether contacts lie where no intersection of insides, less its holes, can have a surface."""
-    if any(isinstance(shape, Torus) for shape in shapes):
+    if any(isinstance(shape, Torus) for shape in given.shapes):
         return True
-    if not any(f.contacts.has_normal.any() for f in faces):
+    if not any(f.contacts.has_normal.any() for f in given.faces):
         return False
-    convex = np.array([fits[i].convex for i in distinct])
-    return contradicts_convex(shapes, convex, touched, allowed)
+    convex = np.array([given.fits[i].convex for i in given.distinct])
+    return contradicts_convex(given.shapes, convex, given.touched, allowed)
 
 
 def _touched(
@@ -173,47 +196,54 @@ def _touched(
     return points, normals * sign[:, None]
 
 
-def _from_cells(
-    faces: Sequence[FittedFace],
-    fits: tuple[Fit, ...],
-    regularized: Regularized,
-    speaker: Sequence[int],
-    distinct: Sequence[int],
-    touched: Sequence[tuple[Floats, Floats]],
-    options: AssemblyOptions,
-    free: Floats | None,
-) -> Assembly | NotClosed:
+def _from_cells(given: _Given) -> Assembly | NotClosed:
     """Any body: the list of primitives that the cells between the surfaces ask for."""
-    nobody = [
-        all((faces[i].contacts.touch == NOT_FELT).all() for i, s in enumerate(speaker) if s == own)
-        for own in distinct
-    ]
-    found = concave_pieces([regularized.shapes[i] for i in distinct], touched, free, nobody)
+    found = concave_pieces(given.shapes, given.touched, given.free, given.inferred)
     if isinstance(found, NotClosed):
         return found
-    named = tuple(_renumbered(p, distinct) for p in found)
-    tree = tree_of(named)
-    solid = Solid.from_csg(tree, options.facet)
-    near = [np.abs(solid.signed_distance(points)) for points, _ in touched]
-    on = {
-        i for i, away in zip(distinct, near, strict=True) if len(away) and np.median(away) < options.on_body
-    } | {i for i in distinct if (faces[i].contacts.touch == NOT_FELT).all()}
-    surface_of_fit = tuple(s if s in on else None for s in speaker)
+    made = _less_hollows(given, tuple(_renumbered(p, given.distinct) for p in found), None)
     warnings = tuple(
-        f"face {i} ({fits[i].kind}, {len(faces[i].contacts)} contacts) lies on no surface of the model"
-        for i, s in enumerate(surface_of_fit)
+        f"face {i} ({given.fits[i].kind}, {len(given.faces[i].contacts)} contacts) lies on no surface of the model"
+        for i, s in enumerate(made.surface_of_fit)
         if s is None
     )
-    return Assembly(fits, regularized, surface_of_fit, named, tree, solid, warnings)
+    return replace(made, warnings=(*warnings, *made.warnings))
 
 
-def _unused(
-    faces: Sequence[FittedFace], fits: tuple[Fit, ...], surface_of_fit: tuple[int | None, ...]
-) -> tuple[str, ...]:
+def _less_hollows(given: _Given, named: tuple[Piece, ...], kept: set[int] | None) -> Assembly:
+    """The body of pieces less what is empty, with the surfaces `kept`, or all that it has or nobody felt."""
+    options = given.options
+    body = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
+    known = Known(given.shapes, [points for points, _ in given.touched], given.inferred)
+    less = hollowed(body, given.free, known)
+    cuts = tuple(_renumbered(piece, given.distinct) for piece in less.pieces[len(named) :])
+    on = _surfaces_of(given, less.solid) if kept is None else kept
+    on |= {i for cut in cuts for i in cut.surfaces}
+    surface_of_fit = tuple(s if s in on else None for s in given.speaker)
+    pieces_ = (*named, *cuts)
+    return Assembly(
+        given.fits,
+        given.regularized,
+        surface_of_fit,
+        pieces_,
+        tree_of(pieces_),
+        less.solid,
+        (_CUT,) * len(cuts),
+    )
+
+
+def _surfaces_of(given: _Given, solid: Solid) -> set[int]:
+    """The speakers whose contacts a solid has on its surface, and those that nobody felt."""
+    away = [np.abs(solid.signed_distance(points)) for points, _ in given.touched]
+    felt = zip(given.distinct, away, given.inferred, strict=True)
+    return {i for i, far, told in felt if told or (len(far) and np.median(far) < given.options.on_body)}
+
+
+def _unused(given: _Given, surface_of_fit: tuple[int | None, ...]) -> tuple[str, ...]:
     return tuple(
-        f"face {i} ({fits[i].kind}, {len(faces[i].contacts)} contacts) does not touch the body; left out"
+        f"face {i} ({given.fits[i].kind}, {len(contacts)} contacts) does not touch the body; left out"
         for i, s in enumerate(surface_of_fit)
-        if s is None and (faces[i].contacts.touch != NOT_FELT).any()
+        if s is None and ((contacts := given.faces[i].contacts).touch != NOT_FELT).any()
     )
 
 
