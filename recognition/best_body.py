@@ -9,7 +9,7 @@ left out, and if that does not help their hull takes its place.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,12 +18,13 @@ from primitives.errors import PalpateError
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit
 from recognition.assembly import Assembly, NotClosed, assemble
-from recognition.assembly.cut_off import cut_off
+from recognition.assembly.cut_off import CutOffConfig, cut_off
 from recognition.hulled import BETTER, MOST, hulled, off_body
 
 _FEW = 6  # contacts outside the body, that are no strays
 _SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
 _LEFT_OUT = 8  # faces at most
+_OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,7 @@ def best_body(
 ) -> Body:
     """Of faces in a (2, 3) workspace `box` [mm]; one that reaches `past` mm past all contacts is cut off.
 
+    So is one sooner that has a side which no face ends, not even at a corner that no array comes to.
     Where most contacts lie off it, the `loose` ones of no face among them, flat walls that nobody felt may have
     cut it: it is tried without them.  Where that is no better, the contacts' hull is taken instead.
     """
@@ -85,6 +87,9 @@ def best_body(
     if len(surer) < len(felt) and (off := off_body(body.assembly, places)) > MOST:
         other = _of_faces(surer, box, free, past)
         body = other if off_body(other.assembly, places) < BETTER * off else body
+    if open_ended(body.assembly) and reach_past(body.assembly, contacts) > (most := min(_OPEN, past)):
+        bare = _assembled(body.felt, box, free) if body.ends else body.assembly
+        body = replace(_ended(bare, body.felt, box, free, most), left_out=body.left_out)
     hull = hulled(body.felt, contacts, body.assembly, free)
     return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
 
@@ -100,6 +105,14 @@ def _of_faces(felt: Sequence[FeltFace], box: Floats, free: Floats | None, past: 
         found = _closed(rest, box, free, past)
         whole = Body(found.assembly, rest, found.ends, (*whole.left_out, poorest))
     return first if isinstance(whole.assembly, NotClosed) else whole
+
+
+def open_ended(assembly: Assembly | NotClosed) -> bool:
+    """Whether a primitive that was added has a side that no face ends."""
+    if isinstance(assembly, NotClosed):
+        return False
+    added = (piece for piece in assembly.pieces if piece.operation == "add" and piece.kind != "cone")
+    return any(None in ends for piece in added for ends in piece.ends)
 
 
 def reach_past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
@@ -124,13 +137,22 @@ def fall_short(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
 
 
 def _closed(felt: tuple[FeltFace, ...], box: Floats, free: Floats | None, most: float) -> Body:
-    """All faces, and where they leave the body open, or it reaches too far or not far enough, its ends."""
-    assembly = _assembled(felt, box, free)
+    return _ended(_assembled(felt, box, free), felt, box, free, most)
+
+
+def _ended(
+    assembly: Assembly | NotClosed,
+    felt: tuple[FeltFace, ...],
+    box: Floats,
+    free: Floats | None,
+    most: float,
+) -> Body:
+    """What faces made, and where they leave the body open, or it reaches too far or not far enough, its ends."""
     contacts = Contacts.concatenate([face.contacts for face in felt])
     past, short = reach_past(assembly, contacts), fall_short(assembly, contacts)
     if past > most or short > _SHORT:
         corners = None if isinstance(assembly, NotClosed) else assembly.solid.vertices
-        fitted = ((fit("plane", lot), lot) for lot in cut_off(felt, corners))
+        fitted = ((fit("plane", lot), lot) for lot in cut_off(felt, corners, CutOffConfig(past=most)))
         ends = tuple(FeltFace(found, lot) for found, lot in fitted if isinstance(found, Fit))
         whole = _assembled((*felt, *ends), box, free) if ends else assembly
         if reach_past(whole, contacts) < past or (

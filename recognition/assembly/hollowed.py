@@ -50,6 +50,7 @@ class HollowConfig:
     margin: float = 1.5  # [mm] past the last place, where a side is that nothing tells of
     inside: float = 1.5  # [mm] in a hollow, from where a contact contradicts it
     lost: int = 2  # such contacts at most
+    worth: float = 4.0  # [mm^3] for each place of a hollow, that must go with it
     samples: int = 2000  # of what is taken away, to ask how much of it was passed through
     near: float = 2.8  # [mm] from a place that was passed through, that is so too
     full: float = 0.5  # least share of what is taken away, that was passed through
@@ -105,7 +106,7 @@ def hollowed(body: Body, free: Floats | None, known: Known, config: HollowConfig
         found = _best(body.solid, free, _grown(body.solid, free, free[hollow], config), felt, known, config)
         less = None if found is None else body.without(found)
         given_up |= hollow
-        if less is not None:
+        if less is not None and body.solid.volume - less.solid.volume > config.worth * hollow.sum():
             body, given_up = less, given_up & (less.solid.signed_distance(free) < 0.0)
     return body
 

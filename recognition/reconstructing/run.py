@@ -14,6 +14,7 @@ from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from primitives.toml_text import toml_lines
 from recognition.assembly import NotClosed
+from recognition.best_body import open_ended
 from recognition.console import bugs, interrupts
 from recognition.reconstruct import Reconstruction, ReconstructOptions, reconstruct
 from recognition.reconstructing.facing_out import facing_out
@@ -89,15 +90,7 @@ def _made(source: Source) -> Reconstruction:
     graph, box = surfaces(source.contacts), box_around(source.contacts)
     made = reconstruct(graph, [], box)
     # a scan shows its sides to their ends, so what no face ends is cut off where contacts end, however near
-    return reconstruct(graph, [], box, ReconstructOptions(run_on=0.0)) if _open_ended(made) else made
-
-
-def _open_ended(made: Reconstruction) -> bool:
-    """Whether a primitive that was added has a side that no face ends."""
-    if isinstance(made.assembly, NotClosed):
-        return False
-    added = (piece for piece in made.assembly.pieces if piece.operation == "add" and piece.kind != "cone")
-    return any(None in ends for piece in added for ends in piece.ends)
+    return reconstruct(graph, [], box, ReconstructOptions(run_on=0.0)) if open_ended(made.assembly) else made
 
 
 def box_around(contacts: Contacts) -> Floats:

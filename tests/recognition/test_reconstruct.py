@@ -10,6 +10,7 @@ from models.csg import Cube, Cylinder, Sphere
 from models.solid import Solid, iou
 from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
 from primitives.patch_graph import PatchGraph
+from primitives.pose import pose, random_rotation
 from recognition import best_body
 from recognition.reconstruct import reconstruct
 
@@ -31,6 +32,18 @@ def graph_of(tree, per_face=80, skip=()):
         if face.id not in skip:
             graph, _ = graph.add_stroke(Contacts.of(points, normals, 0.01, 0.01))
     return graph, brep
+
+
+@pytest.mark.parametrize("seed", [0, 2, 3])
+def test_sides_that_nobody_felt_end_with_the_contacts_at_any_attitude(seed):
+    world = pose(random_rotation(np.random.default_rng(seed)))
+    disc, lip = Cylinder(30.0, 8.0).at(0, 25, 0), Cube((56, 6, 20)).at(0, -22, 6)  # the disc is 60 mm wide
+    part = (Cube((56.0, 50.0, 8.0)) | disc | lip).placed(world)
+    brep = labeled_boundary(Solid.from_csg(part, 0.01))[0]
+    across = [f.id for f in brep.faces if f.kind == "plane" and abs(f.shape.direction @ world[:3, 0]) > 0.9]
+    made = reconstruct(graph_of(part, skip=across)[0], [], BOX)
+    reached = made.assembly.solid.vertices @ world[:3, 0]
+    assert np.ptp(reached) == pytest.approx(60.0, abs=1.0)
 
 
 def test_edges_are_measured_where_both_faces_were_touched_beside_them():
