@@ -140,7 +140,8 @@ def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: F
         ]
         for rims in (found.wall_rims, found.glimpsed)
     )
-    rims = [*found.rims, *frontier().round_gaps]
+    gaps = frontier().round_gaps
+    rims = [*found.rims, *(gap for gap in gaps if not any(_told_by(gap, rim) for rim in found.rims))]
     # two mouths in round faces are no pair yet: in a tube's wall each leads into a bore, which is made known here
     apart, known = HolesConfig(leaning=np.inf), frontier().known
     single = [rim for rim in found.rims if not any(ends_of_one(rim, other) for other in rims)]
@@ -184,6 +185,14 @@ def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier], inside: Fl
     for lot in parted_ends(found.graph.faces, inside):
         if home_of(found.graph.faces, lot, "plane") is None:
             add(found, lot, _BY_GAP)
+
+
+def _told_by(gap: RoundRim, rim: RoundRim) -> bool:
+    """Whether what is missing of a round face is the mouth whose rim was looked at."""
+    away = rim.center - gap.center
+    up = float(away @ gap.axis)
+    aside = float(np.linalg.norm(away - up * gap.axis))
+    return float(gap.axis @ rim.axis) > _ALIKE and aside < _RIM and abs(up) < gap.radius
 
 
 def _guessed(found: Findings, now: LocalFrontier) -> list[RoundRim]:

@@ -8,7 +8,14 @@ import pytest
 
 from exploration.control.sighting import Sighting
 from exploration.planning.inferring.adding import add
-from exploration.planning.inferring.concluding import _ended, _holes, _part_of, conclude, unexplained
+from exploration.planning.inferring.concluding import (
+    _ended,
+    _holes,
+    _part_of,
+    _told_by,
+    conclude,
+    unexplained,
+)
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.open.holes import Hole
@@ -216,3 +223,12 @@ def test_a_straight_edge_at_a_hole_is_a_part_of_its_rim_on_either_face(above):
     assert _part_of(rim, hole)
     assert not _part_of(replace(rim, point=np.array([9.0, 1.0, 6.0])), hole)
     assert not _part_of(replace(rim, normal=np.eye(3)[1]), hole)
+
+
+def test_what_is_missing_of_a_round_face_at_a_mouth_whose_rim_was_looked_at_is_that_mouth():
+    rim = RoundRim(np.array([0.0, 0.0, 45.0]), Z, 10.0, 0.02, 3, True)
+    gap = RoundRim(np.array([0.2, -0.2, 42.3]), Z, 14.9, 0.3, 0, True)  # in a ball that two edges passed for
+    assert _told_by(gap, rim)
+    assert not _told_by(replace(gap, axis=-Z), rim)
+    assert not _told_by(replace(gap, center=gap.center + [6.0, 0.0, 0.0]), rim)
+    assert not _told_by(replace(gap, center=gap.center - 30.0 * Z), rim)
