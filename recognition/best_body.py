@@ -8,8 +8,9 @@ left out, and if that does not help their hull takes its place.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -71,6 +72,9 @@ class Body:
         return tuple(end for end, own in zip(self.ends, used, strict=True) if own is not None)
 
 
+Make = Callable[[tuple[FeltFace, ...]], Assembly | NotClosed]
+
+
 def best_body(
     felt: Sequence[FeltFace], box: Floats, free: Floats | None, past: float, loose: Contacts | None = None
 ) -> Body:
@@ -80,29 +84,31 @@ def best_body(
     Where most contacts lie off it, the `loose` ones of no face among them, flat walls that nobody felt may have
     cut it: it is tried without them.  Where that is no better, the contacts' hull is taken instead.
     """
-    body = _of_faces(felt, box, free, past)
-    contacts = Contacts.concatenate([*(face.contacts for face in felt), *([] if loose is None else [loose])])
+    rest = Contacts.of([]) if loose is None else loose
+    make = partial(_assembled, box=box, free=free, stray=rest.points)
+    body = _of_faces(felt, make, past)
+    contacts = Contacts.concatenate([*(face.contacts for face in felt), rest])
     places = contacts.points[contacts.touch != NOT_FELT]
     surer = [face for face in felt if face.fit.kind != "plane" or (face.contacts.touch != NOT_FELT).any()]
     if len(surer) < len(felt) and (off := off_body(body.assembly, places)) > MOST:
-        other = _of_faces(surer, box, free, past)
+        other = _of_faces(surer, make, past)
         body = other if off_body(other.assembly, places) < BETTER * off else body
     if open_ended(body.assembly) and reach_past(body.assembly, contacts) > (most := min(_OPEN, past)):
-        bare = _assembled(body.felt, box, free) if body.ends else body.assembly
-        body = replace(_ended(bare, body.felt, box, free, most), left_out=body.left_out)
+        bare = make(body.felt) if body.ends else body.assembly
+        body = replace(_ended(bare, body.felt, make, most), left_out=body.left_out)
     hull = hulled(body.felt, contacts, body.assembly, free)
     return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
 
 
-def _of_faces(felt: Sequence[FeltFace], box: Floats, free: Floats | None, past: float) -> Body:
-    whole = first = _closed(tuple(felt), box, free, past)
+def _of_faces(felt: Sequence[FeltFace], make: Make, past: float) -> Body:
+    whole = first = _closed(tuple(felt), make, past)
     while isinstance(whole.assembly, NotClosed) and len(whole.left_out) < _LEFT_OUT:
         rounds = [face for face in whole.felt if face.fit.kind != "plane"]
         if not rounds or len(whole.felt) < 2:
             return first
         poorest = min(rounds, key=lambda face: len(face.contacts))
         rest = tuple(face for face in whole.felt if face is not poorest)
-        found = _closed(rest, box, free, past)
+        found = _closed(rest, make, past)
         whole = Body(found.assembly, rest, found.ends, (*whole.left_out, poorest))
     return first if isinstance(whole.assembly, NotClosed) else whole
 
@@ -136,15 +142,14 @@ def fall_short(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
     return float(np.sort(outside)[-_FEW]) if len(outside) >= _FEW else 0.0
 
 
-def _closed(felt: tuple[FeltFace, ...], box: Floats, free: Floats | None, most: float) -> Body:
-    return _ended(_assembled(felt, box, free), felt, box, free, most)
+def _closed(felt: tuple[FeltFace, ...], make: Make, most: float) -> Body:
+    return _ended(make(felt), felt, make, most)
 
 
 def _ended(
     assembly: Assembly | NotClosed,
     felt: tuple[FeltFace, ...],
-    box: Floats,
-    free: Floats | None,
+    make: Make,
     most: float,
 ) -> Body:
     """What faces made, and where they leave the body open, or it reaches too far or not far enough, its ends."""
@@ -154,7 +159,7 @@ def _ended(
         corners = None if isinstance(assembly, NotClosed) else assembly.solid.vertices
         fitted = ((fit("plane", lot), lot) for lot in cut_off(felt, corners, CutOffConfig(past=most)))
         ends = tuple(FeltFace(found, lot) for found, lot in fitted if isinstance(found, Fit))
-        whole = _assembled((*felt, *ends), box, free) if ends else assembly
+        whole = make((*felt, *ends)) if ends else assembly
         if reach_past(whole, contacts) < past or (
             fall_short(whole, contacts) < short and reach_past(whole, contacts) <= max(past, most)
         ):
@@ -162,12 +167,14 @@ def _ended(
     return Body(assembly, felt)
 
 
-def _assembled(felt: tuple[FeltFace, ...], box: Floats, free: Floats | None) -> Assembly | NotClosed:
+def _assembled(
+    felt: tuple[FeltFace, ...], box: Floats, free: Floats | None, stray: Floats
+) -> Assembly | NotClosed:
     """The assembly; surfaces that contradict each other leave no body, and that is an answer too."""
     if not felt:
         return NotClosed("no face was measured")
     try:
-        made = assemble(felt, box, free=free)
+        made = assemble(felt, box, free=free, stray=stray)
     except (PalpateError, ArithmeticError, ValueError, RuntimeError) as error:  # LinAlgError, QhullError
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         return NotClosed(f"the measured faces contradict each other ({reason})")

@@ -1,7 +1,8 @@
 """The hull of all that was felt: the body where faces tell too little of it.
 
 Most of an object of facets, folds or freeform surface may be felt, and name no face; the few that it names bound a
-body that most contacts lie off.  Then their convex hull is nearer to the object.  No side of it was measured.
+body that most contacts lie off, or one in pieces with nothing under many of them.  Then their convex hull is
+nearer to the object, less what an array passed through.  No side of it was measured.
 """
 
 from __future__ import annotations
@@ -12,17 +13,22 @@ import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, QhullError, cKDTree
 
 from models.csg import Polyhedron
-from models.solid import Solid
+from models.solid import TOLERANCE, Solid
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.shared_error import with_shared_error
 from recognition.assembly import Assembly, NotClosed
-from recognition.assembly.assemble import FittedFace, outward
+from recognition.assembly.assemble import FittedFace, outward, tree_of
+from recognition.assembly.hollowed import hollowed
+from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece
 from recognition.assembly.regularities import regularize
 
 _OFF = 1.0  # [mm] from the body, from which a contact is not on it
 MOST = 0.4  # share of the contacts off the body, from which another is looked for
+_IN_AIR = 2.0  # [mm] outside the body, from which a contact has nothing under it
+_LACKS = 0.025  # share of the contacts with nothing under them, likewise, where the body is in pieces
+_FULL = 0.15  # share of a hull that may be empty, where the body lacks that much
 BETTER = 0.75  # of that share, as which less must be off the other
 _LEAST = 30  # contacts
 _EMPTY = 0.25  # share of a hull, of which more is known to be empty, that is no body
@@ -41,18 +47,21 @@ def hulled(
     It is, too, where much of the hull is empty: (n, 3) places `free` are.
     """
     felt = contacts.points[contacts.touch != NOT_FELT]
-    before = off_body(body, felt)
-    if len(felt) < _LEAST or not faces or before < MOST:
+    before, lacks = off_body(body, felt), _in_pieces(body) and in_air(body, felt) > _LACKS
+    if len(felt) < _LEAST or not faces or (before < MOST and not lacks):
         return None
     hull = _hull(felt)
-    if hull is None or _emptied(np.array(hull.points), free) > _EMPTY:
+    if hull is None or _emptied(np.array(hull.points), free) > (_FULL if lacks else _EMPTY):
         return None
-    piece = Piece("polyhedron", "add", hull, np.eye(4), None, ())
     fits = tuple(outward(with_shared_error(face.fit, face.contacts)) for face in faces)
-    none = tuple(None for _ in fits)
-    solid = Solid.from_csg(piece.placed)
-    made = Assembly(fits, regularize(fits), none, (piece,), piece.placed, solid, (_TOLD,))
-    return made if off_body(made, felt) < BETTER * before else None
+    regularized = regularize(fits)
+    known = Known(regularized.shapes, [face.contacts.points for face in faces], [True] * len(fits), felt[:0])
+    piece = Piece("polyhedron", "add", hull, np.eye(4), None, ())
+    less = hollowed(Body((piece,), Solid.from_csg(piece.placed), TOLERANCE), free, known)
+    on = {i for cut in less.pieces for i in cut.surfaces}
+    speaker = tuple(i if i in on else None for i in range(len(fits)))
+    made = Assembly(fits, regularized, speaker, less.pieces, tree_of(less.pieces), less.solid, (_TOLD,))
+    return made if lacks or off_body(made, felt) < BETTER * before else None
 
 
 def off_body(body: Assembly | NotClosed, felt: Floats) -> float:
@@ -60,6 +69,18 @@ def off_body(body: Assembly | NotClosed, felt: Floats) -> float:
     if isinstance(body, NotClosed) or not len(felt):
         return 1.0
     return float(np.mean(np.abs(body.solid.signed_distance(felt)) > _OFF))
+
+
+def _in_pieces(body: Assembly | NotClosed) -> bool:
+    """Whether a body is several, as no object is that can be held."""
+    return not isinstance(body, NotClosed) and body.solid.shells > 1
+
+
+def in_air(body: Assembly | NotClosed, felt: Floats) -> float:
+    """Share of (n, 3) felt places that a body has nothing under."""
+    if isinstance(body, NotClosed) or not len(felt):
+        return 0.0
+    return float(np.mean(body.solid.signed_distance(felt) > _IN_AIR))
 
 
 def _emptied(corners: Floats, free: Floats | None) -> float:

@@ -25,14 +25,19 @@ from primitives.shapes import Plane, Shape, Torus
 from primitives.shared_error import with_shared_error
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
-from recognition.assembly.hollowed import Body, Known, hollowed
+from recognition.assembly.hollowed import hollowed
+from recognition.assembly.limbs import with_limbs
+from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
 
 _HEARSAY = 4  # inferred contacts that count as much as one that was felt
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
-_CUT = "a hollow that no face bounds is taken away where an array passed through"
+_BESIDES = {
+    "add": "a limb that no faces close is added where contacts lie off all else",
+    "subtract": "a hollow that no faces close is taken away where an array passed through",
+}
 
 
 class FittedFace(Protocol):
@@ -92,10 +97,11 @@ def assemble(
     box: Floats,
     options: AssemblyOptions | None = None,
     free: Floats | None = None,
+    stray: Floats | None = None,
 ) -> Assembly | NotClosed:
     """The body inside all faces, or where they leave the (2, 3) workspace `box` [mm] open.
 
-    Nothing is at (n, 3) places `free` [mm], as where an array went in.
+    Nothing is at (n, 3) places `free` [mm], as where an array went in; (m, 3) `stray` ones were felt on no face.
     """
     options = options or AssemblyOptions()
     fits = tuple(outward(with_shared_error(f.fit, f.contacts)) for f in faces)
@@ -103,7 +109,7 @@ def assemble(
     speaker = _speakers(len(fits), regularized)
     distinct = sorted(set(speaker))
     touched = [_touched(regularized.shapes[i], i, speaker, fits, faces) for i in distinct]
-    given = _Given(faces, fits, regularized, speaker, distinct, touched, options, free)
+    given = _Given(faces, fits, regularized, speaker, distinct, touched, options, free, stray)
     sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
     allowed = max(options.reach_sigmas * sigma, options.least_step)
     if _is_concave(given, allowed):
@@ -123,7 +129,7 @@ def assemble(
         np.array([area.get(i, 0.0) for i in kept]),
         found.corners,
     )
-    made = _less_hollows(given, tuple(_renumbered(p, kept) for p in named), set(kept))
+    made = _finished(given, tuple(_renumbered(p, kept) for p in named), set(kept))
     made = replace(made, warnings=(*_unused(given, made.surface_of_fit), *made.warnings))
     if not holes or (off := _off_surface(made.solid, touched, allowed)) <= options.off_surface:
         return made
@@ -144,6 +150,7 @@ class _Given:
     touched: Sequence[tuple[Floats, Floats]]  # of each speaker (n, 3) places and (n, 3) normals
     options: AssemblyOptions
     free: Floats | None
+    stray: Floats | None
 
     @property
     def shapes(self) -> list[Shape]:
@@ -201,7 +208,7 @@ def _from_cells(given: _Given) -> Assembly | NotClosed:
     found = concave_pieces(given.shapes, given.touched, given.free, given.inferred)
     if isinstance(found, NotClosed):
         return found
-    made = _less_hollows(given, tuple(_renumbered(p, given.distinct) for p in found), None)
+    made = _finished(given, tuple(_renumbered(p, given.distinct) for p in found), None)
     warnings = tuple(
         f"face {i} ({given.fits[i].kind}, {len(given.faces[i].contacts)} contacts) lies on no surface of the model"
         for i, s in enumerate(made.surface_of_fit)
@@ -210,25 +217,24 @@ def _from_cells(given: _Given) -> Assembly | NotClosed:
     return replace(made, warnings=(*warnings, *made.warnings))
 
 
-def _less_hollows(given: _Given, named: tuple[Piece, ...], kept: set[int] | None) -> Assembly:
-    """The body of pieces less what is empty, with the surfaces `kept`, or all that it has or nobody felt."""
+def _finished(given: _Given, named: tuple[Piece, ...], kept: set[int] | None) -> Assembly:
+    """The body of pieces as all evidence has it, with the surfaces `kept`, or all that it has or nobody felt."""
     options = given.options
-    body = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
-    known = Known(given.shapes, [points for points, _ in given.touched], given.inferred)
-    less = hollowed(body, given.free, known)
-    cuts = tuple(_renumbered(piece, given.distinct) for piece in less.pieces[len(named) :])
-    on = _surfaces_of(given, less.solid) if kept is None else kept
-    on |= {i for cut in cuts for i in cut.surfaces}
-    surface_of_fit = tuple(s if s in on else None for s in given.speaker)
-    pieces_ = (*named, *cuts)
+    bare = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
+    stray = np.empty((0, 3)) if given.stray is None else given.stray
+    known = Known(given.shapes, [points for points, _ in given.touched], given.inferred, stray)
+    body = hollowed(with_limbs(bare, given.free, known), given.free, known)
+    more = tuple(_renumbered(piece, given.distinct) for piece in body.pieces[len(named) :])
+    on = _surfaces_of(given, body.solid) if kept is None else kept
+    on |= {i for piece in more for i in piece.surfaces}
     return Assembly(
         given.fits,
         given.regularized,
-        surface_of_fit,
-        pieces_,
-        tree_of(pieces_),
-        less.solid,
-        (_CUT,) * len(cuts),
+        tuple(s if s in on else None for s in given.speaker),
+        (*named, *more),
+        tree_of((*named, *more)),
+        body.solid,
+        tuple(_BESIDES[piece.operation] for piece in more),
     )
 
 

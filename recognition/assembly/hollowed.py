@@ -8,22 +8,19 @@ last place of the hollow and the first contact behind it (our derivation).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from exploration.planning.known.surface_map import clusters
 from models.csg import Csg, Cube
 from models.csg import Cylinder as Bar
 from models.solid import Solid
 from primitives.arrays import Bools, Floats
-from primitives.errors import PalpateError
 from primitives.pose import frame_along, pose
-from primitives.shapes import Cylinder, Plane, Shape
+from primitives.shapes import Cylinder, Plane
 from recognition.assembly.enclosing import enclosing_circle
+from recognition.assembly.made import FLUSH, Body, Known, among, drawn
 from recognition.assembly.piece import Piece
 
 
@@ -53,43 +50,9 @@ class HollowConfig:
     worth: float = 4.0  # [mm^3] for each place of a hollow, that must go with it
     samples: int = 2000  # of what is taken away, to ask how much of it was passed through
     near: float = 2.8  # [mm] from a place that was passed through, that is so too
-    full: float = 0.5  # least share of what is taken away, that was passed through
-    known: float = 1.5  # times as likely for each known surface that is a side
-    flush: float = 0.995  # cosine of directions that are one
+    full: float = 0.5  # least share of what is taken away, that was passed through;
+    known: float = 1.5  # each known surface that is a side counts for so many times as much
     coaxial: float = 3.0  # [mm] between the axes of a hollow and of a known round wall, and of their radii
-
-
-@dataclass(frozen=True)
-class Body:
-    """A body of pieces, made again with others."""
-
-    pieces: tuple[Piece, ...]
-    solid: Solid
-    facet: float  # [mm]
-
-    def without(self, piece: Piece) -> Body | None:
-        """Less one piece; None where that leaves nothing, or tears it apart."""
-        assert self.solid.csg is not None
-        try:
-            solid = Solid.from_csg(self.solid.csg - piece.placed, self.facet)
-        except PalpateError:
-            return None
-        return None if solid.shells > self.solid.shells else Body((*self.pieces, piece), solid, self.facet)
-
-
-@dataclass(frozen=True)
-class Known:
-    """What else is known: all surfaces with places of theirs, whether felt or not, and which of them were felt."""
-
-    shapes: Sequence[Shape]
-    places: Sequence[Floats]  # of each surface (n, 3) [mm]
-    inferred: Sequence[bool]
-
-    @property
-    def felt(self) -> Floats:
-        """(n, 3) [mm]."""
-        lots = [at for at, told in zip(self.places, self.inferred, strict=True) if not told]
-        return np.concatenate([np.empty((0, 3)), *lots])
 
 
 def hollowed(body: Body, free: Floats | None, known: Known, config: HollowConfig = HollowConfig()) -> Body:
@@ -104,7 +67,7 @@ def hollowed(body: Body, free: Floats | None, known: Known, config: HollowConfig
         if hollow.sum() < config.least:
             break
         found = _best(body.solid, free, _grown(body.solid, free, free[hollow], config), felt, known, config)
-        less = None if found is None else body.without(found)
+        less = None if found is None else body.less(found)
         given_up |= hollow
         if less is not None and body.solid.volume - less.solid.volume > config.worth * hollow.sum():
             body, given_up = less, given_up & (less.solid.signed_distance(free) < 0.0)
@@ -122,7 +85,7 @@ def _largest(free: Floats, buried: Bools, within: float) -> Bools:
 
 def _grown(solid: Solid, free: Floats, hollow: Floats, config: HollowConfig) -> Floats:
     """A hollow with what lies beside it just under the body's surface."""
-    near = free[KDTree(hollow).query(free)[0] < config.together]
+    near = free[among(free, hollow, config.together)]
     return near[solid.signed_distance(near) < 0.0]
 
 
@@ -130,17 +93,16 @@ def _best(
     solid: Solid, free: Floats, hollow: Floats, felt: Floats, known: Known, config: HollowConfig
 ) -> Piece | None:
     """What takes a hollow away best: most of it was passed through, and no contact is lost with it."""
-    directions = _directions(known.shapes, config)
     sides = _Sides(solid, hollow, felt, known, config)
-    tried = [sides.box(frame) for frame in _frames(directions)]
-    tried += [sides.bar(axis) for axis in directions]
+    tried = [sides.box(frame) for frame in known.frames]
+    tried += [sides.bar(axis) for axis in known.directions]
     best, most = None, 0.0
     for piece in tried:
         if piece is None or _lost(piece.placed, solid, felt, config) > config.lost:
             continue
-        share = _passed(piece.placed, solid, free, config)
-        held = float((piece.placed.signed_distance(hollow) < 0.0).mean())
-        likely = share * held * config.known ** len(piece.surfaces)
+        known_sides = config.known ** len(piece.surfaces)
+        share = _passed(piece.placed, solid, free, config) * known_sides
+        likely = share * float((piece.placed.signed_distance(hollow) < 0.0).mean())
         if share > config.full and likely > most:
             best, most = piece, likely
     return best
@@ -149,32 +111,16 @@ def _best(
 def _passed(tree: Csg, solid: Solid, free: Floats, config: HollowConfig) -> float:
     """Share of what a tree takes from a solid, that was passed through."""
     low, high = tree.bounds()
-    some = low + (high - low) * np.random.default_rng(0).random((config.samples, 3))
+    some = drawn(low, high, config.samples)
     some = some[tree.signed_distance(some) < 0.0]
     some = some[solid.signed_distance(some) < 0.0]
-    return float(np.mean(KDTree(free).query(some)[0] < config.near)) if len(some) else 0.0
+    return float(among(some, free, config.near).mean()) if len(some) else 0.0
 
 
 def _lost(tree: Csg, solid: Solid, felt: Floats, config: HollowConfig) -> int:
     """Contacts on the body's surface that would be in the air."""
     inside = felt[tree.signed_distance(felt) < -config.inside]
     return int((np.abs(solid.signed_distance(inside)) < config.inside).sum()) if len(inside) else 0
-
-
-def _directions(shapes: Sequence[Shape], config: HollowConfig) -> list[Floats]:
-    """Directions of the object, each once, flat faces' first."""
-    kept: list[Floats] = []
-    for kind in ("plane", "cylinder", "cone"):
-        for shape in shapes:
-            if shape.kind == kind and all(abs(float(shape.direction @ k)) < config.flush for k in kept):
-                kept.append(shape.direction)
-    return kept
-
-
-def _frames(directions: Sequence[Floats]) -> list[Floats]:
-    """(3, 3) right-handed frames along pairs of perpendicular directions, or along single ones."""
-    square = [frame_along(a, b) for a, b in combinations(directions, 2) if abs(float(a @ b)) < 1e-2]
-    return square or [frame_along(a) for a in directions]
 
 
 @dataclass(frozen=True)
@@ -214,7 +160,7 @@ class _Sides:
         level = (felt[:, 2] > low - self._config.aside) & (felt[:, 2] < high + self._config.aside)
         radius, body = self._short_of(radius, np.linalg.norm(felt[level, :2] - center, axis=1)), None
         for number, shape in enumerate(self._known.shapes):
-            if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > self._config.flush:
+            if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > FLUSH:
                 away = float(np.linalg.norm((shape.anchor @ frame)[:2] - center))
                 off = abs(shape.radius - radius)
                 if max(away, off) < self._config.coaxial and self._wall_beside(number):
@@ -261,7 +207,7 @@ class _Sides:
     def _wall(self, number: int, way: Floats, last: float) -> _Side | None:
         """A flat wall that is known past the last place, looking back into the hollow."""
         shape, (near, far) = self._known.shapes[number], self._config.wall
-        if not isinstance(shape, Plane) or float(shape.normal @ way) > -self._config.flush:
+        if not isinstance(shape, Plane) or float(shape.normal @ way) > -FLUSH:
             return None
         level = float(shape.origin @ way)
         is_side = near < level - last < far and self._wall_beside(number)

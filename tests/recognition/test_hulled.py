@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from models.csg import Cube
+from models.solid import Solid
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 from recognition import best_body as best_body_module
-from recognition.assembly import NotClosed
+from recognition.assembly import Assembly, NotClosed
+from recognition.assembly.regularities import regularize
 from recognition.best_body import FeltFace, best_body
 from recognition.hulled import hulled
 
@@ -64,3 +67,20 @@ def test_a_wall_that_was_only_inferred_may_not_cut_away_what_was_felt(monkeypatc
     body = best_body([*faces, wall], BOX, None, 15.0)
     assert abs(body.assembly.solid.volume - 64000.0) < 10.0
     assert not body.hulled
+
+
+def test_a_body_in_pieces_with_nothing_under_many_contacts_is_their_hull():
+    blocks = [Cube((20.0, 60.0, 60.0)).at(x, 0, 0) for x in (-30.0, 30.0)]
+    tree = blocks[0] | blocks[1]
+    apart = Assembly((), regularize(()), (), (), tree, Solid.from_csg(tree), ())
+    across = Contacts.of(
+        np.array([[x, y, z] for x in (-8, 0, 8) for y in (-20, 0, 20) for z in (-30.0, 30.0)])
+    )
+    ends = np.array([[x, y, z] for x in (-40, 40) for y in (-29, 0, 29) for z in np.linspace(-29, 29, 7)])
+    shell = Contacts.of(ends.astype(float))
+    sides = [side(way, 40.0) for way in AXES]
+    assert hulled(sides, Contacts.concatenate([across, shell]), apart) is not None
+    assert hulled(sides, shell, apart) is None  # pieces, but nothing is in the air
+    whole = Cube((80.0, 60.0, 60.0))
+    one = Assembly((), regularize(()), (), (), whole, Solid.from_csg(whole), ())
+    assert hulled(sides, Contacts.concatenate([across, shell]), one) is None

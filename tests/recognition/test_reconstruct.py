@@ -156,10 +156,10 @@ def test_a_round_face_that_contradicts_the_others_is_left_out(monkeypatch):
     (stray,) = ball.faces
     assemble = best_body.assemble
 
-    def strict(felt, box, free):
+    def strict(felt, box, **besides):
         if any(face.fit.kind == "sphere" for face in felt):
             raise ValueError("singular")
-        return assemble(felt, box, free=free)
+        return assemble(felt, box, **besides)
 
     monkeypatch.setattr(best_body, "assemble", strict)
     both = PatchGraph((*graph.faces, replace(stray, id=9)))

@@ -9,7 +9,8 @@ from primitives.pose import pose, random_rotation, transform_points
 from primitives.shapes import Cylinder as RoundWall
 from primitives.shapes import Plane
 from recognition.assembly.enclosing import enclosing_circle
-from recognition.assembly.hollowed import Body, Known, hollowed
+from recognition.assembly.hollowed import hollowed
+from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece
 
 FACET = 0.01
@@ -44,7 +45,7 @@ def felt(solid, count=1500):
 
 
 def known(shapes, places, inferred=None):
-    return Known(shapes, places, [False] * len(shapes) if inferred is None else inferred)
+    return Known(shapes, places, [False] * len(shapes) if inferred is None else inferred, np.empty((0, 3)))
 
 
 def top_of(part):

@@ -1,0 +1,177 @@
+"""What was felt where a body has nothing: boxes and bars that stand under such contacts.
+
+A limb of which too little was felt to close it is no cell, and a body of cells leaves its contacts in the air.
+Those that hang together span it: a box or a bar whose sides are known surfaces
+where one is there, and else where contact ended.  It holds nothing that an array passed through (our derivation).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exploration.planning.known.surface_map import clusters
+from models.csg import Csg, Cube
+from models.csg import Cylinder as Bar
+from models.solid import Solid
+from primitives.arrays import Floats
+from primitives.pose import frame_along, pose
+from primitives.shapes import Cylinder, Plane
+from recognition.assembly.enclosing import enclosing_circle
+from recognition.assembly.made import FLUSH, Body, Known, among, drawn
+from recognition.assembly.piece import Piece
+
+
+@dataclass(frozen=True)
+class LimbConfig:
+    """What counts as a limb, and where its sides are."""
+
+    out: float = 2.0  # [mm] outside a body, from which a contact is in the air
+    together: float = 15.0  # [mm] between neighbors of one limb
+    least: int = 6  # contacts of it that lie on known surfaces
+    most: int = 4  # limbs
+    root: float = 8.0  # [mm] that it reaches on to the body that it stands on
+    past: float = 0.5  # [mm] past the last contact, where a side is that no surface is
+    wall: float = 2.5  # [mm] from the last contact, within which a known surface is the side
+    thin: float = 0.4  # [mm] that a limb is thick at least
+    unknown: float = 2.0  # [mm] that it is taken to be thick where one face alone was felt
+    samples: int = 2000  # of a limb, to ask how much of it was passed through
+    near: float = 2.0  # [mm] from a place that was passed through, that is so too
+    empty: float = 0.12  # of it at most
+    on: float = 2.0  # [mm] from its surface, up to which a contact is on it
+
+
+@dataclass(frozen=True)
+class _Side:
+    level: float  # [mm] along the way out
+    wall: int | None = None  # the surface that it is
+
+
+def with_limbs(body: Body, free: Floats | None, known: Known, config: LimbConfig = LimbConfig()) -> Body:
+    """A body with what its contacts ask for besides; (n, 3) places `free` [mm] hold nothing."""
+    felt = np.concatenate([known.felt, known.stray])
+    named = np.arange(len(felt)) < len(known.felt)
+    nowhere = np.empty((0, 3)) if free is None else free
+    given_up = np.zeros(len(felt), dtype=bool)
+    for _ in range(config.most):
+        away = body.solid.signed_distance(felt)
+        rows = np.flatnonzero((away > config.out) & ~given_up)
+        if named[rows].sum() < config.least:
+            break
+        limb = rows[max(clusters(felt[rows], config.together), key=np.count_nonzero)]
+        given_up[limb] = True
+        if named[limb].sum() < config.least:
+            continue
+        tried = [_rooted(piece, body.solid, config) for piece in _tried(felt[limb], known, config)]
+        kept = [piece for piece in tried if not _empty(piece, nowhere, config)]
+        joined = [whole for piece in kept if (whole := body.more(piece)) is not None]
+        if joined:
+            body = max(joined, key=lambda whole: _explained(whole, felt[limb], known, config))
+            given_up &= body.solid.signed_distance(felt) > config.out
+    return body
+
+
+def _explained(whole: Body, limb: Floats, known: Known, config: LimbConfig) -> float:
+    """Share of a limb's contacts on the surface of a body; sides at known surfaces count for a little more."""
+    on = np.abs(whole.solid.signed_distance(limb)) < config.on
+    return float(on.mean()) + 0.05 * len(whole.pieces[-1].surfaces)
+
+
+def _empty(piece: Piece, free: Floats, config: LimbConfig) -> bool:
+    """Whether too much of a piece was passed through."""
+    low, high = piece.placed.bounds()
+    some = drawn(low, high, config.samples)
+    some = some[_inside(piece.placed, some)]
+    return not len(some) or float(among(some, free, config.near).mean()) > config.empty
+
+
+def _inside(tree: Csg, points: Floats) -> Floats:
+    return np.asarray(tree.signed_distance(points) < 0.0)
+
+
+def _rooted(piece: Piece, solid: Solid, config: LimbConfig) -> Piece:
+    """A piece that reaches on into the body that it stands on."""
+    middle = piece.world_from_piece[:3, 3]
+    way = (
+        solid.normals(middle[None])[0] @ piece.world_from_piece[:3, :3]
+    )  # out of the body, as the piece lies
+    axis = int(np.argmax(np.abs(way))) if isinstance(piece.solid, Cube) else 2
+    back = -config.root * np.sign(way[axis]) * np.eye(3)[axis]
+    grown: Csg = piece.solid
+    if isinstance(piece.solid, Cube):
+        size = np.array(piece.solid.size) + np.abs(back)
+        grown = Cube((float(size[0]), float(size[1]), float(size[2])))
+    elif isinstance(piece.solid, Bar):
+        grown = Bar(piece.solid.radius, piece.solid.height + config.root)
+    place = int(axis) if isinstance(piece.solid, Cube) else 0
+    ends = [list(pair) for pair in piece.ends]
+    ends[place][0 if way[axis] > 0.0 else 1] = None
+    shifted = piece.world_from_piece @ pose(translation=0.5 * back)
+    return replace(piece, solid=grown, world_from_piece=shifted, ends=tuple((a, b) for a, b in ends))
+
+
+def _tried(limb: Floats, known: Known, config: LimbConfig) -> list[Piece]:
+    """Boxes along the object's frames and bars along its directions, round a limb."""
+    boxes = [_box(frame, limb, known, config) for frame in known.frames]
+    bars = [_bar(axis, limb, known, config) for axis in known.directions]
+    return [piece for piece in (*boxes, *bars) if piece is not None]
+
+
+def _box(frame: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece | None:
+    low, high, ends = np.empty(3), np.empty(3), []
+    for k, way in enumerate(frame.T):
+        below, above = _side(-way, limb, known, config), _side(way, limb, known, config)
+        if above.level + below.level < config.unknown:  # contacts of one face alone
+            if below.wall is not None:
+                above = _behind(way, -below.level, known, config)
+            elif above.wall is not None:
+                below = _behind(-way, -above.level, known, config)
+        low[k], high[k] = -below.level, above.level
+        ends.append((below.wall, above.wall))
+    size = high - low
+    if (size < config.thin).any():
+        return None
+    middle = frame @ (0.5 * (low + high))
+    return Piece("cube", "add", Cube(tuple(size.tolist())), pose(frame, middle), None, tuple(ends))
+
+
+def _bar(axis: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece | None:
+    frame = frame_along(axis)
+    center, radius = enclosing_circle((limb @ frame)[:, :2])
+    body = None
+    for number, shape in enumerate(known.shapes):
+        if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > FLUSH:
+            away = float(np.linalg.norm((shape.anchor @ frame)[:2] - center))
+            if max(away, abs(shape.radius - radius)) < config.wall:
+                center, radius, body = (shape.anchor @ frame)[:2], shape.radius, number
+    below, above = _side(-axis, limb, known, config), _side(axis, limb, known, config)
+    tall = above.level + below.level
+    if tall < config.thin or radius < config.thin:
+        return None
+    middle = frame @ np.array([*center, 0.5 * (above.level - below.level)])
+    ends = ((below.wall, above.wall),)
+    return Piece("cylinder", "add", Bar(float(radius), float(tall)), pose(frame, middle), body, ends)
+
+
+def _side(way: Floats, limb: Floats, known: Known, config: LimbConfig) -> _Side:
+    """Where it ends along a (3,) way out."""
+    last = float((limb @ way).max())
+    walls = [(abs(level - last), number, level) for number, level in _walls(way, known)]
+    off, number, level = min(walls, default=(np.inf, -1, 0.0))
+    return _Side(level, number) if off < config.wall else _Side(last + config.past)
+
+
+def _behind(way: Floats, felt: float, known: Known, config: LimbConfig) -> _Side:
+    """The next known wall along a (3,) way, from a face felt at a level [mm]; without one as thin as can be."""
+    walls = [(level, number) for number, level in _walls(way, known) if level > felt + config.thin]
+    return _Side(*min(walls)) if walls else _Side(felt + config.unknown)
+
+
+def _walls(way: Floats, known: Known) -> list[tuple[int, float]]:
+    """The known flat surfaces that look along a (3,) way, and how far along it [mm] they are."""
+    return [
+        (number, float(shape.origin @ way))
+        for number, shape in enumerate(known.shapes)
+        if isinstance(shape, Plane) and float(shape.normal @ way) > FLUSH
+    ]
