@@ -11,16 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.uprighted import uprighted
-from exploration.planning.inferring.adding import add, add_own, change, home_of, once
+from exploration.planning.inferring.adding import add, change, home_of, once
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
-from exploration.planning.inferring.far_ends import far_ends, into_bores, narrowed_ends, shut
+from exploration.planning.inferring.hole_walls import add_holes, add_left_holes
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
-from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.parted_ends import parted_ends
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
@@ -28,16 +26,11 @@ from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.rounded_corners import rounded_corners
 from exploration.planning.inferring.rounded_edges import rounded_edges
-from exploration.planning.inferring.slanting import slanting
 from exploration.planning.inferring.slots import Slot, slots
-from exploration.planning.inferring.stepped_holes import stepped_holes
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
-from exploration.planning.open.cornered import cornered
-from exploration.planning.open.holes import Hole, HolesConfig, ends_of_one, holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
-from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
 from primitives.arrays import Floats
@@ -64,12 +57,8 @@ _BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from wher
 _BY_CORNER = "a rounded corner of a plate is inferred from where both its sides end between two walls"
 _BY_ROUNDING = "a rounded edge is inferred from where contact with the walls on both sides ends"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
-_BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between two directions that are one
-_RIM = 1.5  # [mm] from the face that a rim is of
-_AROUND = 16.0  # [mm] round a hole, within which the face was felt that it comes out of
-_LIP = 2.5  # [mm] round a hole, where what looks like a straight edge is a part of its rim
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 _FAR = 12.0  # [mm] from a rim, within which an inferred face is known
 
@@ -80,7 +69,7 @@ def conclude(
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
     found.graph = drop_astride(uprighted(drop_poor(flattened(simpler(found.graph)))))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
-    _add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
+    add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     _add_ends(found, frontier, inside)
     through = slots(known := frontier().known)
@@ -90,9 +79,7 @@ def conclude(
     looked, beside = _open_rims(found, known, through)
     for lot in upright_walls(looked, found.graph.faces, beside):
         add(found, lot, _BY_RIM)
-    found.openings = _holes(
-        found, [*found.openings, *_guessed(found, frontier())], [], inside, frontier().known
-    )
+    add_left_holes(found, frontier, inside)
     for slot in slots(frontier().known):
         _add_slot(found, slot)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
@@ -125,32 +112,6 @@ def _open_rims(
         for rims in (found.wall_rims, found.glimpsed)
     )
     return looked, beside
-
-
-def _add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats) -> None:
-    """Holes between two rims, or from one to where a face is missing; and of all rims those that are edges."""
-    found.rims = [rim for rim in found.rims if _is_on(rim.face, rim.center, rim.axis, found.graph.faces)]
-    guessed = _guessed(found, frontier())
-    found.wall_rims, found.glimpsed = (
-        [
-            (rim, own)
-            for rim, own in rims
-            if _is_on(own, rim.point, rim.normal, found.graph.faces)
-            and not any(_part_of(rim, hole) for hole in (*found.rims, *guessed))
-        ]
-        for rims in (found.wall_rims, found.glimpsed)
-    )
-    gaps = frontier().round_gaps
-    rims = [*found.rims, *(gap for gap in gaps if not any(_told_by(gap, rim) for rim in found.rims))]
-    # two mouths in round faces are no pair yet: in a tube's wall each leads into a bore, which is made known here
-    apart, known = HolesConfig(leaning=np.inf), frontier().known
-    single = [rim for rim in found.rims if not any(ends_of_one(rim, other) for other in rims)]
-    guessed += narrowed_ends(single, known, inside)
-    found.openings = _holes(found, rims, guessed, inside, known, apart)
-    through = far_ends(found.openings, known := frontier().known)
-    through += into_bores(found.openings, found.graph.faces)
-    left = _holes(found, [*found.openings, *through], [], inside, known)
-    found.openings = [rim for rim in left if not any(rim is end for end in through)]
 
 
 def _add_walls(
@@ -187,74 +148,6 @@ def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier], inside: Fl
             add(found, lot, _BY_GAP)
 
 
-def _told_by(gap: RoundRim, rim: RoundRim) -> bool:
-    """Whether what is missing of a round face is the mouth whose rim was looked at."""
-    away = rim.center - gap.center
-    up = float(away @ gap.axis)
-    aside = float(np.linalg.norm(away - up * gap.axis))
-    return float(gap.axis @ rim.axis) > _ALIKE and aside < _RIM and abs(up) < gap.radius
-
-
-def _guessed(found: Findings, now: LocalFrontier) -> list[RoundRim]:
-    """Openings that nobody has looked at, and that no edge beside them tells to have corners."""
-    edges = [edge for edge, _ in (*found.wall_rims, *found.glimpsed)]
-    return [rim for rim in now.openings if not _looked_at(rim, found) and not cornered(rim, edges)]
-
-
-def _holes(
-    found: Findings,
-    rims: Sequence[RoundRim],
-    guessed: Sequence[RoundRim],
-    inside: Floats,
-    known: Sequence[KnownFace],
-    config: HolesConfig | None = None,
-) -> list[RoundRim]:
-    """Add the walls of the holes that rims are the ends of, the far ends perhaps only guessed; the rims left."""
-    hollows = hollows_of(found.graph.faces)
-    rims = [rim for rim in rims if not own_rim(rim, hollows)]
-    led = {id(rim): hole for rim in rims if (hole := led_into(rim, hollows)) is not None}
-    rims = [rim for rim in rims if id(rim) not in led]
-    steps = stepped_holes(rims, guessed, found.stopped, found.graph.faces)
-    ends = [id(rim) for step in steps for rim in step.rims]
-    single = [rim for rim in rims if id(rim) not in ends]
-    holes, left = holes_of(single, inside, lambda rim: shut(rim, known), config or HolesConfig())
-    faces = found.graph.faces
-    holes = [hole if _at_rim(hole, rims) else slanting(_ended(hole, faces), faces) for hole in holes]
-    for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
-        change(found, hole.off)
-        add(found, hole.wall(), _BY_ENDS, "cylinder")
-    for step in steps:
-        add_own(found, step.contacts, step.why, step.kind)
-    return left
-
-
-def _at_rim(hole: Hole, rims: Sequence[RoundRim]) -> bool:
-    """Whether a hole's far end is where a rim was seen."""
-    far = hole.middle - 0.5 * hole.depth * hole.axis
-    return any(float(np.linalg.norm(rim.center - far)) < _RIM for rim in rims)
-
-
-def _ended(hole: Hole, faces: Sequence[Face]) -> Hole:
-    """A hole no deeper than to the flat face that it comes out of: who goes through is in the open behind it."""
-    mouth = hole.middle + 0.5 * hole.depth * hole.axis
-    for face in faces:
-        fit = face.fit
-        if (
-            not isinstance(fit, Fit)
-            or fit.kind != "plane"
-            or float(fit.shape.direction @ hole.axis) > -_ALIKE
-        ):
-            continue
-        out = mouth - face.contacts.points
-        deep = float((mouth - fit.shape.anchor) @ fit.shape.direction) / float(
-            hole.axis @ fit.shape.direction
-        )
-        aside = np.linalg.norm(out - np.outer(out @ hole.axis, hole.axis), axis=1)
-        if _RIM < deep < hole.depth and aside.min() < hole.radius + _AROUND:
-            hole = replace(hole, middle=mouth - 0.5 * deep * hole.axis, depth=deep)
-    return hole
-
-
 def _add_slot(found: Findings, slot: Slot) -> None:
     """Its sides first: where a rim has told where one of them is, its ends are as wide as that leaves."""
     change(found, slot.off)
@@ -267,24 +160,6 @@ def _add_slot(found: Findings, slot: Slot) -> None:
 def unexplained(rims: Sequence[SeenRim], faces: Sequence[Face]) -> list[SeenRim]:
     """The rims that no face is known behind."""
     return [rim for rim in rims if not _explained(rim, faces)]
-
-
-def _part_of(rim: Sighting, hole: RoundRim) -> bool:
-    """Whether an edge that looks straight is a part of a round hole's rim, at one end of it or the other."""
-    away = rim.point - hole.center
-    aside = float(np.linalg.norm(away - (away @ hole.axis) * hole.axis))
-    return abs(float(rim.normal @ hole.axis)) > _ALIKE and aside < hole.radius + _LIP
-
-
-def _is_on(own: int, at: Floats, normal: Floats, faces: Sequence[Face]) -> bool:
-    """Whether the face that a rim was seen from is still one at a (3,) place, and did not turn out round."""
-    for face in faces:
-        if isinstance(face.fit, Fit) and (face.id == own or face.fit.kind == "plane"):
-            side, shape = (1.0 if face.fit.convex else -1.0), face.fit.shape
-            near = abs(float(shape.signed_distance(at[None])[0])) < _RIM
-            if near and side * float(shape.normals(at[None])[0] @ normal) > _ALIKE:
-                return True
-    return False
 
 
 def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
@@ -309,9 +184,3 @@ def _reaches(face: Face, place: Floats) -> bool:
     """Whether a face goes on to a (3,) place: one that is only inferred may be known at its other end alone."""
     felt = bool((face.contacts.touch != NOT_FELT).any())
     return felt or float(np.linalg.norm(face.contacts.points - place, axis=1).min(initial=np.inf)) < _FAR
-
-
-def _looked_at(rim: RoundRim, found: Findings) -> bool:
-    """Whether a look has measured a rim, or found none there."""
-    measured = [o.center for o in found.rims if o.face == rim.face]
-    return any(np.linalg.norm(rim.center - center) < rim.radius for center in (*measured, *found.refuted))
