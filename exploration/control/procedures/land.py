@@ -27,6 +27,10 @@ class LandConfig:
     back: float = 12.0  # [mm]
 
 
+AS_TOLD = LandConfig(tries=1)
+"""At the attitude told or not at all: a pad that leans away from what its housing met lies on something else."""
+
+
 def land(
     guard: Guard,
     direction: Floats,

@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from exploration.control.procedures.land import AS_TOLD
 from exploration.control.sighting import Sighting
 from exploration.planning.touching.findings import Attempts, Done, SeenRim
 from exploration.planning.touching.reach import Reach
@@ -50,7 +51,8 @@ class RimLooks:
         at = rim.point - self.config.inside * rim.outward
         for give in (False, True):
             for along in (rim.tangent, rim.outward):
-                if not self.reach.touch(se3.pose(pad.attitude(rim.normal, along), at), give):
+                over = se3.pose(pad.attitude(rim.normal, along), at)
+                if not self.reach.touch(over, give, landing=AS_TOLD):
                     continue
                 whole, parts = pad.sightings(), pad.sightings_in_parts() if self._flat(face) else []
                 seen, found = self._made_out(rim, whole), self.study.found

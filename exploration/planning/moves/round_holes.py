@@ -14,6 +14,7 @@ from itertools import product
 import numpy as np
 
 from exploration.control.dwell import dwell
+from exploration.control.procedures.land import AS_TOLD
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
@@ -83,7 +84,7 @@ class RoundHoles:
         for give, (way, pose) in product((False, True), self._places(rim, small)):
             if not small and any(way @ other > np.cos(self.config.apart) for other in used):
                 continue
-            met = self.reach.touch(pose, give)
+            met = self.reach.touch(pose, give, landing=AS_TOLD)
             led += self.reach.led
             if met and self._lies(rim):
                 seen = dwell(pad.guard, self.config.frames)

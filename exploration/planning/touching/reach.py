@@ -10,7 +10,7 @@ import numpy as np
 from exploration.control.feel import feel
 from exploration.control.kept_contacts import touched_cells
 from exploration.control.procedures.approach import retreat, touched
-from exploration.control.procedures.land import LandConfig
+from exploration.control.procedures.land import AS_TOLD, LandConfig
 from exploration.control.procedures.settle import SettleConfig
 from exploration.control.steady_flight import FlightConfig, fly
 from exploration.devices.guard import Collision, Observation, OverPress
@@ -74,7 +74,13 @@ class Reach:
         clear = self.pad.tool.clear(np.array(poses), self._obstacles(), self.config.room, -self.config.proud)
         return [pose for pose, free in zip(poses, clear, strict=True) if free]
 
-    def touch(self, target: Floats, give: bool = False, settling: SettleConfig | None = None) -> bool:
+    def touch(
+        self,
+        target: Floats,
+        give: bool = False,
+        settling: SettleConfig | None = None,
+        landing: LandConfig | None = None,
+    ) -> bool:
         """Go round what is known to before a (4, 4) target, and touch it; may it `give`, from farther off.
 
         The array may lie there turned by half a turn: to the attitude that is nearer the way is shorter.
@@ -87,7 +93,7 @@ class Reach:
             if self._before(goal, standoff):
                 if under > 0.0:
                     self._inside = (goal[:3, 3] - standoff * goal[:3, 2], -goal[:3, 2])
-                return self.pad.touch(goal, standoff, self.config.overtravel + off, settling)
+                return self.pad.touch(goal, standoff, self.config.overtravel + off, settling, landing)
             if self.led:
                 return False
         return False
@@ -124,7 +130,7 @@ class Reach:
             return False
         self._inside = (target[:3, 3] - self.config.standoff * target[:3, 2], -target[:3, 2])
         deep = -float(self.pad.tool.low[2]) - self.config.out
-        return self.pad.touch(target, self.config.standoff, deep, landing=LandConfig(tries=1))
+        return self.pad.touch(target, self.config.standoff, deep, landing=AS_TOLD)
 
     def at_lid(self, point: Floats) -> bool:
         """Whether a (3,) point is at the rim of a mouth, or in it."""
