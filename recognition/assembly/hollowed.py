@@ -63,7 +63,7 @@ def hollowed(body: Body, free: Floats | None, known: Known, config: HollowConfig
     given_up = np.zeros(len(free), dtype=bool)
     for _ in range(config.most):
         buried = (body.solid.signed_distance(free) < -config.deep) & ~given_up
-        hollow = _largest(free, buried, config.together)
+        hollow = _largest(free, buried, config)
         if hollow.sum() < config.least:
             break
         found = _best(body.solid, free, _grown(body.solid, free, free[hollow], config), felt, known, config)
@@ -74,12 +74,13 @@ def hollowed(body: Body, free: Floats | None, known: Known, config: HollowConfig
     return body
 
 
-def _largest(free: Floats, buried: Bools, within: float) -> Bools:
-    """(n,) the largest lot of buried places that hang together."""
+def _largest(free: Floats, buried: Bools, config: HollowConfig) -> Bools:
+    """(n,) the largest lot of buried places that hang together; of small ones all, which may lie in one ring."""
     out = np.zeros(len(free), dtype=bool)
-    if buried.any():
-        rows = np.flatnonzero(buried)
-        out[rows[max(clusters(free[rows], within), key=np.count_nonzero)]] = True
+    rows = np.flatnonzero(buried)
+    if len(rows):
+        most = max(clusters(free[rows], config.together), key=np.count_nonzero)
+        out[rows if most.sum() < config.least else rows[most]] = True
     return out
 
 

@@ -89,6 +89,23 @@ def test_a_bore_has_the_radius_of_the_round_wall_that_is_known_there():
     assert less.solid.volume == pytest.approx(Solid.from_csg(BLOCK - bore, FACET).volume, rel=1e-3)
 
 
+def test_places_here_and_there_in_a_ring_about_a_bore_make_it_wider_there():
+    bore, wide = (
+        Cylinder(10.0, 30.0),
+        Cylinder(17.0, 10.0).at(0, 0, 8.0),
+    )  # its ledge at z = 3, felt by nobody
+    turn = 2.0 * np.pi * np.arange(12) / 12
+    seen = np.concatenate([[[13.5 * np.cos(t), 13.5 * np.sin(t), z] for t in turn] for z in (5.0, 9.0)])
+    at = top_of(BLOCK - bore - wide)
+    less = hollowed(body(BLOCK - bore), seen, known([TOP, SIDE], [at, at]))
+    cut = less.pieces[-1]
+    assert cut.kind == "cylinder"
+    assert cut.solid.radius == pytest.approx(17.0, abs=2.0)  # half way to the contacts round it
+    truth = Solid.from_csg(BLOCK - bore - wide, FACET)
+    missing = body(BLOCK - bore).solid.volume - truth.volume
+    assert less.solid.volume - truth.volume < 0.8 * missing
+
+
 def test_half_a_bore_in_a_side_is_round_though_no_wall_is_known():
     notch = Cylinder(14.0, 30.0).at(0.0, -25.0, 0.0)
     at = top_of(BLOCK - notch)
