@@ -118,7 +118,10 @@ def open_ended(assembly: Assembly | NotClosed) -> bool:
     if isinstance(assembly, NotClosed):
         return False
     added = (piece for piece in assembly.pieces if piece.operation == "add" and piece.kind != "cone")
-    return any(None in ends for piece in added for ends in piece.ends)
+    along = (
+        piece.ends[-1:] if piece.kind == "prism" else piece.ends for piece in added
+    )  # its outline is whole
+    return any(None in ends for sides in along for ends in sides)
 
 
 def reach_past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:

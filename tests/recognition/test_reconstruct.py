@@ -12,6 +12,9 @@ from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
 from primitives.patch_graph import PatchGraph
 from primitives.pose import pose, random_rotation
 from recognition import best_body
+from recognition.assembly import Assembly
+from recognition.assembly.piece import Piece
+from recognition.assembly.regularities import regularize
 from recognition.reconstruct import reconstruct
 
 BOX = np.array([[-150.0, -150, -150], [150, 150, 150]])
@@ -44,6 +47,25 @@ def test_sides_that_nobody_felt_end_with_the_contacts_at_any_attitude(seed):
     made = reconstruct(graph_of(part, skip=across)[0], [], BOX)
     reached = made.assembly.solid.vertices @ world[:3, 0]
     assert np.ptp(reached) == pytest.approx(60.0, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "ends", "is_open"),
+    [
+        ("cube", ((0, 1), (2, 3), (4, 5)), False),
+        ("cube", ((0, 1), (None, 3), (4, 5)), True),
+        ("prism", ((None, None), (None, None), (0, 1)), False),  # its outline is made of faces all round
+        ("prism", ((None, None), (None, None), (0, None)), True),
+        ("cylinder", ((0, None),), True),
+        ("sphere", (), False),
+    ],
+)
+def test_a_body_is_open_ended_where_what_is_added_has_a_side_without_a_face(kind, ends, is_open):
+    solid = Cube((10.0, 10.0, 10.0))
+    piece = Piece(kind, "add", solid, np.eye(4), None, ends)
+    away = Piece("cube", "subtract", solid, np.eye(4), None, ((None, None),) * 3)
+    made = Assembly((), regularize(()), (), (piece, away), solid, Solid.from_csg(solid), ())
+    assert best_body.open_ended(made) is is_open
 
 
 def test_edges_are_measured_where_both_faces_were_touched_beside_them():
