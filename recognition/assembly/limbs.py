@@ -40,6 +40,7 @@ class LimbConfig:
     near: float = 2.0  # [mm] from a place that was passed through, that is so too
     empty: float = 0.12  # of it at most
     on: float = 2.0  # [mm] from its surface, up to which a contact is on it
+    looked_at: int = 20_000  # contacts at most, that are asked whether they are in the air
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,8 @@ class _Side:
 
 def with_limbs(body: Body, free: Floats | None, known: Known, config: LimbConfig = LimbConfig()) -> Body:
     """A body with what its contacts ask for besides; (n, 3) places `free` [mm] hold nothing."""
-    felt = np.concatenate([known.felt, known.stray])
-    named = np.arange(len(felt)) < len(known.felt)
+    on, strays = (lot[:: 1 + len(lot) // config.looked_at] for lot in (known.felt, known.stray))
+    felt, named = np.concatenate([on, strays]), np.arange(len(on) + len(strays)) < len(on)
     nowhere = np.empty((0, 3)) if free is None else free
     given_up = np.zeros(len(felt), dtype=bool)
     for _ in range(config.most):
