@@ -74,6 +74,11 @@ class Solid:
         return len(self.body.mesh.decompose())
 
     @property
+    def parts(self) -> int:
+        """Bodies that do not hang together, however many cavities they have."""
+        return sum(part.volume() > 0.0 for part in self.body.mesh.decompose())
+
+    @property
     def genus(self) -> int:
         """Handles, over all shells: 1 for a ring."""
         return int(self.body.mesh.genus())

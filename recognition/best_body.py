@@ -95,7 +95,9 @@ def best_body(
         body = other if off_body(other.assembly, places) < BETTER * off else body
     if open_ended(body.assembly) and reach_past(body.assembly, contacts) > (most := min(_OPEN, past)):
         bare = make(body.felt) if body.ends else body.assembly
-        body = replace(_ended(bare, body.felt, make, most), left_out=body.left_out)
+        sooner = replace(_ended(bare, body.felt, make, most), left_out=body.left_out)
+        nearer = reach_past(sooner.assembly, contacts) < reach_past(body.assembly, contacts)
+        body = sooner if nearer else body
     hull = hulled(body.felt, contacts, body.assembly, free)
     return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
 
@@ -114,10 +116,11 @@ def _of_faces(felt: Sequence[FeltFace], make: Make, past: float) -> Body:
 
 
 def open_ended(assembly: Assembly | NotClosed) -> bool:
-    """Whether a primitive that was added has a side that no face ends."""
+    """Whether a primitive that faces added has a side that none ends."""
     if isinstance(assembly, NotClosed):
         return False
-    added = (piece for piece in assembly.pieces if piece.operation == "add" and piece.kind != "cone")
+    of_faces = (piece for piece in assembly.pieces if piece.operation == "add" and not piece.besides)
+    added = (piece for piece in of_faces if piece.kind != "cone")
     along = (
         piece.ends[-1:] if piece.kind == "prism" else piece.ends for piece in added
     )  # its outline is whole

@@ -19,7 +19,7 @@ from primitives.evidence import NOT_FELT, Contacts
 from primitives.shared_error import with_shared_error
 from recognition.assembly import Assembly, NotClosed
 from recognition.assembly.assemble import FittedFace, outward, tree_of
-from recognition.assembly.hollowed import hollowed
+from recognition.assembly.hollowed import HOLLOW, hollowed
 from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece
 from recognition.assembly.regularities import regularize
@@ -36,6 +36,7 @@ _BESIDE = 3.0  # [mm] from a place known to be empty, that is so too
 _SAMPLES = 4000
 _COARSE = 40  # places along the longest side of the hull that are told apart
 
+_LACKING = "the faces leave much of what was felt in the air; the body is the hull of all contacts"
 _TOLD = "most of what was felt lies on no face that was recognized; the body is the hull of all contacts"
 
 
@@ -55,13 +56,16 @@ def hulled(
         return None
     fits = tuple(outward(with_shared_error(face.fit, face.contacts)) for face in faces)
     regularized = regularize(fits)
-    known = Known(regularized.shapes, [face.contacts.points for face in faces], [True] * len(fits), felt[:0])
+    places = [face.contacts.points[face.contacts.touch != NOT_FELT] for face in faces]
+    known = Known(regularized.shapes, places, [False] * len(fits), felt[:0])
     piece = Piece("polyhedron", "add", hull, np.eye(4), None, ())
     less = hollowed(Body((piece,), Solid.from_csg(piece.placed), TOLERANCE), free, known)
     on = {i for cut in less.pieces for i in cut.surfaces}
     speaker = tuple(i if i in on else None for i in range(len(fits)))
-    made = Assembly(fits, regularized, speaker, less.pieces, tree_of(less.pieces), less.solid, (_TOLD,))
-    return made if lacks or off_body(made, felt) < BETTER * before else None
+    told = (_LACKING if lacks else _TOLD, *[HOLLOW] * (len(less.pieces) - 1))
+    made = Assembly(fits, regularized, speaker, less.pieces, tree_of(less.pieces), less.solid, told)
+    nearer = in_air(made, felt) < in_air(body, felt) if lacks else off_body(made, felt) < BETTER * before
+    return made if nearer else None
 
 
 def off_body(body: Assembly | NotClosed, felt: Floats) -> float:
@@ -73,7 +77,7 @@ def off_body(body: Assembly | NotClosed, felt: Floats) -> float:
 
 def _in_pieces(body: Assembly | NotClosed) -> bool:
     """Whether a body is several, as no object is that can be held."""
-    return not isinstance(body, NotClosed) and body.solid.shells > 1
+    return not isinstance(body, NotClosed) and body.solid.parts > 1
 
 
 def in_air(body: Assembly | NotClosed, felt: Floats) -> float:

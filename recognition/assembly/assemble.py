@@ -25,8 +25,8 @@ from primitives.shapes import Plane, Shape, Torus
 from primitives.shared_error import with_shared_error
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
-from recognition.assembly.hollowed import hollowed
-from recognition.assembly.limbs import with_limbs
+from recognition.assembly.hollowed import HOLLOW, hollowed
+from recognition.assembly.limbs import LIMB, with_limbs
 from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces
@@ -34,10 +34,7 @@ from recognition.assembly.regularities import RegularityOptions, Regularized, re
 
 _HEARSAY = 4  # inferred contacts that count as much as one that was felt
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
-_BESIDES = {
-    "add": "a limb that no faces close is added where contacts lie off all else",
-    "subtract": "a hollow that no faces close is taken away where an array passed through",
-}
+_BESIDES = {"add": LIMB, "subtract": HOLLOW}  # what is told of pieces that no faces close
 
 
 class FittedFace(Protocol):

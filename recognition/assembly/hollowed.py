@@ -20,8 +20,10 @@ from primitives.arrays import Bools, Floats
 from primitives.pose import frame_along, pose
 from primitives.shapes import Cylinder, Plane
 from recognition.assembly.enclosing import enclosing_circle
-from recognition.assembly.made import FLUSH, Body, Known, among, drawn
+from recognition.assembly.made import FLUSH, Body, Known, among, axis_beside, drawn, level_of, thinned
 from recognition.assembly.piece import Piece
+
+HOLLOW = "a hollow that no faces close is taken away where an array passed through"
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,7 @@ class HollowConfig:
     opens: float = 5.0  # [mm] past the last place, within which the body ends behind an open side
     opened: float = 0.6  # share of the places at a side, that find it so
     past: float = 1.0  # [mm] that what takes away reaches out of the body there
+    over: float = 1.0  # [mm] from the hollow, straight behind which contacts shut a side
     wall: tuple[float, float] = (-1.0, 8.0)  # [mm] past the last place, where a known wall is the side
     beside: float = 6.0  # [mm] from the hollow to the nearest place of that wall
     unfelt: float = 12.0  # [mm] past the last place, up to which the first contact tells of the side
@@ -59,7 +62,7 @@ def hollowed(body: Body, free: Floats | None, known: Known, config: HollowConfig
     """A body without what (n, 3) `free` places [mm] on a lattice contradict, as far as that is understood."""
     if free is None or not len(free):
         return body
-    felt = known.felt
+    free, felt = thinned(free, config.apart), thinned(known.felt, config.apart)
     given_up = np.zeros(len(free), dtype=bool)
     for _ in range(config.most):
         buried = (body.solid.signed_distance(free) < -config.deep) & ~given_up
@@ -99,7 +102,7 @@ def _best(
     tried += [sides.bar(axis) for axis in known.directions]
     best, most = None, 0.0
     for piece in tried:
-        if piece is None or _lost(piece.placed, solid, felt, config) > config.lost:
+        if piece is None or _lost(piece.placed, felt, config) > config.lost:
             continue
         known_sides = config.known ** len(piece.surfaces)
         share = _passed(piece.placed, solid, free, config) * known_sides
@@ -118,10 +121,9 @@ def _passed(tree: Csg, solid: Solid, free: Floats, config: HollowConfig) -> floa
     return float(among(some, free, config.near).mean()) if len(some) else 0.0
 
 
-def _lost(tree: Csg, solid: Solid, felt: Floats, config: HollowConfig) -> int:
-    """Contacts on the body's surface that would be in the air."""
-    inside = felt[tree.signed_distance(felt) < -config.inside]
-    return int((np.abs(solid.signed_distance(inside)) < config.inside).sum()) if len(inside) else 0
+def _lost(tree: Csg, felt: Floats, config: HollowConfig) -> int:
+    """Contacts that what is taken away leaves in the air."""
+    return int((tree.signed_distance(felt) < -config.inside).sum()) if len(felt) else 0
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ class _Sides:
     def __init__(
         self, solid: Solid, hollow: Floats, felt: Floats, known: Known, config: HollowConfig
     ) -> None:
-        self._solid, self._hollow = solid, hollow
+        self._solid, self._hollow, self._middle = solid, hollow, hollow.mean(axis=0)
         self._felt, self._known, self._config = felt, known, config
 
     def box(self, frame: Floats) -> Piece | None:
@@ -149,7 +151,7 @@ class _Sides:
         size = high - low
         middle = frame @ (0.5 * (low + high))
         ends = tuple((below.wall, above.wall) for below, above in sides)
-        return Piece("cube", "subtract", Cube(tuple(size.tolist())), pose(frame, middle), None, ends)
+        return Piece("cube", "subtract", Cube(tuple(size.tolist())), pose(frame, middle), None, ends, True)
 
     def bar(self, axis: Floats) -> Piece | None:
         """Round an axis, from an open end: of a known round wall, else of the least circle round the places."""
@@ -162,10 +164,10 @@ class _Sides:
         radius, body = self._short_of(radius, np.linalg.norm(felt[level, :2] - center, axis=1)), None
         for number, shape in enumerate(self._known.shapes):
             if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > FLUSH:
-                away = float(np.linalg.norm((shape.anchor @ frame)[:2] - center))
-                off = abs(shape.radius - radius)
-                if max(away, off) < self._config.coaxial and self._wall_beside(number):
-                    center, radius, body = (shape.anchor @ frame)[:2], shape.radius, number
+                at = (axis_beside(shape, self._middle) @ frame)[:2]
+                off = max(float(np.linalg.norm(at - center)), abs(shape.radius - radius))
+                if off < self._config.coaxial and self._wall_beside(number):
+                    center, radius, body = at, shape.radius, number
         below, above = self._side(-axis, frame), self._side(axis, frame)
         tall = above.level + below.level
         if tall <= 0.0 or radius <= 0.0 or not (below.opens or above.opens):
@@ -173,7 +175,7 @@ class _Sides:
         middle = frame @ np.array([*center, 0.5 * (above.level - below.level)])
         return Piece(
             "cylinder", "subtract", Bar(float(radius), float(tall)), pose(frame, middle), body,
-            ((below.wall, above.wall),),
+            ((below.wall, above.wall),), True,
         )  # fmt: skip
 
     def _side(self, way: Floats, frame: Floats) -> _Side:
@@ -181,13 +183,18 @@ class _Sides:
         config, along = self._config, self._hollow @ way
         last = float(along.max())
         front = self._hollow[along > last - config.cell]
-        if (room := self._to_air(front, way, last)) is not None:
+        shapes = range(len(self._known.shapes))
+        walls = [wall for k in shapes if (wall := self._wall(k, way, last)) is not None]
+        wall = min(walls, key=lambda wall: wall.level, default=None)
+        room = self._to_air(front, way, last)
+        if (
+            room is not None
+            and (wall is None or wall.level > last + room)
+            and not self._shut(way, last + room)
+        ):
             return _Side(last + room + config.past, opens=True)
-        walls = [
-            wall for k in range(len(self._known.shapes)) if (wall := self._wall(k, way, last)) is not None
-        ]
-        if walls:
-            return min(walls, key=lambda wall: wall.level)
+        if wall is not None:
+            return wall
         across = [column for column in frame.T if abs(float(column @ way)) < 0.5]
         straight = np.ones(len(self._felt), dtype=bool)
         for column in across:
@@ -205,12 +212,18 @@ class _Sides:
         ends = out.any(axis=1)
         return float(ahead[out[ends].argmax(axis=1)].max()) if ends.mean() >= config.opened else None
 
+    def _shut(self, way: Floats, end: float) -> bool:
+        """Whether a face was felt over the hollow where the body ends, `end` mm along a (3,) way out."""
+        there = np.abs(self._felt @ way - end) < self._config.past
+        flat = [at - np.outer(at @ way, way) for at in (self._felt[there], self._hollow)]
+        return int(among(flat[0], flat[1], self._config.over).sum()) > self._config.lost
+
     def _wall(self, number: int, way: Floats, last: float) -> _Side | None:
         """A flat wall that is known past the last place, looking back into the hollow."""
         shape, (near, far) = self._known.shapes[number], self._config.wall
         if not isinstance(shape, Plane) or float(shape.normal @ way) > -FLUSH:
             return None
-        level = float(shape.origin @ way)
+        level = level_of(shape, way, self._middle)
         is_side = near < level - last < far and self._wall_beside(number)
         return _Side(level, number) if is_side else None
 

@@ -19,8 +19,12 @@ from primitives.arrays import Floats
 from primitives.pose import frame_along, pose
 from primitives.shapes import Cylinder, Plane
 from recognition.assembly.enclosing import enclosing_circle
-from recognition.assembly.made import FLUSH, Body, Known, among, drawn
+from recognition.assembly.made import FLUSH, Body, Known, among, axis_beside, drawn, level_of, thinned
 from recognition.assembly.piece import Piece
+
+LIMB = "a limb that no faces close is added where contacts lie off all else"
+_STEP = 0.25  # [mm] at which it is looked into a body
+_ALONG = 0.5  # cosine to a body's surface, up to which a bar lies along it and does not stand on it
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,9 @@ class LimbConfig:
     near: float = 2.0  # [mm] from a place that was passed through, that is so too
     empty: float = 0.12  # of it at most
     on: float = 2.0  # [mm] from its surface, up to which a contact is on it
-    looked_at: int = 20_000  # contacts at most, that are asked whether they are in the air
+    share: float = 0.5  # of its contacts at least, that are so
+    strays: float = 0.2  # of as many contacts, up to which others may be buried by it
+    apart: float = 2.0  # [mm] between contacts that are told apart
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class _Side:
 
 def with_limbs(body: Body, free: Floats | None, known: Known, config: LimbConfig = LimbConfig()) -> Body:
     """A body with what its contacts ask for besides; (n, 3) places `free` [mm] hold nothing."""
-    on, strays = (lot[:: 1 + len(lot) // config.looked_at] for lot in (known.felt, known.stray))
+    on, strays = thinned(known.felt, config.apart), thinned(known.stray, config.apart)
     felt, named = np.concatenate([on, strays]), np.arange(len(on) + len(strays)) < len(on)
     nowhere = np.empty((0, 3)) if free is None else free
     given_up = np.zeros(len(felt), dtype=bool)
@@ -67,13 +73,21 @@ def with_limbs(body: Body, free: Floats | None, known: Known, config: LimbConfig
         tried = [_rooted(piece, body.solid, config) for piece in _tried(felt[limb], known, config)]
         kept = [piece for piece in tried if not _empty(piece, nowhere, config)]
         joined = [whole for piece in kept if (whole := body.more(piece)) is not None]
-        if joined:
-            body = max(joined, key=lambda whole: _explained(whole, felt[limb], known, config))
+        stood = [whole for whole in joined if _stands(whole, body, felt, felt[limb], config)]
+        if stood:
+            body = max(stood, key=lambda whole: _explained(whole, felt[limb], config))
             given_up &= body.solid.signed_distance(felt) > config.out
     return body
 
 
-def _explained(whole: Body, limb: Floats, known: Known, config: LimbConfig) -> float:
+def _stands(whole: Body, before: Body, felt: Floats, limb: Floats, config: LimbConfig) -> bool:
+    """Whether a body explains most of a limb, and buries hardly any contact that it did not bury before."""
+    deep = (body.solid.signed_distance(felt) < -config.out for body in (whole, before))
+    buried = int((next(deep) & ~next(deep)).sum())
+    return buried <= config.strays * len(limb) and _explained(whole, limb, config) > config.share
+
+
+def _explained(whole: Body, limb: Floats, config: LimbConfig) -> float:
     """Share of a limb's contacts on the surface of a body; sides at known surfaces count for a little more."""
     on = np.abs(whole.solid.signed_distance(limb)) < config.on
     return float(on.mean()) + 0.05 * len(whole.pieces[-1].surfaces)
@@ -92,24 +106,33 @@ def _inside(tree: Csg, points: Floats) -> Floats:
 
 
 def _rooted(piece: Piece, solid: Solid, config: LimbConfig) -> Piece:
-    """A piece that reaches on into the body that it stands on."""
-    middle = piece.world_from_piece[:3, 3]
-    way = (
-        solid.normals(middle[None])[0] @ piece.world_from_piece[:3, :3]
-    )  # out of the body, as the piece lies
+    """A piece that reaches on into the body that it stands on, but not out of that behind."""
+    turn, middle = piece.world_from_piece[:3, :3], piece.world_from_piece[:3, 3]
+    way = solid.normals(middle[None])[0] @ turn  # out of the body, as the piece lies
     axis = int(np.argmax(np.abs(way))) if isinstance(piece.solid, Cube) else 2
-    back = -config.root * np.sign(way[axis]) * np.eye(3)[axis]
-    grown: Csg = piece.solid
+    if abs(float(way[axis])) < _ALONG:
+        return piece  # it lies along the body
+    down = -float(np.sign(way[axis])) * turn[:, axis]
+    tall = piece.solid.size[axis] if isinstance(piece.solid, Cube) else piece.solid.height  # type: ignore[attr-defined]
+    steps = np.arange(_STEP, config.root + _STEP, _STEP)
+    inside = solid.signed_distance(middle + np.outer(0.5 * tall + steps, down)) < 0.0
+    into = steps[inside]
+    if not len(into):
+        return piece
+    deep = float(into[0]) + 0.5 * float(np.count_nonzero(inside)) * _STEP
     if isinstance(piece.solid, Cube):
-        size = np.array(piece.solid.size) + np.abs(back)
-        grown = Cube((float(size[0]), float(size[1]), float(size[2])))
-    elif isinstance(piece.solid, Bar):
-        grown = Bar(piece.solid.radius, piece.solid.height + config.root)
-    place = int(axis) if isinstance(piece.solid, Cube) else 0
-    ends = [list(pair) for pair in piece.ends]
-    ends[place][0 if way[axis] > 0.0 else 1] = None
-    shifted = piece.world_from_piece @ pose(translation=0.5 * back)
-    return replace(piece, solid=grown, world_from_piece=shifted, ends=tuple((a, b) for a, b in ends))
+        x, y, z = (size + deep * (k == axis) for k, size in enumerate(piece.solid.size))
+        grown: Csg = Cube((x, y, z))
+    else:
+        assert isinstance(piece.solid, Bar)
+        grown = Bar(piece.solid.radius, tall + deep)
+    shifted = pose(turn, middle + 0.5 * deep * down)
+    place, below = (axis if isinstance(piece.solid, Cube) else 0), float(way[axis]) > 0.0
+    ends = tuple(
+        pair if k != place else ((None, pair[1]) if below else (pair[0], None))
+        for k, pair in enumerate(piece.ends)
+    )
+    return replace(piece, solid=grown, world_from_piece=shifted, ends=ends)
 
 
 def _tried(limb: Floats, known: Known, config: LimbConfig) -> list[Piece]:
@@ -125,16 +148,16 @@ def _box(frame: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece
         below, above = _side(-way, limb, known, config), _side(way, limb, known, config)
         if above.level + below.level < config.unknown:  # contacts of one face alone
             if below.wall is not None:
-                above = _behind(way, -below.level, known, config)
+                above = _behind(way, -below.level, limb, known, config)
             elif above.wall is not None:
-                below = _behind(-way, -above.level, known, config)
+                below = _behind(-way, -above.level, limb, known, config)
         low[k], high[k] = -below.level, above.level
         ends.append((below.wall, above.wall))
     size = high - low
     if (size < config.thin).any():
         return None
     middle = frame @ (0.5 * (low + high))
-    return Piece("cube", "add", Cube(tuple(size.tolist())), pose(frame, middle), None, tuple(ends))
+    return Piece("cube", "add", Cube(tuple(size.tolist())), pose(frame, middle), None, tuple(ends), True)
 
 
 def _bar(axis: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece | None:
@@ -143,36 +166,36 @@ def _bar(axis: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece 
     body = None
     for number, shape in enumerate(known.shapes):
         if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > FLUSH:
-            away = float(np.linalg.norm((shape.anchor @ frame)[:2] - center))
-            if max(away, abs(shape.radius - radius)) < config.wall:
-                center, radius, body = (shape.anchor @ frame)[:2], shape.radius, number
+            at = (axis_beside(shape, limb.mean(axis=0)) @ frame)[:2]
+            if max(float(np.linalg.norm(at - center)), abs(shape.radius - radius)) < config.wall:
+                center, radius, body = at, shape.radius, number
     below, above = _side(-axis, limb, known, config), _side(axis, limb, known, config)
     tall = above.level + below.level
     if tall < config.thin or radius < config.thin:
         return None
     middle = frame @ np.array([*center, 0.5 * (above.level - below.level)])
     ends = ((below.wall, above.wall),)
-    return Piece("cylinder", "add", Bar(float(radius), float(tall)), pose(frame, middle), body, ends)
+    return Piece("cylinder", "add", Bar(float(radius), float(tall)), pose(frame, middle), body, ends, True)
 
 
 def _side(way: Floats, limb: Floats, known: Known, config: LimbConfig) -> _Side:
     """Where it ends along a (3,) way out."""
     last = float((limb @ way).max())
-    walls = [(abs(level - last), number, level) for number, level in _walls(way, known)]
+    walls = [(abs(level - last), number, level) for number, level in _walls(way, limb, known)]
     off, number, level = min(walls, default=(np.inf, -1, 0.0))
     return _Side(level, number) if off < config.wall else _Side(last + config.past)
 
 
-def _behind(way: Floats, felt: float, known: Known, config: LimbConfig) -> _Side:
+def _behind(way: Floats, felt: float, limb: Floats, known: Known, config: LimbConfig) -> _Side:
     """The next known wall along a (3,) way, from a face felt at a level [mm]; without one as thin as can be."""
-    walls = [(level, number) for number, level in _walls(way, known) if level > felt + config.thin]
+    walls = [(level, number) for number, level in _walls(way, limb, known) if level > felt + config.thin]
     return _Side(*min(walls)) if walls else _Side(felt + config.unknown)
 
 
-def _walls(way: Floats, known: Known) -> list[tuple[int, float]]:
-    """The known flat surfaces that look along a (3,) way, and how far along it [mm] they are."""
+def _walls(way: Floats, limb: Floats, known: Known) -> list[tuple[int, float]]:
+    """The known flat surfaces that look along a (3,) way, and how far along it [mm] they pass a limb's middle."""
     return [
-        (number, float(shape.origin @ way))
+        (number, level_of(shape, way, limb.mean(axis=0)))
         for number, shape in enumerate(known.shapes)
         if isinstance(shape, Plane) and float(shape.normal @ way) > FLUSH
     ]

@@ -13,7 +13,7 @@ from models.solid import Solid
 from primitives.arrays import Bools, Floats
 from primitives.errors import PalpateError
 from primitives.pose import frame_along
-from primitives.shapes import Shape
+from primitives.shapes import Cylinder, Plane, Shape
 from recognition.assembly.piece import Piece
 
 FLUSH = 0.995  # least cosine of directions that are one
@@ -75,6 +75,26 @@ class Known:
         ways = self.directions
         square = [frame_along(a, b) for a, b in combinations(ways, 2) if abs(float(a @ b)) < _ACROSS]
         return square or [frame_along(a) for a in ways]
+
+
+def thinned(places: Floats, cell: float) -> Floats:
+    """Of (n, 3) places the first in each cell [mm]; none that is not a number."""
+    whole = places[np.isfinite(places).all(axis=1)]
+    if not len(whole):
+        return whole
+    first = np.unique(np.round(whole / cell), axis=0, return_index=True)[1]
+    return whole[np.sort(first)]
+
+
+def level_of(plane: Plane, way: Floats, middle: Floats) -> float:
+    """[mm] along a (3,) way, at which a line along it through a (3,) middle crosses a plane."""
+    to_plane = float((plane.origin - middle) @ plane.normal) / float(way @ plane.normal)
+    return float(middle @ way) + to_plane
+
+
+def axis_beside(shape: Cylinder, middle: Floats) -> Floats:
+    """(3,) the place on a cylinder's axis that is level with a (3,) middle."""
+    return np.asarray(shape.anchor + float((middle - shape.anchor) @ shape.direction) * shape.direction)
 
 
 def among(places: Floats, others: Floats, near: float) -> Bools:

@@ -42,7 +42,10 @@ def piece_sigma(piece: Piece, regularized: Regularized) -> Sigma:
             slope = outward_slope(below, at, regularized) + outward_slope(above, at, regularized)
             lengths.append(_deviation(slope, regularized))
     if piece.body is None:
-        return {"extent_mm": lengths}
+        across: list[float | None] = (
+            [None, None] if piece.kind == "cylinder" else []
+        )  # of a bar that no wall made
+        return {"extent_mm": [*across, *lengths]}
     shape = regularized.shapes[piece.body]
     size = np.zeros(len(regularized.step))
     size[regularized.slices[piece.body].stop - 1] = 1.0
@@ -57,9 +60,8 @@ def piece_sigma(piece: Piece, regularized: Regularized) -> Sigma:
         }
     if isinstance(shape, Cylinder | Sphere):
         radius = _deviation(size, regularized)
-        across: list[float | None] = [2 * radius, 2 * radius]
         last = lengths if isinstance(shape, Cylinder) else [2 * radius]
-        return {"radius_mm": radius, "extent_mm": [*across, *last]}
+        return {"radius_mm": radius, "extent_mm": [2 * radius, 2 * radius, *last]}
     bottom, top = piece.ends[0] if piece.ends else (None, None)
     radii = [_cone_radius(shape, piece.body, cap, size, regularized) for cap in (bottom, top)]
     tall = (

@@ -47,6 +47,12 @@ def test_facets_stay_within_the_tolerance(tree: Csg, tolerance: float) -> None:
         assert np.abs(away).max() <= tolerance * 1.01
 
 
+def test_parts_are_counted_whatever_their_cavities() -> None:
+    ball = Sphere(10.0)
+    assert Solid.from_csg(ball - Sphere(5.0)).parts == 1
+    assert Solid.from_csg((ball - Sphere(5.0)) | ball.at(30, 0, 0)).parts == 2
+
+
 def test_a_fifty_millimeter_sphere_stays_below_a_hundred_thousand_triangles() -> None:
     assert len(Solid.from_csg(Sphere(50)).triangles) < 100_000
 

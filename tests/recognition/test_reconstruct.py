@@ -49,6 +49,26 @@ def test_sides_that_nobody_felt_end_with_the_contacts_at_any_attitude(seed):
     assert np.ptp(reached) == pytest.approx(60.0, abs=1.0)
 
 
+def test_a_body_that_ends_stays_where_to_end_it_sooner_closes_nothing(monkeypatch):
+    """Ends at 15 mm past all contacts close it, those at 4 mm do not: the body that was cut off is kept."""
+    graph, _ = graph_of(Cube((60.0, 40.0, 20.0)), skip=[5])
+    long, short = (Cube((60.0, 40.0, high)).at(0, 0, 0.5 * high - 10.0) for high in (90.0, 26.0))
+
+    def assembled(felt, box, **besides):
+        tree = short if len(felt) == 6 and len(asked) == 2 else long
+        asked.append(len(felt))
+        piece = Piece("cube", "add", tree, np.eye(4), None, ((0, 1), (2, 3), (4, None)))
+        return Assembly((), regularize(()), (0,) * len(felt), (piece,), tree, Solid.from_csg(tree), ())
+
+    asked = []
+    monkeypatch.setattr(best_body, "assemble", assembled)
+    felt = [best_body.FeltFace(face.fit, face.contacts) for face in graph.faces]
+    asked.append(0)
+    body = best_body.best_body(felt, BOX, None, 15.0)
+    assert body.assembly.solid.bounds[1, 2] == pytest.approx(16.0)
+    assert body.ends
+
+
 @pytest.mark.parametrize(
     ("kind", "ends", "is_open"),
     [

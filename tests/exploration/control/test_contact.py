@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from exploration.control.procedures.land import land
+from exploration.control.procedures import land as landing
+from exploration.control.procedures.land import AS_TOLD, LandConfig, land
 from exploration.control.track_edge import follow_edge
 from exploration.control.track_surface import follow_surface
+from exploration.devices.guard import Collision
 from models.csg import Cube, Cylinder, Sphere
 from primitives import pose as se3
 
@@ -39,6 +41,20 @@ def test_landing_on_nothing_is_a_false_answer_that_says_why(over):
     missed = land(guard, np.array([0.0, 0.0, -1.0]), 60.0, 50.0)
     assert not missed
     assert "nothing" in missed.reason
+
+
+@pytest.mark.parametrize(("config", "turned"), [(AS_TOLD, False), (LandConfig(), True)])
+def test_a_pad_whose_housing_is_in_the_way_leans_unless_it_is_to_lie_as_told(
+    over, monkeypatch, config, turned
+):
+    def blocked(*_):
+        raise Collision("collision of lts210", None)
+
+    monkeypatch.setattr(landing, "advance", blocked)
+    guard, _ = over(Cube((200.0, 200.0, 40.0)), leaning(0.0, (0.0, 0.0, 40.0)))
+    before = guard.world_from_sensor[:3, :3]
+    assert not land(guard, np.array([0.0, 0.0, -1.0]), 20.0, 25.0, config)
+    assert (se3.turn_between(before, guard.world_from_sensor[:3, :3]) > 0.4) is turned
 
 
 def test_a_stroke_on_a_face_stops_short_of_its_edge_and_measures_the_face(over):

@@ -12,6 +12,8 @@ from recognition.assembly.enclosing import enclosing_circle
 from recognition.assembly.hollowed import hollowed
 from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece
+from recognition.assembly.regularities import regularize
+from recognition.assembly.uncertainty import piece_sigma
 
 FACET = 0.01
 BLOCK = Cube((80.0, 50.0, 16.0))
@@ -68,6 +70,40 @@ def test_a_slot_whose_end_nobody_felt_is_taken_away_between_its_known_walls():
     assert less.solid.shared_volume(truth) > 0.97 * truth.volume
 
 
+@pytest.mark.parametrize("floor", [1.3, 2.0, 3.0, 4.0])
+@pytest.mark.parametrize("known_floor", [True, False])
+def test_a_pocket_does_not_come_out_through_a_floor_that_was_felt_from_behind(floor, known_floor):
+    deep = 16.0 - floor
+    pocket = Cube((40.0, 24.0, deep + 20.0)).at(0.0, 0.0, 8.0 - deep + 0.5 * (deep + 20.0))
+    at = top_of(BLOCK - pocket)
+    shapes, where, told = [TOP, SIDE], [at, at], [False, False]
+    if known_floor:
+        level = 8.0 - deep
+        shapes, told = [*shapes, Plane([0, 0, level], [0, 0, 1.0])], [*told, True]
+        where = [*where, np.array([[0.0, 0.0, level]])]
+    less = hollowed(body(BLOCK), passed(pocket, 2.0, 1.0), known(shapes, where, told))
+    assert less.solid.genus == 0
+    if known_floor:
+        assert less.pieces[-1].operation == "subtract"
+
+
+def test_a_known_wall_that_leans_ends_a_slot_where_it_passes_that():
+    lean = np.deg2rad(4.0)
+    wall = Plane(
+        [-60.0, 3.0, 0], [np.sin(lean), -np.cos(lean), 0]
+    )  # at y = 3 far off, and at 8.9 in the slot
+    at = top_of(BLOCK - SLOT)
+    told = known([TOP, SIDE, wall], [at, at, np.array([[25.0, 9.0, 0.0]])], [False, False, True])
+    cut = hollowed(body(BLOCK), passed(SLOT), told).pieces[-1]
+    edge = cut.placed.bounds()[1][1]
+    assert edge == pytest.approx(wall_at(wall, 25.0), abs=0.5)
+
+
+def wall_at(wall, x):
+    """The y of a plane at x."""
+    return wall.origin[1] - (x - wall.origin[0]) * wall.normal[0] / wall.normal[1]
+
+
 def test_the_same_is_found_at_any_attitude():
     world = pose(random_rotation(np.random.default_rng(5)), [10.0, -20.0, 30.0])
     turn = world[:3, :3]
@@ -111,6 +147,9 @@ def test_half_a_bore_in_a_side_is_round_though_no_wall_is_known():
     at = top_of(BLOCK - notch)
     less = hollowed(body(BLOCK), passed(notch, 2.0, 0.5), known([TOP, SIDE], [at, at]))
     assert less.pieces[-1].kind == "cylinder"
+    assert piece_sigma(less.pieces[-1], regularize(())) == {
+        "extent_mm": [None, None, None]
+    }  # all of it is a guess
     truth = Solid.from_csg(BLOCK - notch, FACET)
     assert less.solid.shared_volume(truth) / max(truth.volume, less.solid.volume) > 0.98
 

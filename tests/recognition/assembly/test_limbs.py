@@ -68,7 +68,8 @@ def test_a_pin_is_a_bar_with_the_radius_of_its_wall():
     wall = np.concatenate(
         [np.column_stack([7 * np.cos(turn), 7 * np.sin(turn), np.full(12, z)]) for z in (15, 20, 25)]
     )
-    told = known([TOP, RoundWall([0, 0, 0.0], [0, 0, 1.0], 7.0)], [ON_TOP, wall])
+    beside = ON_TOP[np.hypot(*ON_TOP[:, :2].T) > 9.0]
+    told = known([TOP, RoundWall([0, 0, 0.0], [0, 0, 1.0], 7.0)], [beside, wall])
     whole = with_limbs(body(), None, told)
     assert whole.pieces[-1].kind == "cylinder"
     assert whole.pieces[-1].body == 1
@@ -87,3 +88,33 @@ def test_strays_by_themselves_and_what_hangs_in_the_air_far_off_are_no_limb():
     far = places((90, 99), (0, 9), (0, 0))
     assert with_limbs(given, None, known([TOP], [ON_TOP], stray=ON_END)) is given
     assert with_limbs(given, None, known([TOP, BOTTOM], [ON_TOP, far])) is given
+
+
+def test_the_root_of_a_limb_does_not_come_out_of_a_thin_body_behind():
+    plate, under = Cube((60.0, 40.0, 4.0)), Plane([0, 0, -2.0], [0, 0, -1.0])
+    turn = np.linspace(0.0, 2.0 * np.pi, 13)[:-1]
+    ring = np.column_stack([7.0 * np.cos(turn), 7.0 * np.sin(turn), np.zeros(12)])
+    wall = np.concatenate([ring + z * np.eye(3)[2] for z in (5.0, 10.0, 15.0)])
+    told = known(
+        [under, RoundWall([0, 0, 0.0], [0, 0, 1.0], 7.0)], [places((-28, 28), (-18, 18), (-2, -2)), wall]
+    )
+    whole = with_limbs(body(plate), None, told)
+    assert whole.solid.bounds[1, 2] == pytest.approx(15.5)
+    assert whole.solid.bounds[0, 2] == pytest.approx(-2.0)
+
+
+def test_no_box_or_bar_stands_for_what_neither_explains():
+    """A thin rod aslant: the box round it is felt at two of its edges alone."""
+    along = np.linspace(0.0, 1.0, 30)[:, None] * [30.0, 24.0, 30.0]
+    given, told = (
+        body(),
+        known([TOP, SIDE], [np.concatenate([ON_TOP, along + np.array([0.0, -10.0, 13.0])]), ON_END[:0]]),
+    )
+    assert with_limbs(given, None, told) is given
+
+
+def test_a_great_many_contacts_of_a_limb_are_no_more_work_than_their_places():
+    dense = np.random.default_rng(0).uniform([32, -9, -10.0], [52, 9, -10.0], (60_000, 3))
+    told = known([TOP, BOTTOM, LEDGE], [ON_TOP, np.concatenate([ON_BOTTOM, dense]), ON_LEDGE])
+    whole = with_limbs(body(), None, told)
+    assert whole.solid.bounds[1, 0] == pytest.approx(52.0, abs=1.0)
