@@ -18,7 +18,8 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.shared_error import with_shared_error
 from recognition.assembly import Assembly, NotClosed
-from recognition.assembly.assemble import FittedFace, outward, tree_of
+from recognition.assembly.assemble import tree_of
+from recognition.assembly.given import FittedFace, outward
 from recognition.assembly.hollowed import HOLLOW, hollowed
 from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece

@@ -12,43 +12,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 
 from models.csg import Csg
 from models.solid import Solid
-from primitives.arrays import Floats, frozen
-from primitives.evidence import NOT_FELT, Contacts
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
-from primitives.shapes import Plane, Shape, Torus
-from primitives.shared_error import with_shared_error
+from primitives.shapes import Shape, Torus
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
+from recognition.assembly.given import FittedFace, Given
 from recognition.assembly.hollowed import HOLLOW, hollowed
 from recognition.assembly.limbs import LIMB, with_limbs
 from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece
 from recognition.assembly.pieces import pieces
-from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
+from recognition.assembly.regularities import RegularityOptions, Regularized
 
-_HEARSAY = 4  # inferred contacts that count as much as one that was felt
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
 _BESIDES = {"add": LIMB, "subtract": HOLLOW}  # what is told of pieces that no faces close
-
-
-class FittedFace(Protocol):
-    """A face as exploration leaves it."""
-
-    @property
-    def fit(self) -> Fit:
-        """Its surface."""
-        ...
-
-    @property
-    def contacts(self) -> Contacts:
-        """The evidence for it."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -101,16 +85,12 @@ def assemble(
     Nothing is at (n, 3) places `free` [mm], as where an array went in; (m, 3) `stray` ones were felt on no face.
     """
     options = options or AssemblyOptions()
-    fits = tuple(outward(with_shared_error(f.fit, f.contacts)) for f in faces)
-    regularized = regularize(fits, options.regularity)
-    speaker = _speakers(len(fits), regularized)
-    distinct = sorted(set(speaker))
-    touched = [_touched(regularized.shapes[i], i, speaker, fits, faces) for i in distinct]
-    given = _Given(faces, fits, regularized, speaker, distinct, touched, options, free, stray)
+    given = Given.of(faces, options.regularity, free, stray)
+    fits, regularized, distinct, touched = given.fits, given.regularized, given.distinct, given.touched
     sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
     allowed = max(options.reach_sigmas * sigma, options.least_step)
     if _is_concave(given, allowed):
-        whole = _from_cells(given)
+        whole = _from_cells(given, options)
         if not isinstance(whole, NotClosed) or any(f.kind == "torus" for f in fits):
             return whole
     shells = [i for i in distinct if fits[i].convex]
@@ -126,45 +106,13 @@ def assemble(
         np.array([area.get(i, 0.0) for i in kept]),
         found.corners,
     )
-    made = _finished(given, tuple(_renumbered(p, kept) for p in named), set(kept))
+    made = _finished(given, options, tuple(_renumbered(p, kept) for p in named), set(kept))
     made = replace(made, warnings=(*_unused(given, made.surface_of_fit), *made.warnings))
     if not holes or (off := _off_surface(made.solid, touched, allowed)) <= options.off_surface:
         return made
-    whole = _from_cells(given)
+    whole = _from_cells(given, options)
     better = not isinstance(whole, NotClosed) and _off_surface(whole.solid, touched, allowed) < 0.5 * off
     return whole if better else made
-
-
-@dataclass(frozen=True)
-class _Given:
-    """What is known of the body; of surfaces that coincide the first speaks for all."""
-
-    faces: Sequence[FittedFace]
-    fits: tuple[Fit, ...]
-    regularized: Regularized
-    speaker: Sequence[int]  # of each fit
-    distinct: Sequence[int]  # speakers
-    touched: Sequence[tuple[Floats, Floats]]  # of each speaker (n, 3) places and (n, 3) normals
-    options: AssemblyOptions
-    free: Floats | None
-    stray: Floats | None
-
-    @property
-    def shapes(self) -> list[Shape]:
-        """Of the speakers."""
-        return [self.regularized.shapes[i] for i in self.distinct]
-
-    @property
-    def inferred(self) -> list[bool]:
-        """Whether nobody felt what a speaker speaks for."""
-        return [
-            all(
-                (self.faces[i].contacts.touch == NOT_FELT).all()
-                for i, s in enumerate(self.speaker)
-                if s == own
-            )
-            for own in self.distinct
-        ]
 
 
 def _off_surface(solid: Solid, touched: Sequence[tuple[Floats, Floats]], allowed: float) -> float:
@@ -174,7 +122,7 @@ def _off_surface(solid: Solid, touched: Sequence[tuple[Floats, Floats]], allowed
     return float(np.mean(np.abs(solid.signed_distance(some)) > allowed))
 
 
-def _is_concave(given: _Given, allowed: float) -> bool:
+def _is_concave(given: Given, allowed: float) -> bool:
     """Whether contacts lie where no intersection of insides, less its holes, can have a surface."""
     if any(isinstance(shape, Torus) for shape in given.shapes):
         return True
@@ -184,28 +132,12 @@ def _is_concave(given: _Given, allowed: float) -> bool:
     return contradicts_convex(given.shapes, convex, given.touched, allowed)
 
 
-def _touched(
-    shape: Shape, speaker_of: int, speaker: Sequence[int], fits: Sequence[Fit], faces: Sequence[FittedFace]
-) -> tuple[Floats, Floats]:
-    """Contacts of every face on a surface, put on it, with the normals it has there; few of those inferred."""
-    mine = [faces[i].contacts for i, s in enumerate(speaker) if s == speaker_of]
-    felt = Contacts.concatenate(mine)
-    felt = felt.select((felt.touch != NOT_FELT) | (np.arange(len(felt)) % _HEARSAY == 0))
-    points = shape.project(felt.points)
-    normals = shape.normals(points)
-    known = felt.has_normal
-    facing = np.where(known, (np.nan_to_num(felt.normals) * normals).sum(axis=1), 0.0)
-    side = 1.0 if fits[speaker_of].convex or isinstance(shape, Plane) else -1.0
-    sign = np.where(known, np.sign(facing), side)
-    return points, normals * sign[:, None]
-
-
-def _from_cells(given: _Given) -> Assembly | NotClosed:
+def _from_cells(given: Given, options: AssemblyOptions) -> Assembly | NotClosed:
     """Any body: the list of primitives that the cells between the surfaces ask for."""
     found = concave_pieces(given.shapes, given.touched, given.free, given.inferred)
     if isinstance(found, NotClosed):
         return found
-    made = _finished(given, tuple(_renumbered(p, given.distinct) for p in found), None)
+    made = _finished(given, options, tuple(_renumbered(p, given.distinct) for p in found), None)
     warnings = tuple(
         f"face {i} ({given.fits[i].kind}, {len(given.faces[i].contacts)} contacts) lies on no surface of the model"
         for i, s in enumerate(made.surface_of_fit)
@@ -214,15 +146,15 @@ def _from_cells(given: _Given) -> Assembly | NotClosed:
     return replace(made, warnings=(*warnings, *made.warnings))
 
 
-def _finished(given: _Given, named: tuple[Piece, ...], kept: set[int] | None) -> Assembly:
+def _finished(
+    given: Given, options: AssemblyOptions, named: tuple[Piece, ...], kept: set[int] | None
+) -> Assembly:
     """The body of pieces as all evidence has it, with the surfaces `kept`, or all that it has or nobody felt."""
-    options = given.options
     bare = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
-    stray = np.empty((0, 3)) if given.stray is None else given.stray
-    known = Known(given.shapes, [points for points, _ in given.touched], given.inferred, stray)
+    known = Known(given.shapes, [points for points, _ in given.touched], given.inferred, given.stray)
     body = hollowed(with_limbs(bare, given.free, known), given.free, known)
     more = tuple(_renumbered(piece, given.distinct) for piece in body.pieces[len(named) :])
-    on = _surfaces_of(given, body.solid) if kept is None else kept
+    on = _surfaces_of(given, body.solid, options.on_body) if kept is None else kept
     on |= {i for piece in more for i in piece.surfaces}
     return Assembly(
         given.fits,
@@ -235,14 +167,14 @@ def _finished(given: _Given, named: tuple[Piece, ...], kept: set[int] | None) ->
     )
 
 
-def _surfaces_of(given: _Given, solid: Solid) -> set[int]:
+def _surfaces_of(given: Given, solid: Solid, near: float) -> set[int]:
     """The speakers whose contacts a solid has on its surface, and those that nobody felt."""
     away = [np.abs(solid.signed_distance(points)) for points, _ in given.touched]
     felt = zip(given.distinct, away, given.inferred, strict=True)
-    return {i for i, far, told in felt if told or (len(far) and np.median(far) < given.options.on_body)}
+    return {i for i, far, told in felt if told or (len(far) and np.median(far) < near)}
 
 
-def _unused(given: _Given, surface_of_fit: tuple[int | None, ...]) -> tuple[str, ...]:
+def _unused(given: Given, surface_of_fit: tuple[int | None, ...]) -> tuple[str, ...]:
     return tuple(
         f"face {i} ({given.fits[i].kind}, {len(contacts)} contacts) does not touch the body; left out"
         for i, s in enumerate(surface_of_fit)
@@ -263,26 +195,6 @@ _OPERATIONS: dict[str, Callable[[Csg, Csg], Csg]] = {
     "subtract": lambda tree, piece: tree - piece,
     "intersect": lambda tree, piece: tree & piece,
 }
-
-
-def outward(fit: Fit) -> Fit:
-    """The same fit, with a plane's normal turned away from the material."""
-    if fit.convex or not isinstance(fit.shape, Plane):
-        return fit
-    turned = Plane(fit.shape.origin, -fit.shape.normal)
-    flip = np.zeros((3, 3))
-    flip[0, 0] = -1.0
-    flip[1:, 1:] = -turned.frame[:, :2].T @ fit.shape.frame[:, :2]
-    return replace(fit, shape=turned, covariance=frozen(flip @ fit.covariance @ flip.T), convex=True)
-
-
-def _speakers(count: int, regularized: Regularized) -> list[int]:
-    speaker = list(range(count))
-    for relation in regularized.relations:
-        if relation.kind == "coincident":
-            low, high = sorted(speaker[i] for i in relation.faces)
-            speaker = [low if s == high else s for s in speaker]
-    return speaker
 
 
 def _renumbered(piece: Piece, numbers: Sequence[int]) -> Piece:

@@ -16,7 +16,7 @@ from models.solid import Solid
 from primitives.arrays import Floats, frozen
 from primitives.fit import Fit, refit
 from primitives.shapes import Cone, Shape
-from recognition.assembly.assemble import outward
+from recognition.assembly.given import outward
 from recognition.assembly.regularities import Relation, regularize
 
 EACH = 40  # contacts per face of a part

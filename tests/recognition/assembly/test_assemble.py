@@ -13,7 +13,7 @@ from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit, refit
 from primitives.pose import pose, random_rotation
 from primitives.shapes import Plane
-from recognition.assembly.assemble import AssemblyOptions, assemble, outward
+from recognition.assembly.assemble import AssemblyOptions, assemble
 from recognition.assembly.closure import NotClosed
 from recognition.assembly.described import (
     describe_edges,
@@ -22,6 +22,7 @@ from recognition.assembly.described import (
     describe_regularities,
     link,
 )
+from recognition.assembly.given import outward
 from recognition.assembly.regularities import RegularityOptions
 from recognition.truth import LabeledFaces, TruthOptions, evaluate, sample_surface
 
