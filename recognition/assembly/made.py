@@ -17,6 +17,7 @@ from primitives.shapes import Cylinder, Plane, Shape
 from recognition.assembly.piece import Piece
 
 FLUSH = 0.995  # least cosine of directions that are one
+_MOST = 16  # directions, and frames, that are tried: a gear has as many as it has teeth
 _ACROSS = 1e-2  # most cosine of directions across each other
 
 
@@ -61,20 +62,21 @@ class Known:
 
     @property
     def directions(self) -> list[Floats]:
-        """Directions of the object, each once, flat faces' first."""
+        """Directions of the object, each once: flat faces' first, of these those with the most places."""
         kept: list[Floats] = []
+        order = sorted(range(len(self.shapes)), key=lambda k: -len(self.places[k]))
         for kind in ("plane", "cylinder", "cone"):
-            for shape in self.shapes:
+            for shape in (self.shapes[k] for k in order):
                 if shape.kind == kind and all(abs(float(shape.direction @ k)) < FLUSH for k in kept):
                     kept.append(shape.direction)
-        return kept
+        return kept[:_MOST]
 
     @property
     def frames(self) -> list[Floats]:
         """(3, 3) right-handed frames along pairs of perpendicular directions, or along single ones."""
         ways = self.directions
         square = [frame_along(a, b) for a, b in combinations(ways, 2) if abs(float(a @ b)) < _ACROSS]
-        return square or [frame_along(a) for a in ways]
+        return (square or [frame_along(a) for a in ways])[:_MOST]
 
 
 def thinned(places: Floats, cell: float) -> Floats:
