@@ -1,8 +1,8 @@
 """What was felt where a body has nothing: boxes and bars that stand under such contacts.
 
 A limb of which too little was felt to close it is no cell, and a body of cells leaves its contacts in the air.
-Those that hang together span it: a box or a bar whose sides are known surfaces
-where one is there, and else where contact ended.  It holds nothing that an array passed through (our derivation).
+Those that hang together span it: a box or a bar whose sides are known surfaces where one is there, and else where
+contact ended.  It holds nothing that an array passed through (our derivation).
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def with_limbs(body: Body, free: Floats | None, known: Known, config: LimbConfig
     """A body with what its contacts ask for besides; (n, 3) places `free` [mm] hold nothing."""
     on, strays = thinned(known.felt, config.apart), thinned(known.stray, config.apart)
     felt, named = np.concatenate([on, strays]), np.arange(len(on) + len(strays)) < len(on)
-    nowhere = np.empty((0, 3)) if free is None else free
+    nowhere = np.empty((0, 3)) if free is None else thinned(free, config.apart)
     given_up = np.zeros(len(felt), dtype=bool)
     for _ in range(config.most):
         away = body.solid.signed_distance(felt)

@@ -80,7 +80,9 @@ def test_a_pin_is_a_bar_with_the_radius_of_its_wall():
 def test_nothing_is_added_where_an_array_passed_through():
     given = body()
     told = known([TOP, BOTTOM, LEDGE], [ON_TOP, ON_BOTTOM, ON_LEDGE])
-    assert with_limbs(given, places((32, 56), (-9, 9), (-9, -3), 2.0), told) is given
+    passed = places((32, 56), (-9, 9), (-9, -3), 2.0)
+    assert with_limbs(given, passed, told) is given
+    assert with_limbs(given, np.concatenate([passed, [[np.nan, 0.0, 0.0]]]), told) is given
 
 
 def test_strays_by_themselves_and_what_hangs_in_the_air_far_off_are_no_limb():
