@@ -27,6 +27,7 @@ from primitives.arrays import Bools, Floats, frozen
 PRESS_AND_LEVEL = frozen(
     np.array([False, False, True, True, True, False]), np.bool_
 )  # force z, moments x and y
+PRESS_ONLY = frozen(np.array([False, False, True, False, False, False]), np.bool_)
 INTEGRAL = 0.1  # ki / kp^2
 PRESS = 0.5  # [mm] nominal indentation
 

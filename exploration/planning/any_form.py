@@ -33,12 +33,14 @@ from exploration.planning.moves.slipped import Slipped
 from exploration.planning.moves.wall_facing import face_wall
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.local_frontier import LocalFrontier
+from exploration.planning.open.ring_ends import bare_ends
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.explained import unexplained_stops
 from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, Findings, SeenRim
 from exploration.planning.touching.overhung import Overhung
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
+from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import NoFit
 from primitives.patch_graph import Face, PatchGraph
@@ -192,8 +194,16 @@ class AnyForm:
         openings = [*frontier.openings, *far_ends(seen, flat, WHERE_TO_LOOK)]
         round_ = [opening for opening in openings if not self._refuted(opening)]
         straight = [rim for rim in frontier.rims if not any(o.holds(rim[0].point) for o in round_)]
-        looks = self._holes.next([*openings, *narrower_ends(seen, flat)])
+        rings = bare_ends(frontier.known, self.found.wall_rims, self._free())
+        looks = self._holes.next([*openings, *narrower_ends(seen, flat), *rings])
         return self._looking.next() or looks or self._rim_looks.next(straight)
+
+    def _free(self) -> Floats:
+        """(n, 3) places among what was felt, that the skin found free or an array passed through."""
+        felt, free = self.reach.felt.points, self.pad.free.points
+        if not len(felt):
+            return free
+        return np.concatenate([free, self.pad.swept.between(felt.min(axis=0), felt.max(axis=0))])
 
     def _own_faces(self) -> list[int]:
         """Those that the array in use felt, and no other, as floors of what it alone has room in; and new ones."""

@@ -4,6 +4,8 @@ A first contact may be a vertex under the middle of the pad or a face under its 
 so that the slope at the pad's center vanishes, rolls the pad off vertices and edges until it lies flush on a face
 or tangent to a curved one.  Balanced on something sharp, where no slope shows, it is moved aside and rolls on.
 
+A rim that is narrower than the pad can lie on is only pressed, at the attitude that the pad came at.
+
 Depth and slope are those that will be once the commands still on their way are done (`devices.pending`).
 
 Property class: structural (surface normal).
@@ -15,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from exploration.control.feel import Felt, feel
-from exploration.control.hybrid import PRESS, HybridGains, HybridState, hybrid
+from exploration.control.hybrid import PRESS, PRESS_AND_LEVEL, PRESS_ONLY, HybridGains, HybridState, hybrid
 from exploration.devices.guard import Guard
 from primitives.arrays import Floats
 
@@ -34,6 +36,10 @@ class SettleConfig:
     shifts: int = 3  # as often, before what is felt is taken to be that narrow
     reach: float = 4.0  # [mm] that a lost contact is followed forward
     smoothing: float = 0.3  # share of the newest slope in the running mean
+    rolls: bool = True  # else the pad keeps the attitude that it came at
+
+
+AS_IT_CAME = SettleConfig(rolls=False)
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,7 @@ def settle(guard: Guard, press: float = PRESS, config: SettleConfig = SettleConf
     """Roll from any first contact to a flush one, at the nominal press."""
     usual, law = HybridGains(), HybridGains.for_delay(guard.period, guard.pending.latency)
     gains = replace(usual, press=min(usual.press, law.press), level=min(usual.level, law.level))
+    selection = PRESS_AND_LEVEL if config.rolls else PRESS_ONLY
     followed, quiet, shifts = 0.0, 0, 0
     aside, slope = np.zeros(2), None
     seen = guard.hold()
@@ -62,12 +69,13 @@ def settle(guard: Guard, press: float = PRESS, config: SettleConfig = SettleConf
                 return Unsettled("contact was lost and not found again ahead")
             seen = guard.move(np.array([0.0, 0.0, gains.press_speed, 0.0, 0.0, 0.0]))
             continue
-        slope = felt.slope if slope is None else slope + config.smoothing * (felt.slope - slope)
+        new = felt.slope if config.rolls else np.zeros(2)
+        slope = new if slope is None else slope + config.smoothing * (new - slope)
         level = float(np.hypot(*slope)) < config.slope
         now = press if level else config.light_press
         quiet = quiet + 1 if level and abs(felt.depth - now) < config.depth else 0
         if quiet >= config.ticks:
-            if felt.curvature[0] < config.sharp or shifts == config.shifts:
+            if felt.curvature[0] < config.sharp or shifts == config.shifts or not config.rolls:
                 return felt
             aside, shifts, quiet = _across(felt) * config.shift, shifts + 1, 0
         step = np.clip(aside, -15.0 * guard.period, 15.0 * guard.period)
@@ -77,7 +85,7 @@ def settle(guard: Guard, press: float = PRESS, config: SettleConfig = SettleConf
         depth = felt.depth + float(soon[2, 3] + tilt @ felt.centroid)
         wish = np.array([*(step / guard.period), 0.0, 0.0, 0.0, 0.0])
         twist, _ = hybrid(
-            HybridState(), now - depth, slope + tilt, felt.centroid, wish, guard.period, gains
+            HybridState(), now - depth, slope + tilt, felt.centroid, wish, guard.period, gains, selection
         )  # without memory: what is rolled upon changes
         seen = guard.move(twist)
     return Unsettled(f"no level contact within {config.patience} ticks")

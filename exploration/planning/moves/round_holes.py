@@ -15,6 +15,7 @@ import numpy as np
 
 from exploration.control.dwell import dwell
 from exploration.control.procedures.land import AS_TOLD
+from exploration.control.procedures.settle import AS_IT_CAME, SettleConfig
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
@@ -24,7 +25,8 @@ from exploration.sensing.lines.round_hole import RoundHole, fit_round_hole
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.fit import Fit
+from primitives.fit import Fit, fit
+from primitives.patch_graph import Face
 from primitives.shapes import Shape
 
 
@@ -48,6 +50,9 @@ class RoundHolesConfig:
     strays: int = 3  # contacts there, up to which it ends all the same
     beside: float = 4.0  # [mm] between rims that are tried as one,
     as_wide: float = 4.0  # [mm] and between their radii
+    narrow: float = 6.0  # [mm] of a ring, on which no pad can lie
+    ring_sigma: float = 0.1  # [mm] of a narrow face, that only looks at the rim within it have felt
+    ring_normal_sigma: float = 0.05  # [rad] of it
 
 
 class RoundHoles:
@@ -81,10 +86,11 @@ class RoundHoles:
         looks, led = 1 if small else self.config.looks, 0
         found: RoundHole | None = None
         ends = self._ends(rim)
+        settling = AS_IT_CAME if rim.outer - rim.radius < self.config.narrow else SettleConfig()
         for give, (way, pose) in product((False, True), self._places(rim, small)):
             if not small and any(way @ other > np.cos(self.config.apart) for other in used):
                 continue
-            met = self.reach.touch(pose, give, landing=AS_TOLD)
+            met = self.reach.touch(pose, give, settling, AS_TOLD)
             led += self.reach.led
             if met and self._lies(rim):
                 seen = dwell(pad.guard, self.config.frames)
@@ -93,14 +99,36 @@ class RoundHoles:
                 found = fit_round_hole(frames, rim.center, rim.axis, rim.radius, rim.outer, ends)
             if led >= self.config.most or (found is not None and len(frames) >= looks):
                 break
+        own = self.study.found.fit_of(rim.face)
+        narrow = own is not None and own.kind != "plane"
         if found is None:
             self._missed.append(rim)
-            self.study.found.refuted += [rim.center] if frames else []
+            self.study.found.refuted += [rim.center] if frames and not narrow else []
             return None, "no round rim was made out"
         better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
         self._seen.note(rim.center, found.center)
+        if narrow:
+            better = self._on_new_face(better, found.face)
         self.study.found.rims.append(better)
         return None, "looked at the rim of a round hole"
+
+    def _on_new_face(self, rim: RoundRim, places: Floats) -> RoundRim:
+        """The rim, on the narrow face that the looks at it have felt, at (n, 3) places, and nothing else has."""
+        touch, stroke = self.study.pad.guard.cost.touches, self.study.pad.guard.cost.strokes
+        contacts = Contacts.of(
+            places,
+            np.broadcast_to(rim.axis, places.shape),
+            self.config.ring_sigma,
+            self.config.ring_normal_sigma,
+            touch=touch,
+            stroke=stroke,
+            sensor=self.study.pad.guard.active,
+        )
+        made, graph = fit("plane", contacts), self.study.found.graph
+        if not isinstance(made, Fit):
+            return rim
+        self.study.found.graph = replace(graph, faces=(*graph.faces, Face(graph.next_id, made, contacts)))
+        return replace(rim, face=graph.next_id)
 
     def _lies(self, rim: RoundRim) -> bool:
         """Whether the pad lies on the face that a rim is on, and has not rolled off it."""

@@ -3,6 +3,9 @@
 No pad lies on a ring a few millimeters wide so that the face is felt all round its bore, as `gaps` asks.  But the
 turned face tells the ring's outer circle, and what was felt of the ring lies between that and the bore's rim.
 Where the middle was found free, a bore about the same axis is where to look (our derivation).
+
+A ring may be so narrow that nothing on it makes a face.  Then the turned face's own rim tells where the tube ends,
+and the places that were found free there how wide its bore is at least.
 """
 
 from __future__ import annotations
@@ -10,6 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from exploration.control.sighting import Sighting
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim, aside
 from primitives.arrays import Floats
@@ -28,6 +34,11 @@ class RingEndsConfig:
     largest: float = 60.0  # [mm] of the turned face's
     free: int = 4  # places inside, at which the face is not
     inside: float = 0.5  # [mm] nearer to the axis than all that was felt, where they are
+    round: float = 0.1  # most cosine between the rim of a turned face and its axis
+    along: float = 0.3  # least cosine between the way out at that rim and the axis
+    past: float = 2.0  # [mm] past that rim, where the turned face was felt nowhere
+    level: tuple[float, float] = (-4.0, 1.0)  # [mm] of free places from the end of a tube
+    nearly: float = 0.9  # share of them that are nearer to the axis than its bore's rim is guessed
 
 
 def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfig()) -> list[RoundRim]:
@@ -48,6 +59,53 @@ def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfi
             if config.least < radius and outside < outer + config.beyond and inside.sum() >= config.free:
                 found.append(RoundRim(center, axis, radius, 1.0, end.face.id, outer=outer))
     return found
+
+
+def bare_ends(
+    known: Sequence[KnownFace],
+    rims: Sequence[tuple[Sighting, int]],
+    free: Floats,
+    config: RingEndsConfig = RingEndsConfig(),
+) -> list[RoundRim]:
+    """Circles where the bores of tubes may begin of whose ends only the outer rims were looked at.
+
+    Each of the `rims` comes with the id of its face; nothing is at (n, 3) places `free` [mm].
+    """
+    found: list[RoundRim] = []
+    flat = [own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.felt]
+    for turned in known:
+        if (shape := _barrel(turned, config)) is None:
+            continue
+        for axis in (shape.direction, -shape.direction):
+            heights = [
+                float((rim.point - shape.anchor) @ axis)
+                for rim, own in rims
+                if own == turned.face.id
+                and abs(float(rim.tangent @ axis)) < config.round
+                and float(rim.outward @ axis) > config.along
+            ]
+            if not heights:
+                continue
+            center = shape.anchor + max(heights) * axis
+            felt_past = float(((turned.cells - center) @ axis).max()) > config.past
+            known_end = any(_passes(end, center, axis, config) for end in flat)
+            if felt_past or known_end:
+                continue
+            up, far = (free - center) @ axis, aside(free, center, axis)
+            low, high = config.level
+            within = far[(up > low) & (up < high) & (far < shape.radius - config.inside)]
+            if (
+                len(within) >= config.free
+                and (radius := float(np.quantile(within, config.nearly))) > config.least
+            ):
+                found.append(RoundRim(center, axis, radius, 1.0, turned.face.id, outer=float(shape.radius)))
+    return found
+
+
+def _passes(end: KnownFace, center: Floats, axis: Floats, config: RingEndsConfig) -> bool:
+    """Whether a flat face that looks along an axis goes through a (3,) place on it."""
+    looks = float(end.side * end.fit.shape.direction @ axis) > config.upright
+    return looks and abs(float((end.fit.shape.anchor - center) @ axis)) < config.beyond
 
 
 def _barrel(own: KnownFace, config: RingEndsConfig) -> Cylinder | None:

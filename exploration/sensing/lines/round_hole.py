@@ -52,6 +52,7 @@ class RoundHoleConfig:
     one_nick: float = 0.75  # share of what is left over that lies there, at least
     chosen: float = 1.8  # chi2 per degree of freedom, the same for what is left without strays
     round: float = 0.7  # share of those that must agree
+    on_face: float = 0.8  # of what the best taxel sees of the face, that one sees which tells where it is
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,7 @@ class RoundHole:
     radius: float  # [mm]
     sigma: float  # [mm] of the radius
     misfit: float  # chi2 per degree of freedom
+    face: Floats  # (n, 3) [mm] places of the face round it, under the taxels that see it best
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,7 @@ class _Look:
     face: Floats  # (n,) of each, that would lie on the face if it had no hole
     slope: Floats  # (n, 2) [1/mm] of that, along the pad's x and y
     axes: Floats  # (2, 2) those, in the face's plane
+    pose: Floats  # (4, 4) world_from_sensor
 
     def only(self, kept: Bools) -> _Look:
         """Of some taxels."""
@@ -88,6 +91,7 @@ class _Look:
             self.face[kept],
             self.slope[kept],
             self.axes,
+            self.pose,
         )
 
 
@@ -132,7 +136,8 @@ def fit_round_hole(
     sigma = float(np.sqrt(inverse[2, 2] * max(misfit, 1.0)))
     if misfit > most or sigma > config.certain or (found.active_mask != 0).any():
         return None
-    return RoundHole(center + turn[:, :2] @ found.x[:2], float(found.x[2]), sigma, misfit)
+    face = np.concatenate([_places(look, found.x, config) for look in looks])
+    return RoundHole(center + turn[:, :2] @ found.x[:2], float(found.x[2]), sigma, misfit, face)
 
 
 def _misfit(found: OptimizeResult, looks: int) -> float:
@@ -193,11 +198,26 @@ def _look(
     floor = config.systematic * float(depth[kept].max(initial=0.0))
     weight = 1.0 / np.hypot(sigma[kept], floor)
     axes = (turn.T @ pose[:3, :2])[:2]
-    return _Look(flat[kept], rows, depth[kept], weight, width, face[kept], slope[kept], axes)
+    return _Look(flat[kept], rows, depth[kept], weight, width, face[kept], slope[kept], axes, pose)
 
 
 def _residual(look: _Look, circle: Floats) -> Floats:
     """(n,) what the best plane under a circle (x, y, radius) leaves, in standard deviations."""
+    plane, share = _plane(look, circle)
+    return np.asarray(share @ plane - look.depth * look.weight)
+
+
+def _places(look: _Look, circle: Floats, config: RoundHoleConfig) -> Floats:
+    """(n, 3) [mm] places of the face, where the taxels are that a good part of it lies under."""
+    plane, share = _plane(look, circle)
+    there = share[:, 0] / look.weight
+    best = there > config.on_face * float(there.max(initial=0.0))
+    rows = look.rows[best]
+    return se3.transform_points(look.pose, np.column_stack([rows[:, 1:], -rows @ plane]))
+
+
+def _plane(look: _Look, circle: Floats) -> tuple[Floats, Floats]:
+    """(3,) the best plane under a circle, and (n, 3) what each taxel sees of it, in standard deviations."""
     out, width, radius = look.flat - circle[:2], look.width, float(circle[2]) / look.width
     away = np.linalg.norm(out, axis=1)
     there = look.face - of_disc(away / width, radius)
@@ -206,4 +226,4 @@ def _residual(look: _Look, circle: Floats) -> Floats:
     rows = look.rows * there[:, None] + np.column_stack([np.zeros(len(away)), moment])
     rows, seen = rows * look.weight[:, None], look.depth * look.weight
     plane, *_ = np.linalg.lstsq(rows, seen, rcond=None)
-    return np.asarray(rows @ plane - seen)
+    return plane, rows

@@ -5,6 +5,7 @@ import pytest
 
 from exploration.control.procedures import land as landing
 from exploration.control.procedures.land import AS_TOLD, LandConfig, land
+from exploration.control.procedures.settle import AS_IT_CAME, SettleConfig
 from exploration.control.track_edge import follow_edge
 from exploration.control.track_surface import follow_surface
 from exploration.devices.guard import Collision
@@ -55,6 +56,17 @@ def test_a_pad_whose_housing_is_in_the_way_leans_unless_it_is_to_lie_as_told(
     before = guard.world_from_sensor[:3, :3]
     assert not land(guard, np.array([0.0, 0.0, -1.0]), 20.0, 25.0, config)
     assert (se3.turn_between(before, guard.world_from_sensor[:3, :3]) > 0.4) is turned
+
+
+@pytest.mark.parametrize(("settling", "stays"), [(AS_IT_CAME, True), (SettleConfig(), False)])
+def test_a_pad_across_a_narrow_wall_stays_at_the_attitude_it_came_at_unless_it_rolls(over, settling, stays):
+    wall = Cube((80.0, 2.0, 40.0))
+    guard, _ = over(wall, leaning(4.0, (0.0, 0.0, 40.0)))
+    before = guard.world_from_sensor[:3, :3]
+    land(guard, np.array([0.0, 0.0, -1.0]), 60.0, 25.0, AS_TOLD, settling)
+    assert (se3.turn_between(before, guard.world_from_sensor[:3, :3]) < 1e-3) is stays
+    if stays:
+        assert abs(guard.world_from_sensor[2, 3] - 20.0) < 1.2
 
 
 def test_a_stroke_on_a_face_stops_short_of_its_edge_and_measures_the_face(over):

@@ -66,6 +66,10 @@ def test_the_bore_of_a_ring_is_seen_on_three_millimeters_of_face():
     assert found is not None
     assert abs(found.radius - 13.4) < max(4.0 * found.sigma, 0.05)
     assert np.linalg.norm(found.center[:2] - [0.1, -0.1]) < 0.1
+    assert np.abs(found.face[:, 2] - 0.5).max() < 0.1
+    away = np.linalg.norm(found.face[:, :2], axis=1)
+    assert len(away) > 20
+    assert 13.0 < away.min() < away.max() < 17.0
     blind = fit_round_hole(frames, np.zeros(3), UP, 11.7)
     assert blind is None or abs(blind.radius - 13.4) > 0.1
 
@@ -166,9 +170,8 @@ def test_a_face_without_a_hole_shows_none():
 def test_taxels_off_a_circle_are_left_out_on_one_side_of_it_and_not_all_round():
     turn = np.arange(120) * np.pi / 60.0
     ring = 9.0 * np.column_stack([np.cos(turn), np.sin(turn)])
-    look = _Look(
-        ring, np.ones((120, 3)), np.ones(120), np.ones(120), 1.2, np.ones(120), np.zeros((120, 2)), np.eye(2)
-    )
+    ones, rows = np.ones(120), np.ones((120, 3))
+    look = _Look(ring, rows, ones, ones, 1.2, ones, np.zeros((120, 2)), np.eye(2), np.eye(4))
     keyway, corners = np.abs(turn - np.pi) < 0.4, np.cos(6.0 * turn) > 0.7
 
     def kept(strays):

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from exploration.control.sighting import Sighting
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.ring_ends import RingEndsConfig, ring_ends
+from exploration.planning.open.ring_ends import RingEndsConfig, bare_ends, ring_ends
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 
@@ -51,3 +52,29 @@ def test_a_flange_round_the_barrel_or_a_bore_for_it_makes_no_ring():
     assert ring_ends([wide, BARREL]) == []
     assert ring_ends([END, replace(BARREL, side=-1.0)]) == []
     assert ring_ends([END, BARREL], RingEndsConfig(largest=15.0)) == []
+
+
+def outer_rim(up, way=UP, face=1):
+    """The rim of the barrel as seen from its side at a height."""
+    x, y, _ = np.eye(3)
+    return Sighting(16.0 * x + up * UP, y, way, x, 0.05, 14.0), face
+
+
+def test_a_tube_of_whose_end_only_the_outer_rim_was_seen_has_a_bore_as_wide_as_was_free():
+    free = np.concatenate([radius * RING for radius in (3.0, 8.0, 13.0)]) - UP
+    (rim,) = bare_ends([BARREL], [outer_rim(0.0)], free)
+    assert np.allclose(rim.center, 0.0, atol=0.05)
+    assert rim.axis @ UP > 0.999
+    assert 12.0 < rim.radius < 14.0
+    assert abs(rim.outer - 16.0) < 0.05
+    assert rim.face == 1
+
+
+def test_no_bore_is_looked_for_where_nothing_is_free_or_the_end_is_known_or_no_end():
+    free = 8.0 * RING - UP
+    assert bare_ends([BARREL], [outer_rim(0.0)], NOWHERE) == []
+    assert bare_ends([BARREL], [outer_rim(0.0)], 15.9 * RING - UP) == []
+    assert bare_ends([BARREL, END], [outer_rim(0.0)], free) == []
+    assert bare_ends([BARREL], [outer_rim(-12.0)], free - 12.0 * UP) == []
+    assert bare_ends([BARREL], [outer_rim(0.0, face=2)], free) == []
+    assert bare_ends([BARREL], [outer_rim(0.0, np.eye(3)[1])], free) == []
