@@ -26,6 +26,7 @@ from exploration.planning.moves.crossing import Crossing
 from exploration.planning.moves.finding import Finding
 from exploration.planning.moves.tracing import Tracing
 from exploration.planning.moves.wall_facing import Walls
+from exploration.planning.open.bumps import bumpy
 from exploration.planning.open.frontier import Frontier, Predicted
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.survey import POLICIES, Survey
@@ -101,7 +102,7 @@ class Explorer:
                 return
             wall = None if self.found.hollow else self._walls.next()
             move = self._next(face) if wall is None else partial(self._walls.look, wall)
-            if move is None and self.found.open:
+            if move is None and not self.found.hollow and (self.found.open or self._bumpy()):
                 self.found.hollow = True
                 continue
             if move is None:
@@ -130,6 +131,11 @@ class Explorer:
             faces, self._felt, free, self.config.feature, last=self._frontier, pits=self.pad.pits.sure
         )
         return self._frontier.dented()
+
+    def _bumpy(self) -> bool:
+        """Whether something stands up from a face of what else looks convex and closed."""
+        self._felt.take(self.pad.felt)
+        return bumpy(self.found.graph.faces, self._felt)
 
     def _any_form(self) -> Iterator[str]:
         """Face by face, with one array after the other: each goes for what those before it found no room for.

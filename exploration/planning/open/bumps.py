@@ -1,0 +1,37 @@
+"""Whether surface was felt in front of a flat face and looks its way: no convex object has what is raised on one.
+
+Blur lays touched places a taxel past an edge, but those look along the face that was touched, and lie on that; on
+a round face it lays them in front of it, as far as a coarse array's taxels are wide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from exploration.planning.known.surface_map import SurfaceMap
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+
+
+@dataclass(frozen=True)
+class BumpsConfig:
+    """What stands out."""
+
+    before: float = 0.7  # [mm] of a face, where such places are
+    alike: float = 0.9  # least cosine between the way they look and that of the face
+    least: int = 15  # such places: of a convex object up to 8 were seen, beside rounded edges
+
+
+def bumpy(faces: Sequence[Face], felt: SurfaceMap, config: BumpsConfig = BumpsConfig()) -> bool:
+    """Whether enough of what was felt lies in front of one of the faces."""
+    return any(_before(face, felt, config) >= config.least for face in faces)
+
+
+def _before(face: Face, felt: SurfaceMap, config: BumpsConfig) -> int:
+    if not isinstance(face.fit, Fit) or face.fit.kind != "plane" or not len(felt.points):
+        return 0
+    side, shape = 1.0 if face.fit.convex else -1.0, face.fit.shape
+    out = side * shape.signed_distance(felt.points) > config.before
+    alike = side * (shape.normals(felt.points) * felt.facing).sum(axis=1) > config.alike
+    return int((out & alike).sum())
