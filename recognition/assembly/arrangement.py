@@ -25,6 +25,7 @@ class ArrangementOptions:
     grid: int = 32_768  # points over the box
     passed: float = 2.5  # [mm] round a place that something went through, that is as large as a swept cell
     on: float = 3.0  # times that, from a surface, within which a contact lies on it
+    along: float = 0.7  # least cosine between how such a contact looks, and its surface there
     outvoted: int = 3  # felt contacts, against which those that nobody felt count no more than
     hearsay: float = 2.0  # of them
     aside: float = 1e-3  # of the box's diagonal: how far beside a contact its two sides are looked at
@@ -44,6 +45,7 @@ class Arrangement:
     pairs: Ints  # (f, 2) the cells inside and outside of a facet's surface
     area: Floats  # (f,) [mm^2] of the facet
     touched: Floats  # (m,) contacts that lie on each surface
+    facing: Floats  # (2, m) of those, that look to its outside, and to its inside
     inferred: Bools  # (m,) whether nobody felt a surface
 
     def __len__(self) -> int:
@@ -96,6 +98,8 @@ def arrange(
     keys, which = np.unique(sides[:s] * count + sides[s:], return_inverse=True)
     volume = float(np.prod(span)) / g
     told = np.zeros(n, dtype=bool) if heard is None else heard
+    lies = np.abs(_distances(shapes, points)) < options.on * aside
+    looks = np.stack([(shape.normals(points) * normals).sum(axis=1) for shape in shapes], axis=1)
     (felt_solid, heard_solid), (felt_free, heard_free) = (
         [np.bincount(side[rows], minlength=count) for rows in (~told, told)] for side in (behind, before)
     )
@@ -109,7 +113,8 @@ def arrange(
         frozen(seen / np.maximum(held, 1)),
         frozen(np.stack([keys // count, keys % count], axis=1), np.int64),
         frozen(np.bincount(which, minlength=len(keys)) * volume / slab),
-        frozen((np.abs(_distances(shapes, points)) < options.on * aside).sum(axis=0).astype(float)),
+        frozen(lies.sum(axis=0).astype(float)),
+        frozen([(lies & (way * looks > options.along)).sum(axis=0) for way in (1.0, -1.0)]),
         frozen(np.zeros(len(shapes)) if inferred is None else inferred, bool),
     )
 

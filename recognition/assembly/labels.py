@@ -6,7 +6,8 @@ probability.  So, with s of {0, 1} the labels (our derivation)::
 
     -ln p = stray * (votes against) + sum over facets rho a [s_inner != s_outer],
 
-which is submodular: its minimum is a minimum cut (Greig, Porteous and Seheult 1989).
+which is submodular: its minimum is a minimum cut (Greig, Porteous and Seheult 1989).  Where all contacts of a
+surface look one way, a boundary on it that looks the other way is another face, of which nobody felt anything.
 
 A cell with contacts that say solid, and places that something went through, is no one thing: a surface is missing
 that would part it, as of a bore whose wall nobody felt.  It is what its greater part is: the votes for the lesser
@@ -21,7 +22,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Bools, Floats, Ints
 from recognition.assembly.arrangement import Arrangement
 
 _SCALE = 1000.0  # of nats, for a flow of whole numbers
@@ -36,6 +37,9 @@ class LabelOptions:
     missing: float = 40.0  # of a surface that parts a cell and was not recognized
     space: float = 10.0  # per contact, of the whole volume wrongly filled
     sparse: float = 1.5  # times the contacts per area of a surface, that are expected of every part of it
+    turned: float = (
+        2.0  # times the mean, expected of a boundary that looks as none of its surface's contacts do
+    )
     outside: float = 50.0  # of material past all contacts, for a cell of which all lies there
 
 
@@ -58,7 +62,20 @@ def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bool
     to_solid = np.where(parted & (found.swept_share > 0.5), np.minimum(solid, lesser), solid)
     to_free = options.stray * found.free_votes + swept + np.where(whole, options.outside, 0.0)
     to_free = to_free + touched * found.beyond * found.volume / volume
-    return _cut(to_solid, to_free, found, density)
+    either = np.where(_turned(found), np.maximum(density, options.turned * mean), density)
+    return _cut(to_solid, to_free, found, either * found.area)
+
+
+def _surfaces(found: Arrangement) -> Ints:
+    """(f,) which surface each facet lies on."""
+    inner, outer = found.outside[found.pairs[:, 0]], found.outside[found.pairs[:, 1]]
+    return np.asarray((inner != outer).argmax(axis=1))
+
+
+def _turned(found: Arrangement) -> Bools:
+    """(2, f) whether all contacts of a facet's surface look the other way, were it solid inside it, or outside."""
+    none, some = found.facing == 0, found.facing[::-1] > 0
+    return np.asarray((none & some)[:, _surfaces(found)])
 
 
 def _densities(found: Arrangement, supported: Bools, mean: float, sparse: float) -> Floats:
@@ -68,8 +85,7 @@ def _densities(found: Arrangement, supported: Bools, mean: float, sparse: float)
     What a surface has is shrunk to the mean by one contact, and `sparse` times that is expected, for none has the
     same everywhere; one that nobody felt counts as the mean.
     """
-    inner, outer = found.outside[found.pairs[:, 0]], found.outside[found.pairs[:, 1]]
-    surface = (inner != outer).argmax(axis=1)
+    surface = _surfaces(found)
     counts = supported | found.inferred[surface]
     area = np.bincount(surface, np.where(counts, found.area, 0.0), minlength=found.outside.shape[1])
     own = (found.touched + 1.0) / (area + 1.0 / max(mean, 1e-9))
@@ -77,15 +93,15 @@ def _densities(found: Arrangement, supported: Bools, mean: float, sparse: float)
     return np.asarray(own[surface])
 
 
-def _cut(to_solid: Floats, to_free: Floats, found: Arrangement, density: Floats) -> Bools:
+def _cut(to_solid: Floats, to_free: Floats, found: Arrangement, cost: Floats) -> Bools:
+    """(c,) the labels of least cost: (2, f) that of a facet solid inside its surface, and outside it."""
     count = len(found)
     source, sink = count, count + 1
     everyone = np.arange(count)
     a, b = found.pairs.T
-    cost = density * found.area
     rows = np.concatenate([np.full(count, source), everyone, a, b])
     columns = np.concatenate([everyone, np.full(count, sink), b, a])
-    weight = np.concatenate([to_solid, to_free, cost, cost])
+    weight = np.concatenate([to_solid, to_free, cost[0], cost[1]])
     top = max(float(to_solid.sum() + to_free.sum()), 1.0)
     scale = min(_SCALE, _MOST / top)
     capacity = np.minimum(np.round(weight * scale), _MOST).astype(np.int32)

@@ -210,8 +210,31 @@ def parted(solid, swept, share):
         pairs=np.array([[1, 0], [1, 2]]),
         area=np.array([500.0, 500.0]),
         touched=np.array([20.0, 20.0]),
+        facing=np.array([[20.0, 20.0], [0.0, 0.0]]),
         inferred=np.zeros(2, dtype=bool),
     )
+
+
+def test_a_corner_that_nobody_felt_is_no_notch_whose_sides_would_look_the_wrong_way():
+    """A floor and a wall of few contacts: between their undersides and their outer sides lies a cell untold."""
+    corner = replace(
+        parted(0.0, 0.0, 0.0),
+        outside=np.concatenate(
+            [np.zeros((1, 4), dtype=bool), np.eye(4, dtype=bool)]
+        ),  # corner, and beyond each
+        pairs=np.array([[0, 1], [0, 2], [0, 3], [0, 4], [3, 1], [4, 2]]),
+        area=np.array([200.0, 200.0, 200.0, 200.0, 2e3, 2e3]),
+        volume=np.full(5, 1e3),
+        solid_votes=np.array([0.0, 0.0, 0.0, 60.0, 60.0]),
+        free_votes=np.array([0.0, 60.0, 60.0, 0.0, 0.0]),
+        touched=np.array([60.0, 60.0, 6.0, 6.0]),
+        facing=np.array([[60.0, 60.0, 6.0, 6.0], np.zeros(4)]),
+        inferred=np.array([False, False, True, True]),
+        **{name: np.zeros(5) for name in ("beyond", "swept_votes", "swept_share")},
+    )
+    assert solid_cells(corner).tolist() == [True, False, False, True, True]
+    both = replace(corner, facing=corner.facing + corner.facing[::-1])
+    assert solid_cells(both).tolist() == [False, False, False, True, True]
 
 
 def test_no_more_contacts_are_missed_on_a_wall_that_is_inferred():
