@@ -31,6 +31,7 @@ from exploration.planning.moves.rolling import Rolling, RollingConfig
 from exploration.planning.moves.round_holes import RoundHoles
 from exploration.planning.moves.slipped import Slipped
 from exploration.planning.moves.wall_facing import face_wall
+from exploration.planning.moves.wall_tops import WallTops
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.ring_ends import bare_ends
@@ -82,6 +83,7 @@ class AnyForm:
         self._slipped = Slipped(study, self.reach) if later else None
         self._ledges = Ledges(study, self.reach) if later else None
         self._holes, self._rim_looks = RoundHoles(study, self.reach), RimLooks(study, self.reach)
+        self._wall_tops = WallTops(study, self.reach)
         self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
         self._climbing, self._vain = Climbing(study, self.reach), 0
         self._looking = Looking(study, self.reach, LOOK_AGAIN if later else LookingConfig())
@@ -196,7 +198,12 @@ class AnyForm:
         straight = [rim for rim in frontier.rims if not any(o.holds(rim[0].point) for o in round_)]
         rings = bare_ends(frontier.known, self.found.wall_rims, self._free())
         looks = self._holes.next([*openings, *narrower_ends(seen, flat), *rings])
-        return self._looking.next() or looks or self._rim_looks.next(straight)
+        return (
+            self._looking.next()
+            or looks
+            or self._rim_looks.next(straight)
+            or self._wall_tops.next(self.found.wall_rims)
+        )
 
     def _free(self) -> Floats:
         """(n, 3) places among what was felt, that the skin found free or an array passed through."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from primitives.patch_graph import Face
 
 _ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
 _PARALLEL = 0.998  # least cosine between the normals of an inferred wall and a felt face that are parallel
+_SQUARE = 0.002  # most cosine between the normals of two felt faces that stand across each other
 _OFF = 3.0  # sigmas of theirs, that they lie off it at most
 
 
@@ -75,7 +77,7 @@ def home_of(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
 
 
 def straightened(lot: Contacts, faces: Sequence[Face]) -> Contacts:
-    """Contacts of an inferred wall, put on one plane where that is parallel to a felt flat face.
+    """Contacts of an inferred wall, put on one plane where that is parallel to a felt flat face, or across two.
 
     A few rims tell where a wall is to a tenth of a millimeter each, and each stands for many contacts: a plane
     through them all would lean by what the rims err.  One that leans by more than that is left as it is.
@@ -85,11 +87,12 @@ def straightened(lot: Contacts, faces: Sequence[Face]) -> Contacts:
         for face in faces
         if isinstance(face.fit, Fit) and face.fit.kind == "plane" and _felt(face)
     ]
+    ways += [np.cross(a, b) for a, b in combinations(ways, 2) if abs(float(a @ b)) < _SQUARE]
     mean = lot.normals.mean(axis=0)
     nearest = max(ways, key=lambda way: abs(float(way @ mean)), default=None)
     if nearest is None or not abs(float(nearest @ mean)) >= _PARALLEL:
         return lot
-    normal = nearest * np.sign(nearest @ mean)
+    normal = nearest * np.sign(nearest @ mean) / np.linalg.norm(nearest)
     off = lot.points @ normal
     if float(off.std()) > _OFF * float(np.median(lot.sigma)):
         return lot

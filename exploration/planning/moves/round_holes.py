@@ -25,8 +25,7 @@ from exploration.sensing.lines.round_hole import RoundHole, fit_round_hole
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.fit import Fit, fit
-from primitives.patch_graph import Face
+from primitives.fit import Fit
 from primitives.shapes import Shape
 
 
@@ -51,8 +50,6 @@ class RoundHolesConfig:
     beside: float = 4.0  # [mm] between rims that are tried as one,
     as_wide: float = 4.0  # [mm] and between their radii
     narrow: float = 6.0  # [mm] of a ring, on which no pad can lie
-    ring_sigma: float = 0.1  # [mm] of a narrow face, that only looks at the rim within it have felt
-    ring_normal_sigma: float = 0.05  # [rad] of it
 
 
 class RoundHoles:
@@ -107,28 +104,10 @@ class RoundHoles:
             return None, "no round rim was made out"
         better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
         self._seen.note(rim.center, found.center)
-        if narrow:
-            better = self._on_new_face(better, found.face)
+        if narrow and (ring := self.study.narrow_face(found.face, rim.axis)) is not None:
+            better = replace(better, face=ring)
         self.study.found.rims.append(better)
         return None, "looked at the rim of a round hole"
-
-    def _on_new_face(self, rim: RoundRim, places: Floats) -> RoundRim:
-        """The rim, on the narrow face that the looks at it have felt, at (n, 3) places, and nothing else has."""
-        touch, stroke = self.study.pad.guard.cost.touches, self.study.pad.guard.cost.strokes
-        contacts = Contacts.of(
-            places,
-            np.broadcast_to(rim.axis, places.shape),
-            self.config.ring_sigma,
-            self.config.ring_normal_sigma,
-            touch=touch,
-            stroke=stroke,
-            sensor=self.study.pad.guard.active,
-        )
-        made, graph = fit("plane", contacts), self.study.found.graph
-        if not isinstance(made, Fit):
-            return rim
-        self.study.found.graph = replace(graph, faces=(*graph.faces, Face(graph.next_id, made, contacts)))
-        return replace(rim, face=graph.next_id)
 
     def _lies(self, rim: RoundRim) -> bool:
         """Whether the pad lies on the face that a rim is on, and has not rolled off it."""

@@ -23,11 +23,12 @@ from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.fit import Fit
+from primitives.fit import Fit, fit
 from primitives.patch_graph import Face, PatchGraph
 
 _SLANT, _STRAIGHT = 0.25, 0.98  # cosine from and up to which a stroke goes slanting to a side of the housing
 _LAIN, _FLUSH = 1.0, 0.97  # [mm] between a pad that lies on a face and that; least cosine between the two
+_NARROW = (0.1, 0.02)  # [mm, rad] of places on a face that was only looked at
 _WORTH_CENTERING = 4.0  # [mm] of a stroke, after which the pad goes back to the middle
 
 
@@ -108,6 +109,25 @@ class Study:
         self.found.hollow |= taken.hollow
         self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
         return taken.home
+
+    def narrow_face(self, places: Floats, normal: Floats) -> int | None:
+        """The id of a new flat face at (n, 3) places that looks (3,) out, too narrow for a pad to lie on.
+
+        The pad has pressed it at the attitude that it came at, and a model of what it saw tells the places.
+        """
+        contacts = Contacts.of(
+            places,
+            np.broadcast_to(normal, places.shape),
+            *_NARROW,
+            touch=self.pad.guard.cost.touches,
+            stroke=self.pad.guard.cost.strokes,
+            sensor=self.pad.guard.active,
+        )
+        made, graph = fit("plane", contacts), self.found.graph
+        if not isinstance(made, Fit):
+            return None
+        self.found.graph = replace(graph, faces=(*graph.faces, Face(graph.next_id, made, contacts)))
+        return graph.next_id
 
     def back_off(self, fault: Fault) -> None:
         """Warn of a fault that ended a move, and take in what its stroke had felt until then."""

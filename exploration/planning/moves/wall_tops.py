@@ -1,0 +1,110 @@
+"""Looks at the tops of walls that are too narrow for a pad to lie on.
+
+A flat side ends at a rim, and nothing that an array could lie on is behind it: the wall may be a few millimeters
+thick, as of a box or a channel.  The pad comes down across its top, upright on the rim and at the attitude it came
+at, and sees how thick the wall is (`sensing.lines.ridge`).  That makes the top a face, and its far edge a rim.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from exploration.control.dwell import dwell
+from exploration.control.procedures.land import AS_TOLD
+from exploration.control.procedures.settle import AS_IT_CAME
+from exploration.control.sighting import Sighting
+from exploration.planning.touching.findings import Attempts, Done, SeenRim, outward_normal
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from exploration.sensing.lines.ridge import Ridge, fit_ridge
+from primitives import pose as se3
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+
+
+@dataclass(frozen=True)
+class WallTopsConfig:
+    """How tops are looked at."""
+
+    frames: int = 16  # averaged
+    beside: float = 12.0  # [mm] between rims that are tried as one
+    inside: float = 1.2  # [mm] of the pad's middle behind the outer side
+    upright: float = 0.02  # most cosine between a top's direction and the side's
+    known: float = 2.5  # [mm] from a rim, within which a face explains it that looks its way,
+    felt: float = 16.0  # [mm] and was felt within
+    thickest: float = 12.0  # [mm] to a side that looks away from the outer one: its rim tells as much
+
+
+class WallTops:
+    """The narrow tops of one exploration."""
+
+    def __init__(self, study: Study, reach: Reach, config: WallTopsConfig = WallTopsConfig()) -> None:
+        self.study, self.reach, self.config = study, reach, config
+        self._tried = Attempts(1, config.beside)
+
+    def next(self, rims: Sequence[SeenRim]) -> Callable[[], Done] | None:
+        """A look at the top that the nearest rim of a flat side is of, if none was looked at there."""
+        here = self.study.pad.guard.world_from_sensor[:3, 3]
+        left = [(rim, face) for rim, face in rims if self._worth(rim, face)]
+        if not left:
+            return None
+        return partial(self._look, *min(left, key=lambda seen: float(np.linalg.norm(seen[0].point - here))))
+
+    def _worth(self, rim: Sighting, face: int) -> bool:
+        """Whether the rim is of a flat side, and nothing is known of a face or a side behind it."""
+        own = self.study.found.fit_of(face)
+        if own is None or own.kind != "plane" or self._tried.given_up(rim.point):
+            return False
+        return not any(self._told(rim, face, other) for other in self.study.found.graph.faces)
+
+    def _told(self, rim: Sighting, face: int, other: Face) -> bool:
+        """Whether another face is the top, or the wall's far side."""
+        felt = other.contacts.points[other.contacts.touch != NOT_FELT]
+        if other.id == face or not isinstance(other.fit, Fit) or not len(felt):
+            return False
+        near = float(np.linalg.norm(felt - rim.point, axis=1).min())
+        looks = outward_normal(other, rim.point)
+        off = float(abs(other.fit.shape.signed_distance(rim.point[None])[0]))
+        top = off < self.config.known and float(looks @ rim.outward) > 0.3
+        far_side = off < self.config.thickest and float(looks @ rim.normal) < -0.9
+        return (top or far_side) and near < self.config.felt
+
+    def _look(self, rim: Sighting, face: int) -> Done:
+        self._tried.note(rim.point)
+        pad, found = self.study.pad, self.study.found
+        own = next(each for each in found.graph.faces if each.id == face)
+        side = outward_normal(own, rim.point)
+        up = rim.outward - float(rim.outward @ side) * side
+        up = up / np.linalg.norm(up)
+        at = rim.point - self.config.inside * side
+        for give in (False, True):
+            for along in (np.cross(side, up), side):
+                over = se3.pose(pad.attitude(up, along), at)
+                if not self.reach.touch(over, give, AS_IT_CAME, AS_TOLD):
+                    continue
+                seen = dwell(pad.guard, self.config.frames)
+                foot = own.fit.shape.project(rim.point[None])[0] if isinstance(own.fit, Fit) else rim.point
+                ridge = fit_ridge(seen.image, seen.world_from_sensor, foot, side)
+                if ridge is None:
+                    return None, "no top of a thin wall was made out"
+                self._take_in(ridge, foot, side, up)
+                return None, "looked at the top of a thin wall"
+        return None, "no way led to the top of a wall"
+
+    def _take_in(self, ridge: Ridge, foot: Floats, side: Floats, up: Floats) -> None:
+        """The top as a face, and the rim at its far edge."""
+        number = self.study.narrow_face(ridge.top, up)
+        if number is None:
+            return
+        along = np.cross(side, up)
+        spread = (ridge.top - foot) @ along
+        middle = foot + 0.5 * float(spread.min() + spread.max()) * along
+        middle = middle + float(np.median((ridge.top - middle) @ up)) * up
+        edge = Sighting(middle - ridge.thick * side, along, -side, up, ridge.sigma, float(np.ptp(spread)))
+        self.study.found.wall_rims.append((edge, number))

@@ -1,0 +1,134 @@
+"""The narrow top of a wall, from a frame of a pad that lies across it: how thick it is behind its known side.
+
+The top is a band between the wall's outer side, which is known, and an inner one t behind it.  With e the distance
+of a taxel behind the outer side, E the blurred step (`response`) and its share of the band
+
+    S = E(e) - E(e - t),    depth = (d + g . p) S + w^2 g . grad S,
+
+d and g of the top's plane, the last term the moment that the blur takes across an edge, as in `round_hole`.  The
+plane is linear, so only t is searched for (variable projection, Golub and Pereyra 1973).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from exploration.sensing.frame import TactileImage
+from exploration.sensing.response import Response, response_of
+from primitives import pose as se3
+from primitives.arrays import Floats
+
+_LEAST = 12  # taxels
+_STEP = 0.05  # [mm] of the slope of the share
+
+
+@dataclass(frozen=True)
+class RidgeConfig:
+    """What is the top of a wall."""
+
+    thick: tuple[float, float] = (0.6, 8.0)  # [mm] of a wall
+    starts: tuple[float, ...] = (1.5, 3.0, 5.0)  # [mm] thick, from where the search begins
+    outside: float = 3.0  # [widths] of the blur beside the band, up to which taxels are looked at
+    systematic: float = 0.02  # of the deepest taxel: what the model leaves out
+    misfit: float = 3.0  # chi2 per degree of freedom, above which it is none
+    certain: float = 0.3  # [mm] that its thickness must be known to
+    lean: float = 0.15  # most slope of the top against the pad, along the wall
+    on_top: float = 0.8  # of what the best taxel sees of the top, that one sees which tells where it is
+
+
+@dataclass(frozen=True)
+class Ridge:
+    """The top of a wall."""
+
+    thick: float  # [mm]
+    sigma: float  # [mm]
+    misfit: float  # chi2 per degree of freedom
+    top: Floats  # (n, 3) [mm] places on it
+
+
+def fit_ridge(
+    image: TactileImage, pose: Floats, side: Floats, outward: Floats, config: RidgeConfig = RidgeConfig()
+) -> Ridge | None:
+    """The wall behind an outer side through a (3,) place `side` that looks (3,) `outward`, at a (4, 4) pose."""
+    look = _Look.of(image, pose, side, outward, config)
+    if len(look.depth) < _LEAST:
+        return None
+    runs = [
+        least_squares(look.residual, [start], bounds=([config.thick[0]], [config.thick[1]]))
+        for start in config.starts
+    ]
+    found = min(runs, key=lambda run: float(run.cost))
+    misfit = float(2.0 * found.cost / max(len(found.fun) - 4, 1))
+    thick, steep = float(found.x[0]), float(np.sum(np.asarray(found.jac) ** 2))
+    sigma = float(np.sqrt(max(misfit, 1.0) / max(steep, 1e-12)))
+    plane, share = look.plane(thick)
+    leans = abs(float(plane[1:] @ look.along)) > config.lean
+    if (
+        misfit > config.misfit
+        or sigma > config.certain
+        or found.active_mask.any()
+        or leans
+        or plane[0] <= 0.0
+    ):
+        return None
+    there = share[:, 0] / look.weight
+    best = look.rows[there > config.on_top * float(there.max())]
+    top = se3.transform_points(pose, np.column_stack([best[:, 1:], -best @ plane]))
+    return Ridge(thick, sigma, misfit, top)
+
+
+@dataclass(frozen=True)
+class _Look:
+    """Taxels of one frame."""
+
+    behind: Floats  # (n,) [mm] of each, behind the outer side
+    rows: Floats  # (n, 3) of its plane: 1, x, y
+    depth: Floats  # (n,) [mm]
+    weight: Floats  # (n,) 1 / sigma
+    into: Floats  # (2,) the way into the wall, along the pad's x and y
+    width: float  # [mm] of the blur, across it
+    response: Response
+
+    @staticmethod
+    def of(image: TactileImage, pose: Floats, side: Floats, outward: Floats, config: RidgeConfig) -> _Look:
+        x, y = (grid.ravel() for grid in np.meshgrid(image.array.x, image.array.y))
+        depth, sigma = image.depth.ravel(), image.sigma.ravel()
+        places = se3.transform_points(pose, np.column_stack([x, y, -np.maximum(depth, 0.0)]))
+        behind, into = (side - places) @ outward, -pose[:3, :2].T @ outward
+        into = into / max(float(np.linalg.norm(into)), 1e-9)
+        response = response_of(image)
+        width = response.width(into)
+        reach = config.outside * width
+        kept = (behind > -reach) & (behind < config.thick[1] + reach) & np.isfinite(sigma) & (sigma > 0.0)
+        rows = np.column_stack([np.ones(len(x)), x, y])[kept]
+        floor = config.systematic * float(depth[kept].max(initial=0.0))
+        weight = 1.0 / np.hypot(sigma[kept], floor)
+        return _Look(behind[kept], rows, depth[kept], weight, into, width, response)
+
+    @property
+    def along(self) -> Floats:
+        """(2,) the way along the wall."""
+        return np.array([-self.into[1], self.into[0]])
+
+    def share(self, behind: Floats, thick: float) -> Floats:
+        """(n,) of taxels so far behind the outer side, that lie on the top of a wall so thick."""
+        edge = self.response.edge
+        return np.asarray(edge(behind, self.width) - edge(behind - thick, self.width))
+
+    def plane(self, thick: float) -> tuple[Floats, Floats]:
+        """(3,) the best plane of the top, and (n, 3) what each taxel sees of it, in standard deviations."""
+        share = self.share(self.behind, thick)
+        ahead, back = (self.share(self.behind + step, thick) for step in (_STEP, -_STEP))
+        moment = self.width**2 * ((ahead - back) / (2.0 * _STEP))[:, None] * self.into
+        rows = self.rows * share[:, None] + np.column_stack([np.zeros(len(share)), moment])
+        rows = rows * self.weight[:, None]
+        plane, *_ = np.linalg.lstsq(rows, self.depth * self.weight, rcond=None)
+        return np.asarray(plane), rows
+
+    def residual(self, thick: Floats) -> Floats:
+        """(n,) what the best plane leaves, in standard deviations."""
+        plane, rows = self.plane(float(thick[0]))
+        return np.asarray(rows @ plane - self.depth * self.weight)
