@@ -19,6 +19,7 @@ import numpy as np
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.inferring.concluding import conclude
 from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
+from exploration.planning.inferring.inferred_walls import stops_of
 from exploration.planning.moves.climbing import Climbing
 from exploration.planning.moves.drafted import Drafted
 from exploration.planning.moves.entering import Entering
@@ -203,6 +204,7 @@ class AnyForm:
             or looks
             or self._rim_looks.next(straight)
             or self._wall_tops.next(self.found.wall_rims)
+            or self._wall_tops.over(stops_of(self._unexplained(), self.found.graph.faces))
         )
 
     def _free(self) -> Floats:

@@ -3,6 +3,9 @@
 A flat side ends at a rim, and nothing that an array could lie on is behind it: the wall may be a few millimeters
 thick, as of a box or a channel.  The pad comes down across its top, upright on the rim and at the attitude it came
 at, and sees how thick the wall is (`sensing.lines.ridge`).  That makes the top a face, and its far edge a rim.
+
+What stopped strokes on a floor, and nobody could lie on, may be a lip or a rib: the pad comes down across it in
+the same way, and sees both its edges.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from exploration.control.dwell import dwell
 from exploration.control.procedures.land import AS_TOLD
 from exploration.control.procedures.settle import AS_IT_CAME
 from exploration.control.sighting import Sighting
+from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.touching.findings import Attempts, Done, SeenRim, outward_normal
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
@@ -38,6 +42,8 @@ class WallTopsConfig:
     upright: float = 0.02  # most cosine between a top's direction and the side's
     known: float = 2.5  # [mm] from a rim, within which a face explains it that looks its way,
     felt: float = 16.0  # [mm] and was felt within
+    step: float = 0.6  # [mm] over a floor, from which something stands on it
+    slack: float = 1.5  # [mm] of its side from where a housing was stopped
     thickest: float = 12.0  # [mm] to a side that looks away from the outer one: its rim tells as much
 
 
@@ -55,6 +61,36 @@ class WallTops:
         if not left:
             return None
         return partial(self._look, *min(left, key=lambda seen: float(np.linalg.norm(seen[0].point - here))))
+
+    def over(self, stops: Sequence[Stop]) -> Callable[[], Done] | None:
+        """A look at the top of what stopped the nearest stroke on a floor, if none was looked at there."""
+        here = self.study.pad.guard.world_from_sensor[:3, 3]
+        left = [stop for stop in stops if not self._tried.given_up(stop.wall.point)]
+        if not left:
+            return None
+        nearest = min(left, key=lambda stop: float(np.linalg.norm(stop.wall.point - here)))
+        return partial(self._look_over, nearest)
+
+    def _look_over(self, stop: Stop) -> Done:
+        self._tried.note(stop.wall.point)
+        up, felt = stop.wall.normal, self.reach.felt.points
+        foot = stop.wall.pose[:3, 3]
+        foot = foot + (stop.offset - float(stop.normal @ foot)) * stop.normal
+        high = float(((felt - foot) @ up).max(initial=0.0))
+        over = se3.pose(self.study.pad.attitude(up, stop.along), foot - self.config.inside * stop.normal)
+        low = over @ se3.pose(translation=[0.0, 0.0, -self.reach.off(over, high)])
+        if not self.reach.descend(low, high, AS_IT_CAME, AS_TOLD):
+            return None, "nothing narrow was where a stroke was stopped"
+        pad = self.study.pad
+        rose = float((pad.guard.world_from_sensor[:3, 3] - foot) @ up)
+        if rose < self.config.step:
+            return None, "nothing narrow was where a stroke was stopped"
+        seen = dwell(pad.guard, self.config.frames)
+        ridge = fit_ridge(seen.image, seen.world_from_sensor, foot, stop.normal, self.config.slack)
+        if ridge is None:
+            return None, "no top of a thin wall was made out"
+        self._take_in(ridge, foot + ridge.shift * stop.normal, stop.normal, up, both=True)
+        return None, "looked at the top of a thin wall"
 
     def _worth(self, rim: Sighting, face: int) -> bool:
         """Whether the rim is of a flat side, and nothing is known of a face or a side behind it."""
@@ -97,8 +133,8 @@ class WallTops:
                 return None, "looked at the top of a thin wall"
         return None, "no way led to the top of a wall"
 
-    def _take_in(self, ridge: Ridge, foot: Floats, side: Floats, up: Floats) -> None:
-        """The top as a face, and the rim at its far edge."""
+    def _take_in(self, ridge: Ridge, foot: Floats, side: Floats, up: Floats, both: bool = False) -> None:
+        """The top as a face, and the rim at its far edge, or those at both its edges."""
         number = self.study.narrow_face(ridge.top, up)
         if number is None:
             return
@@ -106,5 +142,7 @@ class WallTops:
         spread = (ridge.top - foot) @ along
         middle = foot + 0.5 * float(spread.min() + spread.max()) * along
         middle = middle + float(np.median((ridge.top - middle) @ up)) * up
-        edge = Sighting(middle - ridge.thick * side, along, -side, up, ridge.sigma, float(np.ptp(spread)))
-        self.study.found.wall_rims.append((edge, number))
+        length = float(np.ptp(spread))
+        edges = [Sighting(middle - ridge.thick * side, along, -side, up, ridge.sigma, length)]
+        edges += [Sighting(middle, along, side, up, ridge.sigma, length)] if both else []
+        self.study.found.wall_rims += [(edge, number) for edge in edges]

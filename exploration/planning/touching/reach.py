@@ -111,11 +111,17 @@ class Reach:
         ahead, behind = (float(np.trace(here[:3, :3].T @ pose[:3, :3])) for pose in (target, turned))
         return (target, turned) if ahead >= behind else (turned, target)
 
-    def descend(self, target: Floats, high: float) -> bool:
+    def descend(
+        self,
+        target: Floats,
+        high: float,
+        settling: SettleConfig | None = None,
+        landing: LandConfig | None = None,
+    ) -> bool:
         """Come down to a (4, 4) target from over `high` mm before it, until something is touched."""
         if not self._before(target, self.config.standoff + high):
             return False
-        return self.pad.touch(target, self.config.standoff + high, self.config.overtravel)
+        return self.pad.touch(target, self.config.standoff + high, self.config.overtravel, settling, landing)
 
     def off(self, target: Floats, most: float) -> float:
         """[mm] before a (4, 4) target, at which nothing known is in its way; 0 where that is `most` or more."""

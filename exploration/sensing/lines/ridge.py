@@ -6,7 +6,9 @@ of a taxel behind the outer side, E the blurred step (`response`) and its share 
     S = E(e) - E(e - t),    depth = (d + g . p) S + w^2 g . grad S,
 
 d and g of the top's plane, the last term the moment that the blur takes across an edge, as in `round_hole`.  The
-plane is linear, so only t is searched for (variable projection, Golub and Pereyra 1973).
+plane is linear, so only t is searched for (variable projection, Golub and Pereyra 1973), and where the outer side
+is not known well how far off it is.  Then the top is taken for level across the wall, because one that leans looks
+like one that stands elsewhere.
 """
 
 from __future__ import annotations
@@ -32,9 +34,12 @@ class RidgeConfig:
     thick: tuple[float, float] = (0.6, 8.0)  # [mm] of a wall
     starts: tuple[float, ...] = (1.5, 3.0, 5.0)  # [mm] thick, from where the search begins
     outside: float = 3.0  # [widths] of the blur beside the band, up to which taxels are looked at
+    felt: float = 0.3  # of the deepest taxel, from which one tells how far the wall goes along the pad
+    past: float = 1.0  # [widths] from an end of it, within which taxels are left out
     systematic: float = 0.02  # of the deepest taxel: what the model leaves out
     misfit: float = 3.0  # chi2 per degree of freedom, above which it is none
     certain: float = 0.3  # [mm] that its thickness must be known to
+    level: float = 0.003  # 1 sigma of its slope across a wall of which no side is known well
     lean: float = 0.15  # most slope of the top against the pad, along the wall
     on_top: float = 0.8  # of what the best taxel sees of the top, that one sees which tells where it is
 
@@ -44,27 +49,41 @@ class Ridge:
     """The top of a wall."""
 
     thick: float  # [mm]
-    sigma: float  # [mm]
+    shift: float  # [mm] of the outer side, outward from where it was thought to be
+    sigma: float  # [mm] of the thickness
     misfit: float  # chi2 per degree of freedom
     top: Floats  # (n, 3) [mm] places on it
 
 
 def fit_ridge(
-    image: TactileImage, pose: Floats, side: Floats, outward: Floats, config: RidgeConfig = RidgeConfig()
+    image: TactileImage,
+    pose: Floats,
+    side: Floats,
+    outward: Floats,
+    slack: float = 0.0,
+    config: RidgeConfig = RidgeConfig(),
 ) -> Ridge | None:
-    """The wall behind an outer side through a (3,) place `side` that looks (3,) `outward`, at a (4, 4) pose."""
-    look = _Look.of(image, pose, side, outward, config)
+    """The wall behind an outer side through a (3,) place `side` that looks (3,) `outward`, at a (4, 4) pose.
+
+    The side may be `slack` [mm] off.
+    """
+    look = _Look.of(image, pose, side, outward, config.level if slack else np.inf, config)
     if len(look.depth) < _LEAST:
         return None
+    (least, most), free = config.thick, int(slack > 0.0)
+    bounds = ([least, -slack][: 1 + free], [most, slack][: 1 + free])
+    shifts = (-0.5 * slack, 0.0, 0.5 * slack) if free else (0.0,)
     runs = [
-        least_squares(look.residual, [start], bounds=([config.thick[0]], [config.thick[1]]))
+        least_squares(look.residual, [start, shift][: 1 + free], bounds=bounds)
         for start in config.starts
+        for shift in shifts
     ]
     found = min(runs, key=lambda run: float(run.cost))
-    misfit = float(2.0 * found.cost / max(len(found.fun) - 4, 1))
-    thick, steep = float(found.x[0]), float(np.sum(np.asarray(found.jac) ** 2))
-    sigma = float(np.sqrt(max(misfit, 1.0) / max(steep, 1e-12)))
-    plane, share = look.plane(thick)
+    misfit = float(2.0 * found.cost / max(len(found.fun) - 4 - free, 1))
+    slopes = np.asarray(found.jac)
+    thick, shift = float(found.x[0]), float(found.x[1]) if free else 0.0
+    sigma = float(np.sqrt(max(misfit, 1.0) * np.linalg.pinv(slopes.T @ slopes)[0, 0]))
+    plane, share = look.plane(thick, shift)
     leans = abs(float(plane[1:] @ look.along)) > config.lean
     if (
         misfit > config.misfit
@@ -77,7 +96,7 @@ def fit_ridge(
     there = share[:, 0] / look.weight
     best = look.rows[there > config.on_top * float(there.max())]
     top = se3.transform_points(pose, np.column_stack([best[:, 1:], -best @ plane]))
-    return Ridge(thick, sigma, misfit, top)
+    return Ridge(thick, shift, sigma, misfit, top)
 
 
 @dataclass(frozen=True)
@@ -90,10 +109,18 @@ class _Look:
     weight: Floats  # (n,) 1 / sigma
     into: Floats  # (2,) the way into the wall, along the pad's x and y
     width: float  # [mm] of the blur, across it
+    leans: float  # how much the top may lean across the wall, 1 sigma
     response: Response
 
     @staticmethod
-    def of(image: TactileImage, pose: Floats, side: Floats, outward: Floats, config: RidgeConfig) -> _Look:
+    def of(
+        image: TactileImage,
+        pose: Floats,
+        side: Floats,
+        outward: Floats,
+        leans: float,
+        config: RidgeConfig,
+    ) -> _Look:
         x, y = (grid.ravel() for grid in np.meshgrid(image.array.x, image.array.y))
         depth, sigma = image.depth.ravel(), image.sigma.ravel()
         places = se3.transform_points(pose, np.column_stack([x, y, -np.maximum(depth, 0.0)]))
@@ -102,11 +129,17 @@ class _Look:
         response = response_of(image)
         width = response.width(into)
         reach = config.outside * width
+        along = x * -into[1] + y * into[0]
+        felt = along[depth > config.felt * float(depth.max())]
+        first, last = float(felt.min(initial=0.0)), float(felt.max(initial=0.0))
+        first += config.past * width if first > along.min() + width else -width
+        last -= config.past * width if last < along.max() - width else -width
         kept = (behind > -reach) & (behind < config.thick[1] + reach) & np.isfinite(sigma) & (sigma > 0.0)
+        kept &= (along > first) & (along < last)
         rows = np.column_stack([np.ones(len(x)), x, y])[kept]
         floor = config.systematic * float(depth[kept].max(initial=0.0))
         weight = 1.0 / np.hypot(sigma[kept], floor)
-        return _Look(behind[kept], rows, depth[kept], weight, into, width, response)
+        return _Look(behind[kept], rows, depth[kept], weight, into, width, leans, response)
 
     @property
     def along(self) -> Floats:
@@ -118,17 +151,20 @@ class _Look:
         edge = self.response.edge
         return np.asarray(edge(behind, self.width) - edge(behind - thick, self.width))
 
-    def plane(self, thick: float) -> tuple[Floats, Floats]:
+    def plane(self, thick: float, shift: float = 0.0) -> tuple[Floats, Floats]:
         """(3,) the best plane of the top, and (n, 3) what each taxel sees of it, in standard deviations."""
-        share = self.share(self.behind, thick)
-        ahead, back = (self.share(self.behind + step, thick) for step in (_STEP, -_STEP))
+        behind = self.behind + shift
+        share = self.share(behind, thick)
+        ahead, back = (self.share(behind + step, thick) for step in (_STEP, -_STEP))
         moment = self.width**2 * ((ahead - back) / (2.0 * _STEP))[:, None] * self.into
         rows = self.rows * share[:, None] + np.column_stack([np.zeros(len(share)), moment])
         rows = rows * self.weight[:, None]
-        plane, *_ = np.linalg.lstsq(rows, self.depth * self.weight, rcond=None)
+        level = np.concatenate([[0.0], self.into / self.leans])
+        seen = np.append(self.depth * self.weight, 0.0)
+        plane, *_ = np.linalg.lstsq(np.vstack([rows, level]), seen, rcond=None)
         return np.asarray(plane), rows
 
-    def residual(self, thick: Floats) -> Floats:
-        """(n,) what the best plane leaves, in standard deviations."""
-        plane, rows = self.plane(float(thick[0]))
+    def residual(self, wall: Floats) -> Floats:
+        """(n,) what the best plane leaves of a wall's thickness, and shift, in standard deviations."""
+        plane, rows = self.plane(*wall.tolist())
         return np.asarray(rows @ plane - self.depth * self.weight)

@@ -1,5 +1,7 @@
 """The narrow top of a wall tells how thick the wall is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,11 +10,12 @@ from exploration.control.sighting import Sighting
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.faces.attribution import AttributionConfig
+from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.moves.wall_tops import WallTops
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
 from exploration.planning.touching.reach import Reach
-from exploration.planning.touching.study import Study
+from exploration.planning.touching.study import Study, Wall
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models.csg import Cube
@@ -35,9 +38,9 @@ def flat(number, normal, at):
 SIDE = flat(4, Y, 30.0 * Y)
 
 
-def looking(wall, faces=(SIDE,)):
-    """Looks at the tops of a box of 80 x 60 x 25 mm with such walls."""
-    inside = Cube((80.0 - 2.0 * wall, 60.0 - 2.0 * wall, 25.0)).at(0.0, 0.0, 3.0)
+def looking(wall, faces=(SIDE,), ends=True):
+    """Looks at the tops of a box of 80 x 60 x 25 mm with such walls, or of a channel without `ends`."""
+    inside = Cube((80.0 - 2.0 * wall if ends else 99.0, 60.0 - 2.0 * wall, 25.0)).at(0.0, 0.0, 3.0)
     tray = Solid.from_csg(Cube((80.0, 60.0, 25.0)) - inside)
     spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-Z), [0.0, 30.0, 60.0])
     stage, arrays = simulate(tray, [spec], np.random.default_rng(0), noise=0.05, start_pose=start)
@@ -64,6 +67,42 @@ def test_a_look_at_the_top_of_a_wall_tells_where_it_is_and_how_thick_it_is(wall)
     assert inner.outward @ Y < -0.999
     assert abs(float(inner.point[1]) - (30.0 - wall)) < 0.08
     assert tops.next([(RIM, 4)]) is None
+
+
+def test_a_pad_that_reaches_past_the_end_of_a_wall_measures_it_no_less():
+    tops, found = looking(2.5, ends=False)
+    move = tops.next([(replace(RIM, point=RIM.point + 34.0 * X), 4)])
+    assert move is not None
+    assert move() == (None, "looked at the top of a thin wall")
+    ((inner, _),) = found.wall_rims
+    assert abs(float(inner.point[1]) - 27.5) < 0.12
+
+
+def stopped(at, offset):
+    """A stop of a stroke toward +y on a floor at z = -9.5, by a wall that is thought to be there."""
+    pose = se3.pose(se3.frame_along(-Z, X), at)
+    return Stop(Wall(pose[:3, 3] + 9.0 * Y, Y, Z, pose, np.array([15.3, 9.9])), -Y, offset)
+
+
+@pytest.mark.parametrize("off", [-0.6, 0.0, 0.9])
+def test_what_stopped_a_stroke_shows_both_its_edges_from_above(off):
+    tops, found = looking(2.5, (flat(4, Z, -9.5 * Z),))
+    tops.study.pad.felt.append((np.array([30.0 * Y + 12.0 * Z]), Y[None]))
+    move = tops.over([stopped([0.0, 17.0, -9.5], -27.5 + off)])
+    assert move is not None
+    assert move() == (None, "looked at the top of a thin wall")
+    places = {round(float(edge.outward[1])): float(edge.point[1]) for edge, _ in found.wall_rims}
+    assert places[-1] == pytest.approx(27.5, abs=0.1)
+    assert places[1] == pytest.approx(30.0, abs=0.1)
+    assert tops.over([stopped([1.0, 17.0, -9.5], -27.5)]) is None
+
+
+def test_where_nothing_stands_on_the_floor_nothing_is_made_out():
+    tops, found = looking(2.5, (flat(4, Z, -9.5 * Z),))
+    move = tops.over([stopped([0.0, -10.0, -9.5], 0.0)])
+    assert move is not None
+    assert move() == (None, "nothing narrow was where a stroke was stopped")
+    assert not found.wall_rims
 
 
 def test_a_broad_top_is_no_wall_s():
