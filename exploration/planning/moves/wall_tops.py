@@ -37,6 +37,7 @@ class WallTopsConfig:
     """How tops are looked at."""
 
     frames: int = 16  # averaged
+    vain: int = 6  # looks on end that made no top out, from which no more are taken
     beside: float = 12.0  # [mm] between rims that are tried as one
     inside: float = 1.2  # [mm] of the pad's middle behind the outer side
     upright: float = 0.02  # most cosine between a top's direction and the side's
@@ -52,13 +53,13 @@ class WallTops:
 
     def __init__(self, study: Study, reach: Reach, config: WallTopsConfig = WallTopsConfig()) -> None:
         self.study, self.reach, self.config = study, reach, config
-        self._tried = Attempts(1, config.beside)
+        self._tried, self._vain = Attempts(1, config.beside), 0
 
     def next(self, rims: Sequence[SeenRim]) -> Callable[[], Done] | None:
         """A look at the top that the nearest rim of a flat side is of, if none was looked at there."""
         here = self.study.pad.guard.world_from_sensor[:3, 3]
         left = [(rim, face) for rim, face in rims if self._worth(rim, face)]
-        if not left:
+        if not left or self._vain >= self.config.vain:
             return None
         return partial(self._look, *min(left, key=lambda seen: float(np.linalg.norm(seen[0].point - here))))
 
@@ -66,13 +67,14 @@ class WallTops:
         """A look at the top of what stopped the nearest stroke on a floor, if none was looked at there."""
         here = self.study.pad.guard.world_from_sensor[:3, 3]
         left = [stop for stop in stops if not self._tried.given_up(stop.wall.point)]
-        if not left:
+        if not left or self._vain >= self.config.vain:
             return None
         nearest = min(left, key=lambda stop: float(np.linalg.norm(stop.wall.point - here)))
         return partial(self._look_over, nearest)
 
     def _look_over(self, stop: Stop) -> Done:
         self._tried.note(stop.wall.point)
+        self._vain += 1
         up, felt = stop.wall.normal, self.reach.felt.points
         foot = stop.wall.pose[:3, 3]
         foot = foot + (stop.offset - float(stop.normal @ foot)) * stop.normal
@@ -113,6 +115,7 @@ class WallTops:
 
     def _look(self, rim: Sighting, face: int) -> Done:
         self._tried.note(rim.point)
+        self._vain += 1
         pad, found = self.study.pad, self.study.found
         own = next(each for each in found.graph.faces if each.id == face)
         side = outward_normal(own, rim.point)
@@ -135,6 +138,7 @@ class WallTops:
 
     def _take_in(self, ridge: Ridge, foot: Floats, side: Floats, up: Floats, both: bool = False) -> None:
         """The top as a face, and the rim at its far edge, or those at both its edges."""
+        self._vain = 0
         number = self.study.narrow_face(ridge.top, up)
         if number is None:
             return
