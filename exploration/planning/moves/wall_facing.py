@@ -12,6 +12,7 @@ import numpy as np
 from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
+from exploration.planning.ways.transit import Support
 from primitives import pose as se3
 
 _ABOVE = (1.2, 5.0, 12.0)  # [mm] of the housing over the face whose wall it comes to, in turn
@@ -53,6 +54,9 @@ class Walls:
         self._looked_at.note(wall.point)
         done, note = face_wall(self.study, self._reach, wall)
         if done is None and self._reach.led:
+            self.study.pad.here = Support(
+                wall.point, wall.normal
+            )  # in front of which it is, having met nothing
             self.study.walls[:] = [other for other in self.study.walls if other is not wall]
             self._in_vain.append(wall)
         else:

@@ -155,6 +155,7 @@ class Pad:
             poses = self._way(here, goal, far)
         for pose in poses:
             self.guard.go_to(pose)
+        self.here = far  # who meets nothing there goes on from in front of it
 
     def _way(self, here: Floats, goal: Floats, far: Support) -> list[Floats]:
         """Round the object; farther out where what is carried with the array would come too near."""

@@ -38,6 +38,9 @@ def test_a_wall_that_is_not_there_is_forgotten_and_the_object_stays_convex(walls
     assert walls.next() is None
     assert len(walls.study.walls) == 1
     assert not walls.study.found.hollow
+    assert (
+        walls.study.pad.here.normal is UP
+    )  # who met nothing goes on from in front of the face that it stood on
 
 
 def test_one_looked_at_in_vain_is_open_again_once_the_object_is_known_to_be_hollow(walls):
