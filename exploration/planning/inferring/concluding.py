@@ -27,6 +27,7 @@ from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.rounded_corners import rounded_corners
 from exploration.planning.inferring.rounded_edges import rounded_edges
 from exploration.planning.inferring.slots import Slot, slots
+from exploration.planning.inferring.sockets import sockets
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
 from exploration.planning.open.known_face import KnownFace
@@ -54,6 +55,7 @@ _BY_OUTSIDE = (
 )
 _BY_FLOOR = "a side of what stands on a floor is inferred from a stroke it stopped and the floor behind it"
 _BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where both its sides end"
+_BY_SIDES = "a side of a socket that no pad could lie on is inferred from edges seen round its mouth"
 _BY_CORNER = "a rounded corner of a plate is inferred from where both its sides end between two walls"
 _BY_ROUNDING = "a rounded edge is inferred from where contact with the walls on both sides ends"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
@@ -73,6 +75,9 @@ def conclude(
     _add_walls(found, walls, frontier, inside)
     _add_ends(found, frontier, inside)
     through = slots(known := frontier().known)
+    looked, beside = _open_rims(found, known, through)
+    for lot in sockets([*looked, *beside], found.graph.faces):
+        add(found, lot, _BY_SIDES)
     looked, beside = _open_rims(found, known, through)
     for lot in rounded_edges([*looked, *beside], found.graph.faces):
         add(found, lot, _BY_ROUNDING, "cylinder")

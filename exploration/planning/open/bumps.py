@@ -19,7 +19,7 @@ class BumpsConfig:
     """What stands out."""
 
     before: float = 0.7  # [mm] of a face, where such places are
-    alike: float = 0.97  # least cosine between the way they look and that of the face: less is of a rolling pad
+    alike: float = 0.97  # least cosine between the way they look and the face's: a rolling pad leans more
     least: int = 15  # such places: of a convex object up to 8 were seen, beside rounded edges
 
 
