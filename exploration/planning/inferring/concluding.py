@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.uprighted import uprighted
@@ -19,6 +20,7 @@ from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
 from exploration.planning.inferring.hole_walls import add_holes, add_left_holes
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
+from exploration.planning.inferring.lips import no_walls
 from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.parted_ends import parted_ends
 from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
@@ -139,6 +141,8 @@ def _add_walls(
         change(found, lambda face: placed.get(face.id, face))
     for lot in lots:
         add(found, lot, _BY_RIMS)
+        gone = no_walls(lot, found.graph.faces)
+        found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in gone))
 
 
 def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats) -> None:
@@ -180,12 +184,16 @@ def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
             near = abs(float(face.fit.shape.signed_distance(at)[0])) < _BEHIND
             along = normal @ seen.outward > 0.3 and abs(float(normal @ seen.tangent)) < _ALONG
             bends = face.fit.kind != "plane" and float(normal @ seen.normal) > _ALIKE
-            if near and (bends or (along and _reaches(face, seen.point))):
+            if near and (bends or (along and _reaches(face, seen))):
                 return True
     return False
 
 
-def _reaches(face: Face, place: Floats) -> bool:
-    """Whether a face goes on to a (3,) place: one that is only inferred may be known at its other end alone."""
-    felt = bool((face.contacts.touch != NOT_FELT).any())
-    return felt or float(np.linalg.norm(face.contacts.points - place, axis=1).min(initial=np.inf)) < _FAR
+def _reaches(face: Face, rim: Sighting) -> bool:
+    """Whether a face goes on to a rim: one that is only inferred may be known at its other end alone."""
+    if (face.contacts.touch != NOT_FELT).any():
+        return True
+    away = face.contacts.points - rim.point
+    beside = away @ rim.tangent
+    on_both_hands = bool(beside.min() < 0.0 < beside.max())
+    return on_both_hands or float(np.linalg.norm(away, axis=1).min(initial=np.inf)) < _FAR
