@@ -3,7 +3,7 @@
 What stops it is a ledge, as deep wherever it is met, or a slope, the deeper the nearer to the axis; so it comes
 down at two distances.  An array half over a ledge feels no face, but where it was stopped it feels well enough
 (our derivation).  A hole that has no other end to match may narrow off its axis, or slanting: there a wide ledge
-is felt as a floor.
+is felt as a floor.  One that is hardly wider than the array is gone down about its axis.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 
 from exploration.control.procedures.approach import ApproachConfig, advance
 from exploration.control.procedures.land import strongest
+from exploration.control.procedures.settle import AS_IT_CAME
 from exploration.control.procedures.tare import tare
 from exploration.planning.open.holes import ends_of_one
 from exploration.planning.open.round_rims import RoundRim, far_end
@@ -31,6 +32,9 @@ class LedgesConfig:
     """Where an array comes down."""
 
     clear: float = 0.8  # [mm] between its housing and the rim
+    spare: float = (
+        0.4  # [mm] between its corners and the wall, where it goes down the middle of a measured one
+    )
     covers: float = 1.5  # [mm] of the ledge, at least, that its skin must reach over
     nearer: float = 2.5  # [mm] to the axis, of the second time
     before: float = 4.0  # [mm] over the mouth, from where it comes
@@ -60,13 +64,34 @@ class Ledges:
             aside, left = self._most(rim), [other for other in rims if other is not rim]
             if (
                 rim.measured
-                and aside > self.config.aside
+                and (aside > self.config.aside or self._fits(rim))
                 and not self._tried.given_up(rim.center)
                 and not any(ends_of_one(rim, other) for other in left)
                 and not self._floored(rim)
             ):
-                return partial(self._feel_floor, rim, aside)
+                return (
+                    partial(self._feel_floor, rim, aside)
+                    if aside > self.config.aside
+                    else partial(self._go_down, rim)
+                )
         return None
+
+    def _fits(self, rim: RoundRim) -> bool:
+        """Whether the array just has room about a hole's axis, where what was felt at its rim seems to bar it."""
+        corner = float(np.hypot(*self.study.pad.tool.high[:2]))
+        return bool(corner + self.config.spare < rim.radius)
+
+    def _go_down(self, rim: RoundRim) -> Done:
+        """Come down about a hole's axis, and press whatever it ends at."""
+        self._tried.note(rim.center)
+        place = rim.center + self.config.before * rim.axis
+        way = rim.places(self.config.floor_ways)[1][0]
+        if self.reach.sound(se3.pose(se3.frame_along(-rim.axis, way), place), AS_IT_CAME):
+            home = self.study.take_in(self.study.pad.feel())
+            self.reach.come_out()
+            return home, "felt where a hole ends"
+        self.reach.come_out()
+        return None, "went down a hole and met nothing" if self.reach.led else "no way led into a hole"
 
     def _feel_floor(self, rim: RoundRim, aside: float) -> Done:
         """Come down beside the axis, onto what an array in the middle went past."""

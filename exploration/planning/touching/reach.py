@@ -130,13 +130,13 @@ class Reach:
         room = self.pad.tool.clear(poses, self._obstacles(), self.config.room, -self.config.proud)
         return float(tried[np.argmax(room)])
 
-    def sound(self, target: Floats) -> bool:
+    def sound(self, target: Floats, settling: SettleConfig | None = None) -> bool:
         """Go in from a (4, 4) target, as deep as the array is long, until something is touched."""
         if not self._before(target, self.config.standoff):
             return False
         self._inside = (target[:3, 3] - self.config.standoff * target[:3, 2], -target[:3, 2])
         deep = -float(self.pad.tool.low[2]) - self.config.out
-        return self.pad.touch(target, self.config.standoff, deep, landing=AS_TOLD)
+        return self.pad.touch(target, self.config.standoff, deep, settling, AS_TOLD)
 
     def at_lid(self, point: Floats) -> bool:
         """Whether a (3,) point is at the rim of a mouth, or in it."""

@@ -89,3 +89,25 @@ def test_nothing_is_felt_beside_the_middle_of_a_hole_without_a_floor():
     ledges, found = explored(Cube((80.0, 60.0, 14.0)) - Cylinder(15.0, 30.0), [lone])
     assert ledges.next([])() == (None, "felt no floor beside the middle of a hole")
     assert found.graph.faces == ()
+
+
+@pytest.mark.parametrize("radius", [6.3, 8.0])
+def test_a_blind_hole_hardly_wider_than_the_array_is_felt_to_its_end(radius):
+    rim = RoundRim(np.array([0.0, 0.0, 7.0]), UP, radius, 0.02, 0, measured=True)
+    ledges, found = explored(Cube((80.0, 60.0, 14.0)) - Cylinder(radius, 14.0).at(0.0, 0.0, 4.0), [rim])
+    home, note = ledges.next([])()
+    assert note == "felt where a hole ends"
+    (floor,) = [face for face in found.graph.faces if face.id == home]
+    assert floor.contacts.points[:, 2] == pytest.approx(-3.0, abs=0.1)
+    assert ledges.next([]) is None
+
+
+def test_a_hole_that_goes_through_or_is_too_narrow_shows_no_end():
+    rim = RoundRim(np.array([0.0, 0.0, 7.0]), UP, 7.0, 0.02, 0, measured=True)
+    ledges, found = explored(Cube((80.0, 60.0, 14.0)) - Cylinder(7.0, 30.0), [rim])
+    assert ledges.next([])() == (None, "went down a hole and met nothing")
+    assert found.graph.faces == ()
+    narrow = RoundRim(rim.center, UP, 5.9, 0.02, 0, measured=True)
+    guessed = RoundRim(rim.center, UP, 7.0, 1.0, 0)
+    for other in (narrow, guessed):
+        assert explored(PLATE, [other])[0].next([]) is None
