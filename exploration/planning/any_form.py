@@ -197,7 +197,7 @@ class AnyForm:
         openings = [*frontier.openings, *far_ends(seen, flat, WHERE_TO_LOOK)]
         round_ = [opening for opening in openings if not self._refuted(opening)]
         straight = [rim for rim in frontier.rims if not any(o.holds(rim[0].point) for o in round_)]
-        rings = bare_ends(frontier.known, self.found.wall_rims, self._free())
+        rings = bare_ends(frontier.known, self.found.wall_rims, self._free)
         looks = self._holes.next([*openings, *narrower_ends(seen, flat), *rings])
         return (
             self._looking.next()

@@ -35,7 +35,7 @@ from exploration.planning.touching.pad import Announce, Pad
 from exploration.planning.touching.study import Study
 from exploration.planning.ways.routes import Tool
 from primitives.arrays import Floats
-from primitives.evidence import NOT_FELT
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 
 __all__ = ["Explorer", "ExplorerConfig", "Findings"]
@@ -135,7 +135,8 @@ class Explorer:
     def _bumpy(self) -> bool:
         """Whether something stands up from a face of what else looks convex and closed."""
         self._felt.take(self.pad.felt)
-        return bumpy(self.found.graph.faces, self._felt)
+        felt = Contacts.of(self._felt.points, self._felt.facing)
+        return bumpy(self.found.graph.faces, felt if self.told is None else self.told.without(felt))
 
     def _any_form(self) -> Iterator[str]:
         """Face by face, with one array after the other: each goes for what those before it found no room for.

@@ -4,7 +4,8 @@ A first contact may be a vertex under the middle of the pad or a face under its 
 so that the slope at the pad's center vanishes, rolls the pad off vertices and edges until it lies flush on a face
 or tangent to a curved one.  Balanced on something sharp, where no slope shows, it is moved aside and rolls on.
 
-A rim that is narrower than the pad can lie on is only pressed, at the attitude that the pad came at.
+A rim that is narrower than the pad can lie on is only pressed, at the attitude that the pad came at, and no deeper
+than a face would be: what is so narrow reads as less deep than it is.
 
 Depth and slope are those that will be once the commands still on their way are done (`devices.pending`).
 
@@ -36,7 +37,8 @@ class SettleConfig:
     shifts: int = 3  # as often, before what is felt is taken to be that narrow
     reach: float = 4.0  # [mm] that a lost contact is followed forward
     smoothing: float = 0.3  # share of the newest slope in the running mean
-    rolls: bool = True  # else the pad keeps the attitude that it came at
+    rolls: bool = True  # else the pad keeps the attitude that it came at,
+    share: float = 0.8  # and goes on by this share of the press at most, from where it felt something
 
 
 AS_IT_CAME = SettleConfig(rolls=False)
@@ -61,8 +63,12 @@ def settle(guard: Guard, press: float = PRESS, config: SettleConfig = SettleConf
     followed, quiet, shifts = 0.0, 0, 0
     aside, slope = np.zeros(2), None
     seen = guard.hold()
+    start = seen.world_from_sensor
     for _ in range(config.patience):
         felt = feel(seen.image)
+        gone = float((seen.world_from_sensor[:3, 3] - start[:3, 3]) @ start[:3, 2])
+        if felt and not config.rolls and gone > config.share * press:
+            return felt
         if not felt:
             followed += gains.press_speed * guard.period
             if followed > config.reach:

@@ -83,7 +83,8 @@ class RoundHoles:
         looks, led = 1 if small else self.config.looks, 0
         found: RoundHole | None = None
         ends = self._ends(rim)
-        settling = AS_IT_CAME if rim.outer - rim.radius < self.config.narrow else SettleConfig()
+        slim = rim.outer - rim.radius < self.config.narrow
+        settling = AS_IT_CAME if slim else SettleConfig()
         for give, (way, pose) in product((False, True), self._places(rim, small)):
             if not small and any(way @ other > np.cos(self.config.apart) for other in used):
                 continue
@@ -93,7 +94,7 @@ class RoundHoles:
                 seen = dwell(pad.guard, self.config.frames)
                 frames.append((seen.image, seen.world_from_sensor))
                 used.append(way)
-                found = fit_round_hole(frames, rim.center, rim.axis, rim.radius, rim.outer, ends)
+                found = fit_round_hole(frames, rim.center, rim.axis, rim.radius, rim.outer, ends, flush=slim)
             if led >= self.config.most or (found is not None and len(frames) >= looks):
                 break
         own = self.study.found.fit_of(rim.face)

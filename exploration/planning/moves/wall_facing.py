@@ -15,6 +15,7 @@ from exploration.planning.touching.study import Study, Wall
 from exploration.planning.ways.transit import Support
 from primitives import pose as se3
 
+_NOTHING = "nothing was where a stroke met a wall"
 _ABOVE = (1.2, 5.0, 12.0)  # [mm] of the housing over the face whose wall it comes to, in turn
 _ASIDE = (0.0, 8.0, -8.0, 16.0, -16.0)  # [mm] along the wall, in turn
 
@@ -29,7 +30,7 @@ def face_wall(study: Study, reach: Reach, wall: Wall) -> Done:
         if reach.touch(target, give):
             return study.face_here(), "touched a wall"
         if reach.led:
-            return None, "nothing was where a stroke met a wall"
+            return None, _NOTHING
     return None, "no way led to a wall"
 
 

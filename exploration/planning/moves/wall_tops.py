@@ -30,6 +30,7 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
+from primitives.shapes import Plane
 
 
 @dataclass(frozen=True)
@@ -40,9 +41,10 @@ class WallTopsConfig:
     vain: int = 6  # looks on end that made no top out, from which no more are taken
     beside: float = 12.0  # [mm] between rims that are tried as one
     inside: float = 1.2  # [mm] of the pad's middle behind the outer side
-    upright: float = 0.02  # most cosine between a top's direction and the side's
     known: float = 2.5  # [mm] from a rim, within which a face explains it that looks its way,
     felt: float = 16.0  # [mm] and was felt within
+    looks_out: float = 0.3  # least cosine between that face and the way out of the rim
+    looks_back: float = -0.9  # most cosine between a wall's sides
     step: float = 0.6  # [mm] over a floor, from which something stands on it
     slack: float = 1.5  # [mm] of its side from where a housing was stopped
     thickest: float = 12.0  # [mm] to a side that looks away from the outer one: its rim tells as much
@@ -74,24 +76,25 @@ class WallTops:
 
     def _look_over(self, stop: Stop) -> Done:
         self._tried.note(stop.wall.point)
-        self._vain += 1
-        up, felt = stop.wall.normal, self.reach.felt.points
+        pad, up = self.study.pad, stop.wall.normal
+        side = stop.normal - float(stop.normal @ up) * up
+        side = side / np.linalg.norm(side)
         foot = stop.wall.pose[:3, 3]
         foot = foot + (stop.offset - float(stop.normal @ foot)) * stop.normal
-        high = float(((felt - foot) @ up).max(initial=0.0))
-        over = se3.pose(self.study.pad.attitude(up, stop.along), foot - self.config.inside * stop.normal)
-        low = over @ se3.pose(translation=[0.0, 0.0, -self.reach.off(over, high)])
-        if not self.reach.descend(low, high, AS_IT_CAME, AS_TOLD):
-            return None, "nothing narrow was where a stroke was stopped"
-        pad = self.study.pad
-        rose = float((pad.guard.world_from_sensor[:3, 3] - foot) @ up)
-        if rose < self.config.step:
+        over = se3.pose(pad.attitude(up, stop.along), foot - self.config.inside * side)
+        high = self.reach.off(over, float(((self.reach.felt.points - foot) @ up).max(initial=0.0)))
+        raised = over @ se3.pose(translation=[0.0, 0.0, -high])
+        if not self.reach.descend(raised, high, AS_IT_CAME, AS_TOLD, deeper=high):
+            found = "nothing narrow was" if self.reach.led else "no way led over"
+            return None, f"{found} where a stroke was stopped"
+        if float((pad.guard.world_from_sensor[:3, 3] - foot) @ up) < self.config.step:
             return None, "nothing narrow was where a stroke was stopped"
         seen = dwell(pad.guard, self.config.frames)
-        ridge = fit_ridge(seen.image, seen.world_from_sensor, foot, stop.normal, self.config.slack)
+        ridge = fit_ridge(seen.image, seen.world_from_sensor, foot, side, self.config.slack)
+        self._vain = 0 if ridge else self._vain + 1
         if ridge is None:
             return None, "no top of a thin wall was made out"
-        self._take_in(ridge, foot + ridge.shift * stop.normal, stop.normal, up, both=True)
+        self._take_in(ridge, foot + ridge.shift * side, side, up, both=True)
         return None, "looked at the top of a thin wall"
 
     def _worth(self, rim: Sighting, face: int) -> bool:
@@ -107,18 +110,18 @@ class WallTops:
         if other.id == face or not isinstance(other.fit, Fit) or not len(felt):
             return False
         near = float(np.linalg.norm(felt - rim.point, axis=1).min())
-        looks = outward_normal(other, rim.point)
+        way = outward_normal(other, rim.point)
         off = float(abs(other.fit.shape.signed_distance(rim.point[None])[0]))
-        top = off < self.config.known and float(looks @ rim.outward) > 0.3
-        far_side = off < self.config.thickest and float(looks @ rim.normal) < -0.9
+        top = off < self.config.known and float(way @ rim.outward) > self.config.looks_out
+        far_side = off < self.config.thickest and float(way @ rim.normal) < self.config.looks_back
         return (top or far_side) and near < self.config.felt
 
     def _look(self, rim: Sighting, face: int) -> Done:
         self._tried.note(rim.point)
-        self._vain += 1
-        pad, found = self.study.pad, self.study.found
-        own = next(each for each in found.graph.faces if each.id == face)
-        side = outward_normal(own, rim.point)
+        pad, fit = self.study.pad, self.study.found.fit_of(face)
+        if fit is None or not isinstance(fit.shape, Plane):
+            return None, "a face with a rim is none any more"
+        side = fit.shape.direction * (1.0 if fit.convex else -1.0)
         up = rim.outward - float(rim.outward @ side) * side
         up = up / np.linalg.norm(up)
         at = rim.point - self.config.inside * side
@@ -128,8 +131,9 @@ class WallTops:
                 if not self.reach.touch(over, give, AS_IT_CAME, AS_TOLD):
                     continue
                 seen = dwell(pad.guard, self.config.frames)
-                foot = own.fit.shape.project(rim.point[None])[0] if isinstance(own.fit, Fit) else rim.point
+                foot = rim.point - float(fit.shape.signed_distance(rim.point[None])[0]) * fit.shape.direction
                 ridge = fit_ridge(seen.image, seen.world_from_sensor, foot, side)
+                self._vain = 0 if ridge else self._vain + 1
                 if ridge is None:
                     return None, "no top of a thin wall was made out"
                 self._take_in(ridge, foot, side, up)
@@ -138,7 +142,6 @@ class WallTops:
 
     def _take_in(self, ridge: Ridge, foot: Floats, side: Floats, up: Floats, both: bool = False) -> None:
         """The top as a face, and the rim at its far edge, or those at both its edges."""
-        self._vain = 0
         number = self.study.narrow_face(ridge.top, up)
         if number is None:
             return
@@ -147,6 +150,7 @@ class WallTops:
         middle = foot + 0.5 * float(spread.min() + spread.max()) * along
         middle = middle + float(np.median((ridge.top - middle) @ up)) * up
         length = float(np.ptp(spread))
-        edges = [Sighting(middle - ridge.thick * side, along, -side, up, ridge.sigma, length)]
-        edges += [Sighting(middle, along, side, up, ridge.sigma, length)] if both else []
+        edges = [Sighting(middle - ridge.thick * side, along, -side, up, ridge.far_sigma, length)]
+        edges += [Sighting(middle, along, side, up, ridge.side_sigma, length)] if both else []
+        self._tried.note(*(edge.point for edge in edges))
         self.study.found.wall_rims += [(edge, number) for edge in edges]

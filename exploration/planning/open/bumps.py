@@ -9,29 +9,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from exploration.planning.known.surface_map import SurfaceMap
+from primitives.evidence import Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
+from primitives.shared_error import with_shared_error
+from primitives.surface_sigma import distance_sigma
 
 
 @dataclass(frozen=True)
 class BumpsConfig:
     """What stands out."""
 
-    before: float = 0.7  # [mm] of a face, where such places are
+    before: float = 0.7  # [mm] of a face, where such places are,
+    sigmas: float = 3.0  # and as many standard deviations of where it is there
     alike: float = 0.97  # least cosine between the way they look and the face's: a rolling pad leans more
     least: int = 15  # such places: of a convex object up to 8 were seen, beside rounded edges
 
 
-def bumpy(faces: Sequence[Face], felt: SurfaceMap, config: BumpsConfig = BumpsConfig()) -> bool:
-    """Whether enough of what was felt lies in front of one of the faces."""
+def bumpy(faces: Sequence[Face], felt: Contacts, config: BumpsConfig = BumpsConfig()) -> bool:
+    """Whether enough of what was `felt`, with the way that it faces, lies in front of one of the faces."""
     return any(_before(face, felt, config) >= config.least for face in faces)
 
 
-def _before(face: Face, felt: SurfaceMap, config: BumpsConfig) -> int:
-    if not isinstance(face.fit, Fit) or face.fit.kind != "plane" or not len(felt.points):
+def _before(face: Face, felt: Contacts, config: BumpsConfig) -> int:
+    if not isinstance(face.fit, Fit) or face.fit.kind != "plane" or not len(felt):
         return 0
     side, shape = 1.0 if face.fit.convex else -1.0, face.fit.shape
-    out = side * shape.signed_distance(felt.points) > config.before
-    alike = side * (shape.normals(felt.points) * felt.facing).sum(axis=1) > config.alike
+    unsure = distance_sigma(with_shared_error(face.fit, face.contacts), felt.points)
+    out = side * shape.signed_distance(felt.points) > config.before + config.sigmas * unsure
+    alike = side * (shape.normals(felt.points) * felt.normals).sum(axis=1) > config.alike
     return int((out & alike).sum())

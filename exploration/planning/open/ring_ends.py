@@ -10,7 +10,7 @@ and the places that were found free there how wide its bore is at least.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,12 +64,12 @@ def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfi
 def bare_ends(
     known: Sequence[KnownFace],
     rims: Sequence[tuple[Sighting, int]],
-    free: Floats,
+    free: Callable[[], Floats],
     config: RingEndsConfig = RingEndsConfig(),
 ) -> list[RoundRim]:
     """Circles where the bores of tubes may begin of whose ends only the outer rims were looked at.
 
-    Each of the `rims` comes with the id of its face; nothing is at (n, 3) places `free` [mm].
+    Each of the `rims` comes with the id of its face; nothing is at the (n, 3) places [mm] that `free` gives.
     """
     found: list[RoundRim] = []
     flat = [own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.felt]
@@ -91,7 +91,8 @@ def bare_ends(
             known_end = any(_passes(end, center, axis, config) for end in flat)
             if felt_past or known_end:
                 continue
-            up, far = (free - center) @ axis, aside(free, center, axis)
+            places = free()
+            up, far = (places - center) @ axis, aside(places, center, axis)
             low, high = config.level
             within = far[(up > low) & (up < high) & (far < shape.radius - config.inside)]
             if (

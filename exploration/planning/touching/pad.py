@@ -147,6 +147,9 @@ class Pad:
         here = self.guard.world_from_sensor
         same = self.here.normal @ far.normal > 0.995
         close = abs((self.here.point - far.point) @ far.normal) < 2.0
+        close &= (
+            float((here[:3, 3] - self.here.point) @ self.here.normal) > -2.0
+        )  # not past it, having met nothing
         if same and close:
             poses = [se3.pose(here[:3, :3], here[:3, 3] + 14.0 * far.normal)]
             poses.append(se3.pose(goal[:3, :3], goal[:3, 3] + 22.0 * far.normal))

@@ -117,11 +117,13 @@ class Reach:
         high: float,
         settling: SettleConfig | None = None,
         landing: LandConfig | None = None,
+        deeper: float = 0.0,
     ) -> bool:
-        """Come down to a (4, 4) target from over `high` mm before it, until something is touched."""
+        """Come down to a (4, 4) target from over `high` mm before it, until something is touched; or `deeper`."""
         if not self._before(target, self.config.standoff + high):
             return False
-        return self.pad.touch(target, self.config.standoff + high, self.config.overtravel, settling, landing)
+        on = self.config.overtravel + deeper
+        return self.pad.touch(target, self.config.standoff + high, on, settling, landing)
 
     def off(self, target: Floats, most: float) -> float:
         """[mm] before a (4, 4) target, at which nothing known is in its way; 0 where that is `most` or more."""

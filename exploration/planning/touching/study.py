@@ -29,6 +29,7 @@ from primitives.patch_graph import Face, PatchGraph
 _SLANT, _STRAIGHT = 0.25, 0.98  # cosine from and up to which a stroke goes slanting to a side of the housing
 _LAIN, _FLUSH = 1.0, 0.97  # [mm] between a pad that lies on a face and that; least cosine between the two
 _NARROW = (0.1, 0.02)  # [mm, rad] of places on a face that was only looked at
+_FEW = 8  # such places of one look
 _WORTH_CENTERING = 4.0  # [mm] of a stroke, after which the pad goes back to the middle
 
 
@@ -107,25 +108,31 @@ class Study:
         self._keep(taken.graph)
         self.loose = taken.loose
         self.found.hollow |= taken.hollow
-        self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
+        self._rename(taken.gone)
         return taken.home
 
     def narrow_face(self, places: Floats, normal: Floats) -> int | None:
-        """The id of a new flat face at (n, 3) places that looks (3,) out, too narrow for a pad to lie on.
+        """The id of a flat face at (n, 3) places that looks (3,) out, too narrow for a pad to lie on.
 
-        The pad has pressed it at the attitude that it came at, and a model of what it saw tells the places.
+        The pad has pressed it at the attitude that it came at, and a model of what it saw tells the places; None
+        where they are on no plane.  One look errs as one: a few of its places stand for all.
         """
+        some = places[np.unique(np.linspace(0, len(places) - 1, _FEW).astype(np.int64))]
         contacts = Contacts.of(
-            places,
-            np.broadcast_to(normal, places.shape),
+            some,
+            np.broadcast_to(normal, some.shape),
             *_NARROW,
             touch=self.pad.guard.cost.touches,
             stroke=self.pad.guard.cost.strokes,
             sensor=self.pad.guard.active,
         )
         made, graph = fit("plane", contacts), self.found.graph
-        if not isinstance(made, Fit):
+        if not isinstance(made, Fit) or made.rms > _NARROW[0]:
             return None
+        home = known_face(graph, contacts, self.config)
+        if home is not None:
+            self.found.graph = joined(graph, contacts, home, self.config)
+            return home
         self.found.graph = replace(graph, faces=(*graph.faces, Face(graph.next_id, made, contacts)))
         return graph.next_id
 
@@ -143,8 +150,18 @@ class Study:
         before = {face.id for face in self.found.graph.faces}
         self._keep(taken.graph)
         self.loose, self._left_loose = taken.loose, len(taken.loose)
-        self.seen = [(sighting, taken.gone.get(own, own)) for sighting, own in self.seen]
+        self._rename(taken.gone)
         return bool({face.id for face in taken.graph.faces} - before)
+
+    def _rename(self, gone: dict[int, int]) -> None:
+        """Call faces that turned out to be others by the ids of those, wherever an edge or a rim is on one."""
+        if not gone:
+            return
+        self.seen, self.found.wall_rims, self.found.glimpsed = (
+            [(sighting, gone.get(own, own)) for sighting, own in seen]
+            for seen in (self.seen, self.found.wall_rims, self.found.glimpsed)
+        )
+        self.found.rims = [replace(rim, face=gone.get(rim.face, rim.face)) for rim in self.found.rims]
 
     def _keep(self, graph: PatchGraph) -> None:
         """Round faces that a few contacts made stand upright on the others, where those agree."""

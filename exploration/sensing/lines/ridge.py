@@ -7,8 +7,8 @@ of a taxel behind the outer side, E the blurred step (`response`) and its share 
 
 d and g of the top's plane, the last term the moment that the blur takes across an edge, as in `round_hole`.  The
 plane is linear, so only t is searched for (variable projection, Golub and Pereyra 1973), and where the outer side
-is not known well how far off it is.  Then the top is taken for level across the wall, because one that leans looks
-like one that stands elsewhere.
+is not known well how far off it is.  The top is taken for level across the wall, as the pad came: one that leans
+looks like one of another thickness, or one that stands elsewhere.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ class RidgeConfig:
     """What is the top of a wall."""
 
     thick: tuple[float, float] = (0.6, 8.0)  # [mm] of a wall
-    starts: tuple[float, ...] = (1.5, 3.0, 5.0)  # [mm] thick, from where the search begins
+    starts: tuple[float, ...] = (0.8, 1.5, 3.0, 5.0)  # [mm] thick, from where the search begins
     outside: float = 3.0  # [widths] of the blur beside the band, up to which taxels are looked at
     felt: float = 0.3  # of the deepest taxel, from which one tells how far the wall goes along the pad
     past: float = 1.0  # [widths] from an end of it, within which taxels are left out
     systematic: float = 0.02  # of the deepest taxel: what the model leaves out
-    misfit: float = 3.0  # chi2 per degree of freedom, above which it is none
+    misfit: float = 1.5  # chi2 per degree of freedom, above which it is none
     certain: float = 0.3  # [mm] that its thickness must be known to
-    level: float = 0.003  # 1 sigma of its slope across a wall of which no side is known well
+    level: float = 0.003  # 1 sigma of its slope across the wall
     lean: float = 0.15  # most slope of the top against the pad, along the wall
     on_top: float = 0.8  # of what the best taxel sees of the top, that one sees which tells where it is
 
@@ -51,6 +51,8 @@ class Ridge:
     thick: float  # [mm]
     shift: float  # [mm] of the outer side, outward from where it was thought to be
     sigma: float  # [mm] of the thickness
+    side_sigma: float  # [mm] of where the outer side is
+    far_sigma: float  # [mm] of where the inner one is
     misfit: float  # chi2 per degree of freedom
     top: Floats  # (n, 3) [mm] places on it
 
@@ -67,7 +69,7 @@ def fit_ridge(
 
     The side may be `slack` [mm] off.
     """
-    look = _Look.of(image, pose, side, outward, config.level if slack else np.inf, config)
+    look = _Look.of(image, pose, side, outward, config)
     if len(look.depth) < _LEAST:
         return None
     (least, most), free = config.thick, int(slack > 0.0)
@@ -82,7 +84,9 @@ def fit_ridge(
     misfit = float(2.0 * found.cost / max(len(found.fun) - 4 - free, 1))
     slopes = np.asarray(found.jac)
     thick, shift = float(found.x[0]), float(found.x[1]) if free else 0.0
-    sigma = float(np.sqrt(max(misfit, 1.0) * np.linalg.pinv(slopes.T @ slopes)[0, 0]))
+    spread = max(misfit, 1.0) * np.linalg.pinv(slopes.T @ slopes)
+    of = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 1.0]])[:, : 1 + free]  # thickness, outer side, inner side
+    sigma, side_sigma, far_sigma = np.sqrt(np.einsum("ij,jk,ik->i", of, spread, of)).tolist()
     plane, share = look.plane(thick, shift)
     leans = abs(float(plane[1:] @ look.along)) > config.lean
     if (
@@ -96,7 +100,7 @@ def fit_ridge(
     there = share[:, 0] / look.weight
     best = look.rows[there > config.on_top * float(there.max())]
     top = se3.transform_points(pose, np.column_stack([best[:, 1:], -best @ plane]))
-    return Ridge(thick, shift, sigma, misfit, top)
+    return Ridge(thick, shift, sigma, side_sigma, far_sigma, misfit, top)
 
 
 @dataclass(frozen=True)
@@ -118,7 +122,6 @@ class _Look:
         pose: Floats,
         side: Floats,
         outward: Floats,
-        leans: float,
         config: RidgeConfig,
     ) -> _Look:
         x, y = (grid.ravel() for grid in np.meshgrid(image.array.x, image.array.y))
@@ -129,17 +132,18 @@ class _Look:
         response = response_of(image)
         width = response.width(into)
         reach = config.outside * width
+        live = np.isfinite(sigma) & (sigma > 0.0)
         along = x * -into[1] + y * into[0]
-        felt = along[depth > config.felt * float(depth.max())]
-        first, last = float(felt.min(initial=0.0)), float(felt.max(initial=0.0))
+        felt = along[live & (depth > config.felt * float(depth[live].max(initial=0.0)))]
+        first, last = (float(felt.min()), float(felt.max())) if len(felt) else (np.inf, -np.inf)
         first += config.past * width if first > along.min() + width else -width
         last -= config.past * width if last < along.max() - width else -width
-        kept = (behind > -reach) & (behind < config.thick[1] + reach) & np.isfinite(sigma) & (sigma > 0.0)
+        kept = (behind > -reach) & (behind < config.thick[1] + reach) & live
         kept &= (along > first) & (along < last)
         rows = np.column_stack([np.ones(len(x)), x, y])[kept]
         floor = config.systematic * float(depth[kept].max(initial=0.0))
         weight = 1.0 / np.hypot(sigma[kept], floor)
-        return _Look(behind[kept], rows, depth[kept], weight, into, width, leans, response)
+        return _Look(behind[kept], rows, depth[kept], weight, into, width, config.level, response)
 
     @property
     def along(self) -> Floats:

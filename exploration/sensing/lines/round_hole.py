@@ -33,6 +33,7 @@ from primitives.shapes import Shape
 
 _LEAST = 12  # taxels of a look
 _STEP = 0.05  # [mm] of the slope of what is not a circle
+_LEVEL = 0.003  # 1 sigma of how a face leans against a pad that is told to be flush
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ class _Look:
     slope: Floats  # (n, 2) [1/mm] of that, along the pad's x and y
     axes: Floats  # (2, 2) those, in the face's plane
     pose: Floats  # (4, 4) world_from_sensor
+    leans: Floats  # (2,) slope of the depth along the pad's x and y, where it is known; else nan
 
     def only(self, kept: Bools) -> _Look:
         """Of some taxels."""
@@ -92,6 +94,7 @@ class _Look:
             self.slope[kept],
             self.axes,
             self.pose,
+            self.leans,
         )
 
 
@@ -103,14 +106,18 @@ def fit_round_hole(
     outer: float = np.inf,
     ends: Sequence[tuple[Shape, float]] = (),
     config: RoundHoleConfig = RoundHoleConfig(),
+    flush: bool = False,
 ) -> RoundHole | None:
     """The hole of (3,) center, (3,) axis and radius thought of, as images at (4, 4) world poses show it.
 
     The face is a disc of radius `outer` [mm] about the center thought of, and `ends` at shapes: each with the sign
-    of its distance past it.
+    of its distance past it.  A narrow ring that leans looks like one of another width; pads that kept the attitude
+    they came at are `flush`, and it leans only as their poses do.
     """
     turn = se3.frame_along(axis)
-    looks = [_look(image, (pose, turn, center), (radius, outer), ends, config) for image, pose in frames]
+    looks = [
+        _look(image, (pose, turn, center), (radius, outer), ends, config, flush) for image, pose in frames
+    ]
     looks = [look for look in looks if len(look.depth) > _LEAST]
     if not looks:
         return None
@@ -174,6 +181,7 @@ def _look(
     radii: tuple[float, float],
     ends: Sequence[tuple[Shape, float]],
     config: RoundHoleConfig,
+    flush: bool,
 ) -> _Look:
     (pose, turn, center), (radius, outer) = where, radii
     x, y = (grid.ravel() for grid in np.meshgrid(image.array.x, image.array.y))
@@ -197,8 +205,9 @@ def _look(
     rows = np.column_stack([np.ones(len(x)), x, y])[kept]
     floor = config.systematic * float(depth[kept].max(initial=0.0))
     weight = 1.0 / np.hypot(sigma[kept], floor)
-    axes = (turn.T @ pose[:3, :2])[:2]
-    return _Look(flat[kept], rows, depth[kept], weight, width, face[kept], slope[kept], axes, pose)
+    axes, normal = (turn.T @ pose[:3, :2])[:2], pose[:3, :3].T @ turn[:, 2]
+    leans = normal[:2] / normal[2] if flush else np.full(2, np.nan)
+    return _Look(flat[kept], rows, depth[kept], weight, width, face[kept], slope[kept], axes, pose, leans)
 
 
 def _residual(look: _Look, circle: Floats) -> Floats:
@@ -225,5 +234,7 @@ def _plane(look: _Look, circle: Floats) -> tuple[Floats, Floats]:
     moment = width**2 * (look.slope - steep[:, None] * (out @ look.axes))
     rows = look.rows * there[:, None] + np.column_stack([np.zeros(len(away)), moment])
     rows, seen = rows * look.weight[:, None], look.depth * look.weight
-    plane, *_ = np.linalg.lstsq(rows, seen, rcond=None)
+    known = np.zeros((2, 3)) if np.isnan(look.leans).any() else np.eye(3)[1:] / _LEVEL
+    told = np.zeros(2) if np.isnan(look.leans).any() else look.leans / _LEVEL
+    plane, *_ = np.linalg.lstsq(np.vstack([rows, known]), np.append(seen, told), rcond=None)
     return plane, rows

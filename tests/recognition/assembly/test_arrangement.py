@@ -33,3 +33,13 @@ def test_what_was_felt_is_not_outvoted_by_what_was_inferred(felt):
 @pytest.mark.parametrize("felt", [0, 2])
 def test_a_stray_contact_or_two_do_not_outvote_it(felt):
     assert votes_under_the_top(felt) == (felt, HEARD)
+
+
+def test_contacts_of_a_surface_are_counted_by_the_side_that_they_look_to():
+    """Ten on the top of a slab look out of it; of six on its wall four look in, and two along it."""
+    top = np.column_stack([np.linspace(1.0, 8.0, 10), np.full(10, 5.0), np.full(10, float(TOP.origin[2]))])
+    wall = np.column_stack([np.full(6, float(WALL.origin[0])), np.linspace(1.0, 8.0, 6), np.full(6, 1.0)])
+    looks = [np.tile(TOP.normal, (10, 1)), np.tile(-WALL.normal, (4, 1)), np.tile(TOP.normal, (2, 1))]
+    points, normals = np.concatenate([top, wall]), np.concatenate(looks)
+    found = arrange([TOP, WALL], points, normals, np.empty((0, 3)), ROOM)
+    assert found.facing.tolist() == [[10.0, 0.0], [0.0, 4.0]]

@@ -31,6 +31,24 @@ def test_a_wall_of_several_rims_stands_parallel_to_a_felt_face_however_each_of_t
     assert float(abs(fit.shape.origin @ X)) == pytest.approx(20.05, abs=0.02)
 
 
+def flat(number, normal, at):
+    u = np.cross(normal, Y if abs(normal @ Y) < 0.7 else X)
+    u /= np.linalg.norm(u)
+    v = np.cross(normal, u)
+    points = at + np.array([a * u + b * v for a in range(0, 30, 6) for b in range(0, 30, 6)])
+    return ranked_face(number, Contacts.of(points, np.tile(normal, (25, 1)), 0.01, 0.01), MergeOptions())
+
+
+def test_a_wall_across_two_felt_faces_that_are_square_stands_across_both():
+    found = Findings(graph=PatchGraph(faces=(flat(0, Y, 60.0 * Y), flat(1, Z, 30.0 * Z))))
+    for x, y in ((20.1, 5.0), (19.9, 25.0), (20.15, 45.0)):
+        fit = add(found, rim_wall(x, y), "why")
+    assert abs(float(fit.shape.normal @ X)) == pytest.approx(1.0, abs=1e-6)
+    lot = rim_wall(20.0, 5.0)
+    aslant = np.array([0.0, 0.96, 0.28])
+    assert straightened(lot, [flat(0, Y, 60.0 * Y), flat(1, aslant, 30.0 * Z)]) is lot
+
+
 def test_one_that_is_parallel_to_none_or_leans_by_more_than_rims_err_is_left_as_it_is():
     leaning = np.array([np.cos(0.1), np.sin(0.1), 0.0])
     lot = rim_wall(20.0, 5.0, leaning)

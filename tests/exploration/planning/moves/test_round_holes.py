@@ -4,15 +4,28 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
+from exploration.control.procedures.tare import tare
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.faces.attribution import AttributionConfig
 from exploration.planning.moves.round_holes import RoundHoles
 from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.pad import Pad
+from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.study import Study
+from exploration.sensing.calibration import Calibration
 from exploration.sensing.frame import TactileImage, TaxelArray
 from exploration.sensing.lines.blurred_disc import of_disc
 from exploration.sensing.lines.round_hole import RoundHoleConfig, _Look, _without_strays, fit_round_hole
 from exploration.sensing.response import rubber
+from exploration.sensing.spec import load_sensor
+from models.csg import Cylinder
+from models.solid import Solid
 from primitives import pose as se3
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
@@ -171,7 +184,7 @@ def test_taxels_off_a_circle_are_left_out_on_one_side_of_it_and_not_all_round():
     turn = np.arange(120) * np.pi / 60.0
     ring = 9.0 * np.column_stack([np.cos(turn), np.sin(turn)])
     ones, rows = np.ones(120), np.ones((120, 3))
-    look = _Look(ring, rows, ones, ones, 1.2, ones, np.zeros((120, 2)), np.eye(2), np.eye(4))
+    look = _Look(ring, rows, ones, ones, 1.2, ones, np.zeros((120, 2)), np.eye(2), np.eye(4), ones[:2])
     keyway, corners = np.abs(turn - np.pi) < 0.4, np.cos(6.0 * turn) > 0.7
 
     def kept(strays):
@@ -182,6 +195,31 @@ def test_taxels_off_a_circle_are_left_out_on_one_side_of_it_and_not_all_round():
     assert corners.mean() < 1.0 - RoundHoleConfig().round
     assert kept(corners) == []
     assert kept(np.zeros(120, dtype=bool)) == []
+
+
+@pytest.mark.parametrize(("sensor", "wall"), [("lts210", 1.5), ("lts210", 3.0), ("optical", 1.5)])
+def test_a_look_at_the_end_of_a_thin_tube_makes_a_face_of_it_and_measures_its_bore(sensor, wall):
+    tube = Solid.from_csg(Cylinder(16.0, 40.0) - Cylinder(16.0 - wall, 99.0))
+    spec, start = load_sensor(sensor), se3.pose(se3.frame_along(-UP), [0.0, 0.0, 60.0])
+    stage, arrays = simulate(tube, [spec], np.random.default_rng(0), noise=0.05, start_pose=start)
+    guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
+    tare(guard)
+    box = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
+    turn = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    ring = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(24)])
+    points = np.concatenate([16.0 * ring + z * UP for z in (-8.0, 0.0, 8.0)])
+    side = ranked_face(1, Contacts.of(points, np.tile(ring, (3, 1)), 0.01, 0.01), MergeOptions())
+    pad = Pad(guard, box, lambda kind, detail: None)
+    found = Findings(hollow=True, graph=PatchGraph((side,), ()))
+    holes = RoundHoles(study := Study(pad, found, AttributionConfig(convex=False)), Reach(pad))
+    rim = RoundRim(20.0 * UP, UP, 15.0 - wall, 1.0, 1, outer=16.0)
+    assert holes.next([rim])()[1] == "looked at the rim of a round hole"
+    (seen,) = study.found.rims
+    assert seen.radius == pytest.approx(16.0 - wall, abs=0.05)
+    end = study.found.graph.faces[-1]
+    assert seen.face == end.id != 1
+    assert end.contacts.points[:, 2] == pytest.approx(20.0, abs=0.08)
+    assert holes.next([rim]) is None
 
 
 def looking(faces=()):

@@ -11,14 +11,14 @@ from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.faces.attribution import AttributionConfig
 from exploration.planning.inferring.inferred_walls import Stop
-from exploration.planning.moves.wall_tops import WallTops
+from exploration.planning.moves.wall_tops import WallTops, WallTopsConfig
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study, Wall
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Cube
+from models.csg import Cube, Prism
 from models.solid import Solid
 from primitives import pose as se3
 from primitives.evidence import Contacts
@@ -38,12 +38,22 @@ def flat(number, normal, at):
 SIDE = flat(4, Y, 30.0 * Y)
 
 
-def looking(wall, faces=(SIDE,), ends=True):
-    """Looks at the tops of a box of 80 x 60 x 25 mm with such walls, or of a channel without `ends`."""
+def tray(wall, ends=True):
+    """A box of 80 x 60 x 25 mm with such walls, or a channel without `ends`."""
     inside = Cube((80.0 - 2.0 * wall if ends else 99.0, 60.0 - 2.0 * wall, 25.0)).at(0.0, 0.0, 3.0)
-    tray = Solid.from_csg(Cube((80.0, 60.0, 25.0)) - inside)
-    spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-Z), [0.0, 30.0, 60.0])
-    stage, arrays = simulate(tray, [spec], np.random.default_rng(0), noise=0.05, start_pose=start)
+    return Cube((80.0, 60.0, 25.0)) - inside
+
+
+def looking(wall, faces=(SIDE,), ends=True, sensor="lts210"):
+    """Looks at the tops of such a box."""
+    return looking_at(tray(wall, ends), faces, sensor)
+
+
+def looking_at(tree, faces=(SIDE,), sensor="lts210"):
+    spec, start = load_sensor(sensor), se3.pose(se3.frame_along(-Z), [0.0, 30.0, 60.0])
+    stage, arrays = simulate(
+        Solid.from_csg(tree), [spec], np.random.default_rng(0), noise=0.05, start_pose=start
+    )
     box = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
     guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
     tare(guard)
@@ -52,9 +62,12 @@ def looking(wall, faces=(SIDE,), ends=True):
     return WallTops(study, Reach(pad)), study.found
 
 
-@pytest.mark.parametrize("wall", [1.5, 2.5, 4.0])
-def test_a_look_at_the_top_of_a_wall_tells_where_it_is_and_how_thick_it_is(wall):
-    tops, found = looking(wall)
+@pytest.mark.parametrize(
+    ("sensor", "wall"),
+    [("lts210", 1.5), ("lts210", 2.5), ("lts210", 4.0), ("optical", 1.0), ("capacitive", 2.5)],
+)
+def test_a_look_at_the_top_of_a_wall_tells_where_it_is_and_how_thick_it_is(sensor, wall):
+    tops, found = looking(wall, sensor=sensor)
     move = tops.next([(RIM, 4)])
     assert move is not None
     move()
@@ -91,6 +104,7 @@ def test_what_stopped_a_stroke_shows_both_its_edges_from_above(off):
     move = tops.over([stopped([0.0, 17.0, -9.5], -27.5 + off)])
     assert move is not None
     assert move() == (None, "looked at the top of a thin wall")
+    assert tops.next(found.wall_rims) is None
     places = {round(float(edge.outward[1])): float(edge.point[1]) for edge, _ in found.wall_rims}
     assert places[-1] == pytest.approx(27.5, abs=0.1)
     assert places[1] == pytest.approx(30.0, abs=0.1)
@@ -103,6 +117,26 @@ def test_where_nothing_stands_on_the_floor_nothing_is_made_out():
     assert move is not None
     assert move() == (None, "nothing narrow was where a stroke was stopped")
     assert not found.wall_rims
+
+
+def test_a_slanted_top_makes_no_face_that_looks_straight_up():
+    top = ((26.0, 11.7), (30.0, 12.5), (30.0, -12.5), (26.0, -12.5))
+    wall = Prism(tuple((y, z) for y, z in top), 80.0).placed(se3.pose(np.column_stack([Y, Z, X])))
+    tops, found = looking_at(wall)
+    move = tops.next([(RIM, 4)])
+    assert move is not None
+    move()
+    assert found.graph.faces == (SIDE,)
+    assert not found.wall_rims
+
+
+def test_ways_that_lead_nowhere_stop_no_later_look():
+    tops, _ = looking(2.5)
+    tops.reach.touch = lambda *_: False
+    for k in range(WallTopsConfig().vain + 1):
+        move = tops.next([(replace(RIM, point=RIM.point + 100.0 * k * X), 4)])
+        assert move is not None
+        move()
 
 
 def test_a_broad_top_is_no_wall_s():

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.open.bumps import BumpsConfig, bumpy
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
@@ -15,10 +14,8 @@ FACE = ranked_face(0, Contacts.of(FLAT, np.tile(UP, (len(FLAT), 1))), MergeOptio
 
 
 def felt(points, normal=UP):
-    places = SurfaceMap()
-    places.add(FLAT, np.tile(UP, (len(FLAT), 1)))
-    places.add(points, np.tile(normal, (len(points), 1)))
-    return places
+    facing = [np.tile(UP, (len(FLAT), 1)), np.tile(normal, (len(points), 1))]
+    return Contacts.of(np.concatenate([FLAT, points]), np.concatenate(facing))
 
 
 def raised(high, count):
@@ -39,3 +36,11 @@ def test_what_looks_another_way_or_lies_behind_the_face_does_not():
 
 def test_fewer_places_may_be_asked_for():
     assert bumpy([FACE], felt(raised(1.5, 8)), BumpsConfig(least=8))
+
+
+def test_a_face_that_is_known_at_one_end_says_little_of_the_other():
+    """Felt over 10 mm and not to better than half a degree, 100 mm from what seems to lie in front of it."""
+    few = np.column_stack([GRID[:6] * 0.25, np.zeros(6)])
+    told = Contacts.of(few, np.tile(UP, (6, 1)), sigma=0.05, normal_sigma=0.02)
+    far = raised(1.0, 24) + np.array([100.0, 0.0, 0.0])
+    assert not bumpy([ranked_face(0, told, MergeOptions())], felt(far))

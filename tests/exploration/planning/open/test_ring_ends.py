@@ -62,7 +62,7 @@ def outer_rim(up, way=UP, face=1):
 
 def test_a_tube_of_whose_end_only_the_outer_rim_was_seen_has_a_bore_as_wide_as_was_free():
     free = np.concatenate([radius * RING for radius in (3.0, 8.0, 13.0)]) - UP
-    (rim,) = bare_ends([BARREL], [outer_rim(0.0)], free)
+    (rim,) = bare_ends([BARREL], [outer_rim(0.0)], lambda: free)
     assert np.allclose(rim.center, 0.0, atol=0.05)
     assert rim.axis @ UP > 0.999
     assert 12.0 < rim.radius < 14.0
@@ -72,9 +72,9 @@ def test_a_tube_of_whose_end_only_the_outer_rim_was_seen_has_a_bore_as_wide_as_w
 
 def test_no_bore_is_looked_for_where_nothing_is_free_or_the_end_is_known_or_no_end():
     free = 8.0 * RING - UP
-    assert bare_ends([BARREL], [outer_rim(0.0)], NOWHERE) == []
-    assert bare_ends([BARREL], [outer_rim(0.0)], 15.9 * RING - UP) == []
-    assert bare_ends([BARREL, END], [outer_rim(0.0)], free) == []
-    assert bare_ends([BARREL], [outer_rim(-12.0)], free - 12.0 * UP) == []
-    assert bare_ends([BARREL], [outer_rim(0.0, face=2)], free) == []
-    assert bare_ends([BARREL], [outer_rim(0.0, np.eye(3)[1])], free) == []
+    assert bare_ends([BARREL], [outer_rim(0.0)], lambda: NOWHERE) == []
+    assert bare_ends([BARREL], [outer_rim(0.0)], lambda: 15.9 * RING - UP) == []
+    assert bare_ends([BARREL, END], [outer_rim(0.0)], lambda: free) == []
+    assert bare_ends([BARREL], [outer_rim(-12.0)], lambda: free - 12.0 * UP) == []
+    assert bare_ends([BARREL], [outer_rim(0.0, face=2)], lambda: free) == []
+    assert bare_ends([BARREL], [outer_rim(0.0, np.eye(3)[1])], lambda: free) == []
