@@ -115,9 +115,19 @@ def reconstruct(
             row["status"] = "measured"
     return Reconstruction(
         assembly, boundary, faces, edges, describe_primitives(assembly), contacts, face_of_contact,
-        (*assembly.warnings, *body.told(), *_untouched(assembly, faces, contacts, options)),
+        (*assembly.warnings, *body.told(), *_in_pieces(assembly), *_untouched(assembly, faces, contacts, options)),
         describe_regularities(assembly, boundary), body.whole,
     )  # fmt: skip
+
+
+def _in_pieces(assembly: Assembly) -> list[str]:
+    """Whether the body does not hang together, as an object does."""
+    parts = assembly.solid.parts
+    return (
+        [f"the model lies in {parts} pieces: what joins them was not felt, or not enough"]
+        if parts > 1
+        else []
+    )
 
 
 def _untouched(assembly: Assembly, faces: Rows, contacts: Contacts, options: ReconstructOptions) -> list[str]:

@@ -192,6 +192,14 @@ def test_what_nobody_touched_of_a_body_is_told():
     assert past.startswith("the body reaches 30 mm past all that was touched")
 
 
+def test_a_model_in_pieces_is_told():
+    two = Cube((20, 20, 20)).at(-30, 0, 0) | Cube((20, 24, 16)).at(30, 0, 0)
+    graph, _ = graph_of(two)
+    made = reconstruct(graph, [], BOX)
+    assert iou(made.assembly.solid, Solid.from_csg(two, 0.01)) > 0.98
+    assert made.warnings == ("the model lies in 2 pieces: what joins them was not felt, or not enough",)
+
+
 def test_a_round_face_that_contradicts_the_others_is_left_out(monkeypatch):
     graph, _ = graph_of(Cube((20, 16, 12)))
     ball, _ = graph_of(Sphere(3.0), per_face=9)
