@@ -64,6 +64,7 @@ _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle 
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between two directions that are one
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
+_BESIDE = 16.0  # [mm] from a rim, within which a round face was felt that goes on from it
 _FAR = 12.0  # [mm] from a rim, within which an inferred face is known
 
 
@@ -174,7 +175,8 @@ def unexplained(rims: Sequence[SeenRim], faces: Sequence[Face]) -> list[SeenRim]
 def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
     """Whether a face is known by now that passes behind a rim and along it: at its end another may pass, too.
 
-    Where a flat face goes over into a round one there is no rim, but a pad that lies on both sees one.
+    Where a flat face goes over into a round one there is no rim, but a pad that lies on both sees one.  The other
+    flange of a spool is on the same cylinder, and goes on from no rim of the first.
     """
     seen, own = rim
     for face in faces:
@@ -183,7 +185,10 @@ def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
             normal = side * face.fit.shape.normals(at)[0]
             near = abs(float(face.fit.shape.signed_distance(at)[0])) < _BEHIND
             along = normal @ seen.outward > 0.3 and abs(float(normal @ seen.tangent)) < _ALONG
-            bends = face.fit.kind != "plane" and float(normal @ seen.normal) > _ALIKE
+            beside = (
+                float(np.linalg.norm(face.contacts.points - seen.point, axis=1).min(initial=np.inf)) < _BESIDE
+            )
+            bends = beside and face.fit.kind != "plane" and float(normal @ seen.normal) > _ALIKE
             if near and (bends or (along and _reaches(face, seen))):
                 return True
     return False

@@ -57,6 +57,27 @@ def test_a_flat_face_that_goes_over_into_a_round_one_has_no_rim_there():
     assert unexplained([beside, past], [corner]) == [past]
 
 
+def test_the_other_flange_of_a_spool_goes_on_from_no_rim_of_the_first():
+    """Both are on one cylinder, 40 mm apart."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    ring = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(24)])
+    low, high = (
+        ranked_face(
+            number,
+            Contacts.of(
+                np.concatenate([20.0 * ring + (z + a) * Z for a in (0.0, 2.0, 4.0)]), np.tile(ring, (3, 1))
+            ),
+            MergeOptions(),
+        )
+        for number, z in ((1, 0.0), (2, 44.0))
+    )
+    x, y, _ = np.eye(3)
+    rim = Sighting(20.0 * x + 5.0 * Z, y, Z, x, 0.05, 9.0), 1
+    assert unexplained([rim], [low, high]) == [rim]
+    beside = Sighting(20.0 * x + 40.0 * Z, y, Z, x, 0.05, 9.0), 1
+    assert unexplained([beside], [low, high]) == []
+
+
 def test_a_turned_face_that_ends_round_its_axis_ends_in_a_plane_upright_on_it():
     """A funnel's mouth, whose ring is too narrow to lie on, seen at two places of the cone outside it."""
     cone = Cone([0.0, 0.0, -18.2], Z, 0.58)
