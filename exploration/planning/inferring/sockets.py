@@ -21,8 +21,10 @@ from exploration.planning.inferring.rim_walls import depth_below
 from exploration.planning.touching.findings import SeenRim
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import Fit
 from primitives.patch_graph import Face
 from primitives.pose import frame_along
+from primitives.shapes import Plane
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,10 @@ class SocketsConfig:
     off: float = 0.5  # [mm] of an edge from its side
     share: float = 0.7  # of the edges about the center, that must be of a side
     beyond: float = 2.5  # [mm] outside the sides, up to which edges are about the center
-    inside: tuple[float, float] = (2.0, 30.0)  # [mm] half the width across flats
+    inside: tuple[float, float] = (
+        2.0,
+        15.0,
+    )  # [mm] half the width across flats: in wider ones an array has room
     along: float = 0.35  # of a side's length, either way from its middle, where its contacts are
     rows: tuple[float, ...] = (0.2, 0.5, 0.8)  # of the depth, likewise
     sigma: float = 0.1  # [mm]
@@ -56,21 +61,28 @@ def sockets(
 ) -> list[Contacts]:
     """Contacts of each side of each socket whose edges the `rims` are; each comes with the id of its face."""
     lots: list[Contacts] = []
-    for own in sorted({face for _, face in rims}):
-        left = [rim for rim, face in rims if face == own]
+    flat = [face for face in faces if isinstance(face.fit, Fit) and isinstance(face.fit.shape, Plane)]
+    for own in flat:
+        normal = _outward(own)
+        left = [rim for rim, face in rims if face == own.id]
         while left:
-            normal = left[0].normal
             turn = frame_along(normal)[:, :2]
             flush = np.array([float(rim.normal @ normal) > 0.99 for rim in left])
             points, ways = (np.array([getattr(rim, name) for rim in left]) @ turn for name in _PLACED)
-            level = float(np.median(np.array([rim.point for rim in left])[flush] @ normal))
             found = _mouth(points[flush], ways[flush], config)
             if found is None:
                 break
-            lots += _walls(found, turn, turn @ found.center + level * normal, normal, own, faces, config)
+            level = float(np.median(np.array([rim.point for rim in left])[flush] @ normal))
+            lots += _walls(found, turn, turn @ found.center + level * normal, normal, own.id, faces, config)
             about = np.linalg.norm(points - found.center, axis=1) < 2.0 * found.inside + config.beyond
             left = [rim for rim, gone in zip(left, about, strict=True) if not gone]
     return lots
+
+
+def _outward(face: Face) -> Floats:
+    assert isinstance(face.fit, Fit)
+    assert isinstance(face.fit.shape, Plane)
+    return np.asarray(face.fit.shape.direction * (1.0 if face.fit.convex else -1.0))
 
 
 _PLACED = ("point", "outward")

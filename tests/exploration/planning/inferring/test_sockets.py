@@ -42,7 +42,7 @@ def placed(rims, pose):
 
 @given(
     sides=st.sampled_from([6, 4]),
-    inside=st.floats(4.0, 20.0),
+    inside=st.floats(4.0, 14.0),
     first=st.floats(0.0, 1.5),
     seed=st.integers(0, 99),
 )
@@ -67,7 +67,9 @@ def test_edges_of_all_sides_but_one_make_a_socket_down_to_the_floor(sides, insid
 def test_it_is_found_wherever_its_face_lies():
     rng = np.random.default_rng(1)
     pose = se3.pose(se3.rotation_exp([0.4, -1.1, 0.7]), [30.0, -20.0, 50.0])
-    lots = sockets(placed(edges(np.arange(6) * np.pi / 3.0, 9.0, rng), pose), [])
+    turned = se3.transform_points(pose, TOP.contacts.points), TOP.contacts.normals @ pose[:3, :3].T
+    top = ranked_face(0, Contacts.of(*turned), MergeOptions())
+    lots = sockets(placed(edges(np.arange(6) * np.pi / 3.0, 9.0, rng), pose), [top])
     assert len(lots) == 6
     center = np.mean([lot.points.mean(axis=0) for lot in lots], axis=0)
     assert np.linalg.norm(se3.transform_points(se3.inverse(pose), center[None])[0][:2]) < 0.2
@@ -80,4 +82,6 @@ def test_a_round_mouth_too_few_sides_and_the_outside_of_a_nut_make_none():
     assert sockets(edges(np.array([0.0, 0.0, np.pi, np.pi]), 9.0, rng), [TOP]) == []
     assert sockets(edges(np.arange(4) * np.pi / 3.0, 9.0, rng), [TOP]) == []
     assert sockets(edges(np.arange(6) * np.pi / 3.0, -9.0, rng), [TOP]) == []
+    assert sockets(edges(np.arange(4) * np.pi / 2.0, 27.0, rng), [TOP]) == []  # an array has room there
+    assert sockets(edges(np.arange(6) * np.pi / 3.0, 9.0, rng), []) == []  # of no face
     assert sockets([], [TOP]) == []
