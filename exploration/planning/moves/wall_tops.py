@@ -20,6 +20,7 @@ from exploration.control.dwell import dwell
 from exploration.control.procedures.land import AS_TOLD
 from exploration.control.procedures.settle import AS_IT_CAME
 from exploration.control.sighting import Sighting
+from exploration.devices.guard import Observation
 from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.touching.findings import Attempts, Done, SeenRim, outward_normal
 from exploration.planning.touching.reach import Reach
@@ -40,6 +41,7 @@ class WallTopsConfig:
     frames: int = 16  # averaged
     vain: int = 6  # looks on end that made no top out, from which no more are taken
     beside: float = 12.0  # [mm] between rims that are tried as one
+    shifts: tuple[float, ...] = (0.0, 16.0, -16.0)  # [mm] along a wall, in turn: another may join it there
     inside: float = 1.2  # [mm] of the pad's middle behind the outer side
     known: float = 2.5  # [mm] from a rim, within which a face explains it that looks its way,
     felt: float = 16.0  # [mm] and was felt within
@@ -118,27 +120,43 @@ class WallTops:
 
     def _look(self, rim: Sighting, face: int) -> Done:
         self._tried.note(rim.point)
-        pad, fit = self.study.pad, self.study.found.fit_of(face)
+        fit = self.study.found.fit_of(face)
         if fit is None or not isinstance(fit.shape, Plane):
             return None, "a face with a rim is none any more"
         side = fit.shape.direction * (1.0 if fit.convex else -1.0)
         up = rim.outward - float(rim.outward @ side) * side
         up = up / np.linalg.norm(up)
-        at = rim.point - self.config.inside * side
-        for give in (False, True):
-            for along in (np.cross(side, up), side):
-                over = se3.pose(pad.attitude(up, along), at)
-                if not self.reach.touch(over, give, AS_IT_CAME, AS_TOLD):
-                    continue
-                seen = dwell(pad.guard, self.config.frames)
-                foot = rim.point - float(fit.shape.signed_distance(rim.point[None])[0]) * fit.shape.direction
-                ridge = fit_ridge(seen.image, seen.world_from_sensor, foot, side)
-                self._vain = 0 if ridge else self._vain + 1
-                if ridge is None:
-                    return None, "no top of a thin wall was made out"
-                self._take_in(ridge, foot, side, up)
+        foot = rim.point - float(fit.shape.signed_distance(rim.point[None])[0]) * fit.shape.direction
+        along, looked = np.cross(side, up), False
+        for shift in self.config.shifts:
+            there = foot + shift * along
+            if shift and not self._felt_below(face, there):
+                continue
+            seen = self._pressed(there - self.config.inside * side, up, along, side)
+            if seen is None:
+                continue
+            looked, ridge = True, fit_ridge(seen.image, seen.world_from_sensor, there, side)
+            if ridge is not None:
+                self._vain = 0
+                self._take_in(ridge, there, side, up)
                 return None, "looked at the top of a thin wall"
-        return None, "no way led to the top of a wall"
+        self._vain += looked
+        return None, "no top of a thin wall was made out" if looked else "no way led to the top of a wall"
+
+    def _pressed(self, at: Floats, up: Floats, along: Floats, side: Floats) -> Observation | None:
+        """What a pad sees that lies across a wall at a (3,) place of its top, along the wall or across it."""
+        for give in (False, True):
+            for way in (along, side):
+                over = se3.pose(self.study.pad.attitude(up, way), at)
+                if self.reach.touch(over, give, AS_IT_CAME, AS_TOLD):
+                    return dwell(self.study.pad.guard, self.config.frames)
+        return None
+
+    def _felt_below(self, face: int, place: Floats) -> bool:
+        """Whether a side was felt near a (3,) place of its rim: it goes on there."""
+        own = next(each for each in self.study.found.graph.faces if each.id == face)
+        near = np.linalg.norm(own.contacts.points - place, axis=1).min(initial=np.inf)
+        return bool(near < self.config.felt)
 
     def _take_in(self, ridge: Ridge, foot: Floats, side: Floats, up: Floats, both: bool = False) -> None:
         """The top as a face, and the rim at its far edge, or those at both its edges."""
