@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.inferring.patch import Patch
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.touching.stops import Stop
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
+from exploration.planning.touching.stops import Stop
 from exploration.planning.touching.study import Wall
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
@@ -44,20 +44,6 @@ class InferredWallConfig:
     stays: float = 0.3  # of the places that must be left
     sigma: float = 0.3  # [mm]
     normal_sigma: float = 0.05  # [rad]
-
-
-class Stop(NamedTuple):
-    """A stroke that was stopped, and how the wall stands that may have done it."""
-
-    wall: Wall
-    normal: Floats  # (3,) out of the wall
-    offset: float  # [mm] of the wall along it
-
-    @property
-    def along(self) -> Floats:
-        """(3,) the way along the wall, on the face that it stands on."""
-        along = np.cross(self.wall.normal, self.normal)
-        return np.asarray(along / np.linalg.norm(along))
 
 
 def inferred_walls(

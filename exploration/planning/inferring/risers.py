@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.inferring.patch import Patch
 from exploration.planning.known.surface_map import clusters
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.touching.stops import Stop
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 

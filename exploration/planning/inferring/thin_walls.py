@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.inferring.patch import Patch
 from exploration.planning.known.surface_map import clusters
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.touching.stops import Stop
 from primitives.evidence import NOT_FELT, Contacts
 
 

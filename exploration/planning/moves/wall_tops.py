@@ -21,9 +21,9 @@ from exploration.control.procedures.land import AS_TOLD
 from exploration.control.procedures.settle import AS_IT_CAME
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Observation
-from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.touching.findings import Attempts, Done, SeenRim, outward_normal
 from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.stops import Stop
 from exploration.planning.touching.study import Study
 from exploration.sensing.lines.ridge import Ridge, fit_ridge
 from primitives import pose as se3

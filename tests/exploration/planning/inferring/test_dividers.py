@@ -7,8 +7,8 @@ import pytest
 
 from exploration.planning.inferring.adding import once
 from exploration.planning.inferring.dividers import DividerConfig, dividers
-from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.touching.stops import Stop
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face

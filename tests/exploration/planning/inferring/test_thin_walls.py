@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.touching.stops import Stop
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face

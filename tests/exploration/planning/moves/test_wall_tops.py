@@ -10,11 +10,11 @@ from exploration.control.sighting import Sighting
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.faces.attribution import AttributionConfig
-from exploration.planning.inferring.inferred_walls import Stop
 from exploration.planning.moves.wall_tops import WallTops, WallTopsConfig
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
 from exploration.planning.touching.reach import Reach
+from exploration.planning.touching.stops import Stop
 from exploration.planning.touching.study import Study, Wall
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
