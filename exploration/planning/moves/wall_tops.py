@@ -93,10 +93,9 @@ class WallTops:
             return None, "nothing narrow was where a stroke was stopped"
         seen = dwell(pad.guard, self.config.frames)
         ridge = fit_ridge(seen.image, seen.world_from_sensor, foot, side, self.config.slack)
-        self._vain = 0 if ridge else self._vain + 1
-        if ridge is None:
+        if ridge is None or not self._take_in(ridge, foot + ridge.shift * side, side, up, both=True):
+            self._vain += 1
             return None, "no top of a thin wall was made out"
-        self._take_in(ridge, foot + ridge.shift * side, side, up, both=True)
         return None, "looked at the top of a thin wall"
 
     def _worth(self, rim: Sighting, face: int) -> bool:
@@ -136,9 +135,7 @@ class WallTops:
             if seen is None:
                 continue
             looked, ridge = True, fit_ridge(seen.image, seen.world_from_sensor, there, side)
-            if ridge is not None:
-                self._vain = 0
-                self._take_in(ridge, there, side, up)
+            if ridge is not None and self._take_in(ridge, there, side, up):
                 return None, "looked at the top of a thin wall"
         self._vain += looked
         return None, "no top of a thin wall was made out" if looked else "no way led to the top of a wall"
@@ -158,11 +155,12 @@ class WallTops:
         near = np.linalg.norm(own.contacts.points - place, axis=1).min(initial=np.inf)
         return bool(near < self.config.felt)
 
-    def _take_in(self, ridge: Ridge, foot: Floats, side: Floats, up: Floats, both: bool = False) -> None:
-        """The top as a face, and the rim at its far edge, or those at both its edges."""
+    def _take_in(self, ridge: Ridge, foot: Floats, side: Floats, up: Floats, both: bool = False) -> bool:
+        """The top as a face, and the rim at its far edge, or at `both`; false where its places are on no plane."""
         number = self.study.narrow_face(ridge.top, up)
         if number is None:
-            return
+            return False
+        self._vain = 0
         along = np.cross(side, up)
         spread = (ridge.top - foot) @ along
         middle = foot + 0.5 * float(spread.min() + spread.max()) * along
@@ -172,3 +170,4 @@ class WallTops:
         edges += [Sighting(middle, along, side, up, ridge.side_sigma, length)] if both else []
         self._tried.note(*(edge.point for edge in edges))
         self.study.found.wall_rims += [(edge, number) for edge in edges]
+        return True
