@@ -49,6 +49,17 @@ class RiserConfig:
     sigma: float = 0.5  # [mm] at least
 
 
+class _Rim(NamedTuple):
+    """Where, along one way [mm]."""
+
+    at: float
+    gap: float
+    begun: float
+
+
+_NOWHERE = _Rim(np.inf, 0.0, np.inf)
+
+
 class Riser(NamedTuple):
     """A wall that nobody felt."""
 
@@ -136,8 +147,8 @@ def _wall(
 ) -> _Wall | None:
     """The wall that one comes to, where it is not known; that of the face that begins first."""
     seen = [(_where(patch, way, other, step > 0, config), step) for other, step in others]
-    (at, gap), step = min(seen, key=lambda found: found[0][0], default=((np.inf, 0.0), 0.0))
-    if not np.isfinite(at) or gap > config.gap or _stands(known, patch, way, at, step, config):
+    (at, gap, begun), step = min(seen, key=lambda found: found[0][0], default=(_NOWHERE, 0.0))
+    if not np.isfinite(at) or gap > config.gap or _stands(known, patch, way, (at, begun), step, config):
         return None
     side = -np.sign(step)
     met = [
@@ -195,8 +206,8 @@ def _middle(pair: Sequence[_Wall | None], radius: float) -> float:
     return float(np.mean(sides))
 
 
-def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserConfig) -> tuple[float, float]:
-    """[mm] along `way` where one goes up or down, and how wide the gap is that may hold the rim.
+def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserConfig) -> _Rim:
+    """[mm] along `way` where one goes up or down, how wide the gap is that may hold the rim, where the other begins.
 
     The place that leaves fewest touched and empty places on the wrong side; infinite where the other face never
     begins, or the patch's own goes on before.
@@ -207,12 +218,13 @@ def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserC
     more = patch.ahead(patch.own.cells, way, config.side)
     more = more[more > edge + config.behind + config.cluster]
     if not len(begins) or (len(more) and float(more.min()) < float(np.quantile(begins, config.wrong))):
-        return np.inf, 0.0
+        return _NOWHERE
     lower, here = (other, patch.cells @ way) if up else (patch.own, patch.cells @ way)
     free = patch.ahead(lower.free, way, config.side)
     here, there = (
         (np.concatenate([here, free]), begins) if up else (here, np.concatenate([begins, free[free > edge]]))
     )
+    begun = float(np.quantile(begins, config.wrong))
     end = float(np.quantile(there, config.wrong)) + config.past
     here, there = here[here < end], there[there < end]
     bounds = np.sort(np.concatenate([here, there]))
@@ -221,19 +233,24 @@ def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserC
     best = np.flatnonzero(wrong == wrong.min())
     widest = best[np.argmax(bounds[best + 1] - bounds[best])]
     lost = wrong.min() > config.wrong * len(there) or cuts[widest] < edge
-    return (np.inf, 0.0) if lost else (float(cuts[widest]), float(bounds[widest + 1] - bounds[widest]))
+    return _NOWHERE if lost else _Rim(float(cuts[widest]), float(bounds[widest + 1] - bounds[widest]), begun)
 
 
 def _stands(
-    known: Sequence[KnownFace], patch: Patch, way: Floats, at: float, step: float, config: RiserConfig
+    known: Sequence[KnownFace],
+    patch: Patch,
+    way: Floats,
+    between: tuple[float, float],
+    step: float,
+    config: RiserConfig,
 ) -> bool:
     """Whether a known face is crossed on the way, half way up or down: into it going up, out of it going down.
 
-    Who goes up from the floor of a round hole comes to its wall, wherever the face above begins.
+    That of a pyramid is crossed `between` [mm] where its top ends and where its foot begins.  Who goes up from the floor of a round hole comes to its wall, wherever the face above begins.
     """
     if step > 0.0 and patch.in_round_hole(known):
         return True
-    span = at - config.past, at + config.behind
+    span = min(between) - config.past, max(between) + config.behind
     return patch.enters(known, way, span, 0.5 * step, float(np.sign(step)))
 
 

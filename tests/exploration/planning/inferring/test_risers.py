@@ -136,3 +136,23 @@ def test_a_floor_in_a_round_hole_has_no_straight_walls():
     known = plate(island=lambda x, y: np.zeros_like(x, dtype=bool))
     assert len(risers(known)) == 4
     assert risers([*known, round_wall]) == []
+
+
+def test_no_wall_stands_between_the_foot_and_the_top_of_a_pyramid_where_its_sides_do():
+    """They are crossed half way between where the top ends and where the foot begins, far from either."""
+    top, low, inner, outer = 30.0, 0.0, 12.0, 30.0
+    square = places(top, lambda x, y: np.maximum(np.abs(x), np.abs(y)) < inner)
+    missing = places(top - 0.6, lambda x, y: np.abs(np.maximum(np.abs(x), np.abs(y)) - inner - 2.0) < 2.0)
+    foot = places(low, lambda x, y: np.maximum(np.abs(x), np.abs(y)) > outer + 1.0, reach=44.0)
+    slope = np.hypot(top, outer - inner)
+    sides = []
+    for k, (x, y) in enumerate(((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))):
+        normal = np.array([top * x, top * y, outer - inner]) / slope
+        along, up = np.array([-y, x, 0.0]), np.cross(normal, [-y, x, 0.0])
+        middle = np.array([x, y, 0.0]) * 0.5 * (inner + outer) + [0.0, 0.0, 0.5 * top]
+        points = np.array([middle + a * along + b * up for a in (-8, 0, 8) for b in (-12, -6, 0, 6, 12)])
+        sides.append(flat(3 + k, points, normal))
+    faces = [flat(0, square, [0.0, 0.0, 1.0], missing), flat(1, foot, [0.0, 0.0, 1.0])]
+    faces.append(flat(2, places(60.0, lambda x, y: np.abs(y) < 5.0)[:, [2, 0, 1]], [1.0, 0.0, 0.0]))
+    assert risers(faces) != []
+    assert risers([*faces, *sides]) == []
