@@ -207,7 +207,7 @@ def _middle(pair: Sequence[_Wall | None], radius: float) -> float:
 
 
 def _where(patch: Patch, way: Floats, other: KnownFace, up: bool, config: RiserConfig) -> _Rim:
-    """[mm] along `way` where one goes up or down, how wide the gap is that may hold the rim, where the other begins.
+    """Where one goes up or down along `way`, in how wide a gap, and where the other face begins.
 
     The place that leaves fewest touched and empty places on the wrong side; infinite where the other face never
     begins, or the patch's own goes on before.
@@ -246,7 +246,8 @@ def _stands(
 ) -> bool:
     """Whether a known face is crossed on the way, half way up or down: into it going up, out of it going down.
 
-    That of a pyramid is crossed `between` [mm] where its top ends and where its foot begins.  Who goes up from the floor of a round hole comes to its wall, wherever the face above begins.
+    That of a pyramid is crossed `between` [mm] where its top ends and where its foot begins.  Who goes up from the
+    floor of a round hole comes to its wall, wherever the face above begins.
     """
     if step > 0.0 and patch.in_round_hole(known):
         return True

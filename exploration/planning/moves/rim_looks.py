@@ -1,23 +1,27 @@
 """Looks at the rims of walls that no array has room to face.
 
-The pad lies over a rim that was only guessed, and sees where it is; where that face is flat, every straight edge
-that a part of the pad shows is remembered, too.  What walls they are of is inferred in the end.
+The pad lies over a rim that was only guessed, and sees where it is; where the surface goes on under all of it, the
+pad looks once more farther out.  Where that face is flat, every straight edge that a part of the pad shows is
+remembered, too.  What walls they are of is inferred in the end.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
+from exploration.control.feel import feel
+from exploration.control.kept_contacts import touched_cells
 from exploration.control.procedures.land import AS_TOLD
 from exploration.control.sighting import Sighting
 from exploration.planning.touching.findings import Attempts, Done, SeenRim
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from primitives import pose as se3
+from primitives.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,11 @@ class RimLooksConfig:
     inside: float = 3.0  # [mm] of the pad's middle on the material
     alike: float = 0.85  # least cosine between the ways out of a rim as guessed and as seen
     near: float = 4.0  # [mm] between the two
+    on: float = 0.4  # of the pad's shorter side, that it goes on where the surface does
+    along: float = 10.0  # [mm] inside a rim, where a face that is straight there looks as it does at the rim
+    even: float = 0.9995  # least cosine between its normals at the two,
+    level: float = 0.05  # and most between them and the way out
+    border: float = 2.0  # [mm] of the pad, where surface is felt that goes on
 
 
 class RimLooks:
@@ -47,26 +56,58 @@ class RimLooks:
 
     def _look(self, rim: Sighting, face: int) -> Done:
         self._tried.note(rim.point)
-        pad = self.study.pad
+        lay, made_out = self._lay_over(rim, face)
+        if lay and not made_out and self._goes_on(rim.outward):
+            farther = rim.point + self.config.on * min(self.study.pad.size) * rim.outward
+            self._tried.note(farther)
+            made_out = self._lay_over(replace(rim, point=farther), face)[1]
+        if not lay:
+            return None, "no way led to a rim"
+        if not made_out:
+            return None, "no rim was made out"
+        return None, "looked at the rim of a wall that nothing has room to face"
+
+    def _lay_over(self, rim: Sighting, face: int) -> tuple[bool, bool]:
+        """Whether the pad came to lie over a rim of a face, and whether an edge was seen there."""
+        pad, found = self.study.pad, self.study.found
         at = rim.point - self.config.inside * rim.outward
         for give in (False, True):
             for along in (rim.tangent, rim.outward):
                 over = se3.pose(pad.attitude(rim.normal, along), at)
                 if not self.reach.touch(over, give, landing=AS_TOLD):
                     continue
-                whole, parts = pad.sightings(), pad.sightings_in_parts() if self._flat(face) else []
-                seen, found = self._made_out(rim, whole), self.study.found
+                ends = self._straight(rim, face) and not self._goes_on(rim.outward)
+                heading = pad.guard.world_from_sensor[:3, :2].T @ rim.outward if ends else None
+                whole, parts = pad.sightings(heading), pad.sightings_in_parts() if self._flat(face) else []
+                seen = self._made_out(rim, whole)
                 found.wall_rims += [] if seen is None else [(seen, face)]
                 found.glimpsed += [(edge, face) for edge in parts]
-                if seen is None and self._made_out(rim, parts) is None:
-                    return None, "no rim was made out"
-                return None, "looked at the rim of a wall that nothing has room to face"
-        return None, "no way led to a rim"
+                return True, seen is not None or self._made_out(rim, parts) is not None
+        return False, False
+
+    def _goes_on(self, outward: Floats) -> bool:
+        """Whether the surface under the pad reaches the border of the pad that a (3,) direction leads to."""
+        seen = self.study.pad.guard.hold()
+        if not (felt := feel(seen.image)):
+            return False
+        here = seen.world_from_sensor
+        border = 0.5 * np.abs(here[:3, :2].T @ outward) @ self.study.pad.size
+        felt_to = float(((touched_cells(seen, felt) - here[:3, 3]) @ outward).max())
+        return felt_to > float(border) - self.config.border
 
     def _flat(self, face: int) -> bool:
         """Whether a face is known to be flat: a part of the pad on a round one shows it end where it curves."""
         fit = self.study.found.fit_of(face)
         return fit is not None and fit.kind == "plane"
+
+    def _straight(self, rim: Sighting, face: int) -> bool:
+        """Whether a round face does not curve toward its rim: contact that ends there is at an end of the face."""
+        fit = self.study.found.fit_of(face)
+        if fit is None or fit.kind == "plane":
+            return False
+        inside = rim.point - self.config.along * rim.outward
+        at, before = fit.shape.normals(np.array([rim.point, inside]))
+        return bool(at @ before > self.config.even and abs(at @ rim.outward) < self.config.level)
 
     def _made_out(self, rim: Sighting, edges: Sequence[Sighting]) -> Sighting | None:
         """The longest of the edges that were seen where a rim was guessed."""

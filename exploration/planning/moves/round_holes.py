@@ -17,7 +17,7 @@ from exploration.control.dwell import dwell
 from exploration.control.procedures.land import AS_TOLD
 from exploration.control.procedures.settle import AS_IT_CAME, SettleConfig
 from exploration.planning.open.round_rims import RoundRim
-from exploration.planning.touching.findings import Attempts, Done
+from exploration.planning.touching.findings import Attempts, Done, SeenRim
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from exploration.sensing.frame import TactileImage
@@ -49,6 +49,7 @@ class RoundHolesConfig:
     strays: int = 3  # contacts there, up to which it ends all the same
     beside: float = 4.0  # [mm] between rims that are tried as one,
     as_wide: float = 4.0  # [mm] and between their radii
+    guessed: float = 2.0  # [mm] between edges that one end of a tube was guessed from
     narrow: float = 6.0  # [mm] of a ring, on which no pad can lie
 
 
@@ -106,9 +107,19 @@ class RoundHoles:
         better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
         self._seen.note(rim.center, found.center)
         if narrow and (ring := self.study.narrow_face(found.face, rim.axis)) is not None:
-            better = replace(better, face=ring)
+            rise = float(((found.face - found.center) @ rim.axis).mean())
+            better = replace(better, face=ring, center=found.center + rise * rim.axis)
+            guessed = self.study.found.wall_rims
+            self.study.found.wall_rims = [edge for edge in guessed if not self._led_here(edge, rim)]
         self.study.found.rims.append(better)
         return None, "looked at the rim of a round hole"
+
+    def _led_here(self, edge: SeenRim, rim: RoundRim) -> bool:
+        """Whether an edge is where a tube was guessed to end, which the look at its ring told better."""
+        seen, own = edge
+        off = abs(float((seen.point - rim.center) @ rim.axis))
+        out = float(seen.outward @ rim.axis)
+        return own == rim.face and off < self.config.guessed and out > self.config.flush
 
     def _lies(self, rim: RoundRim) -> bool:
         """Whether the pad lies on the face that a rim is on, and has not rolled off it."""

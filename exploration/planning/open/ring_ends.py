@@ -36,7 +36,9 @@ class RingEndsConfig:
     inside: float = 0.5  # [mm] nearer to the axis than all that was felt, where they are
     round: float = 0.1  # most cosine between the rim of a turned face and its axis
     along: float = 0.3  # least cosine between the way out at that rim and the axis
-    past: float = 2.0  # [mm] past that rim, where the turned face was felt nowhere
+    past: float = (
+        4.0  # [mm] past that rim, where the turned face was felt nowhere: blur lays cells past an edge
+    )
     level: tuple[float, float] = (-4.0, 1.0)  # [mm] of free places from the end of a tube
     nearly: float = 0.9  # share of them that are nearer to the axis than its bore's rim is guessed
 

@@ -29,6 +29,7 @@ from exploration.planning.known.seen_pits import SeenPits
 from exploration.planning.known.swept_cells import SweptCells
 from exploration.planning.known.told import Told
 from exploration.planning.known.touched import Touched
+from exploration.planning.known.trail import Trail
 from exploration.planning.ways.routes import Tool
 from exploration.planning.ways.transit import Support, TransitConfig, box_supports, keeps_clear, way
 from exploration.sensing.lines.hough import sure_lines
@@ -74,6 +75,7 @@ class Pad:
         self.guard, self.box, self.announce, self.config, self.told = guard, box, announce, config, told
         self.covered = Touched()
         self.free, self.swept, self.pits = FeltFree(), SweptCells(box), SeenPits()
+        self.trail = Trail()
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self.slipped: list[
             tuple[Floats, Floats]
@@ -271,8 +273,9 @@ class Pad:
 
     def _watch(self, seen: Observation) -> None:
         """Note where the array is, and what the skin leaves free, every few mm of whatever it does in contact."""
-        self.swept.pass_through(seen.world_from_sensor, self.tool.low, self.tool.high)
         here = seen.world_from_sensor
+        self.swept.pass_through(here, self.tool.low, self.tool.high)
+        self.trail.pass_through(here @ se3.inverse(self.tool.mount))
         if self._watched is not None and se3.apart(here, self._watched) < self.config.watch:
             return
         felt = feel(seen.image) if touched(seen.image) else None

@@ -41,6 +41,7 @@ class ReachConfig:
     looked_turn: float = 0.05  # [rad] the same
     give: float = 8.0  # [mm] off a place that what is known reaches into, from where it is come at yet
     step: float = 1.6  # [mm] between such tries
+    back_most: int = 130  # stops back the way it came, where no other way leads on
 
 
 class Reach:
@@ -179,8 +180,22 @@ class Reach:
             poses = self._routed(off, goal)
             if poses is not None:
                 retreat(self.pad.guard, self.config.rise)
+        if poses is None and (back := self._back_to_where_leads(goal)):
+            for stop in back:
+                self.pad.guard.go_to(stop)
+            poses = self._routed(back[-1], goal)
         self.led = poses is not None
         return poses is not None and all(self._fly(pose, k == 0) for k, pose in enumerate(poses))
+
+    def _back_to_where_leads(self, goal: Floats) -> list[Floats]:
+        """(4, 4) stops back the way the array came, to where something leads to a goal; or none."""
+        mount, trail = self.pad.tool.mount, self.pad.trail
+        if trail.start is None or self._routed(trail.start @ mount, goal) is None:
+            return []
+        for stops in trail.back():
+            if len(stops) <= self.config.back_most and self._routed(stops[-1] @ mount, goal) is not None:
+                return [stop @ mount for stop in stops]
+        return []
 
     def _routed(self, start: Floats, goal: Floats) -> list[Floats] | None:
         """(4, 4) poses from one to another round what is known; None where nothing leads there."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
@@ -13,7 +14,7 @@ from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Cube
+from models.csg import Cube, Cylinder
 from models.solid import Solid
 from primitives import pose as se3
 from primitives.evidence import Contacts
@@ -49,3 +50,25 @@ def test_a_look_at_the_end_of_a_groove_remembers_every_edge_that_it_shows():
     for way, there in ((-X, -14.0), (Z, -4.0)):  # its side, which was looked for, and its floor
         offs = [float(edge.point @ way) for edge in seen if edge.outward @ way > 0.99]
         assert min(abs(off - there) for off in offs) < 0.3
+
+
+def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_on():
+    """The contact on a cylinder is a narrow strip, whose end is seen in what is left of it."""
+    spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-X), [60.0, 0.0, 0.0])
+    post = Solid.from_csg(Cylinder(30.0, 60.0))
+    stage, arrays = simulate(post, [spec], np.random.default_rng(0), noise=0.05, start_pose=start)
+    box = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
+    guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
+    tare(guard)
+    pad = Pad(guard, box, lambda kind, detail: None)
+    turns = np.linspace(-0.6, 0.6, 7)
+    ring = np.column_stack([np.cos(turns), np.sin(turns), 0.0 * turns])
+    points = np.concatenate([30.0 * ring + z * Z for z in (-8.0, 0.0, 8.0)])
+    side = ranked_face(4, Contacts.of(points, np.tile(ring, (3, 1)), 0.01, 0.01), MergeOptions())
+    found = Findings(hollow=True, graph=PatchGraph((side,), ()))
+    study = Study(pad, found, AttributionConfig(convex=False))
+    move = RimLooks(study, Reach(pad)).next([(rim([30.0, 0.0, 23.0], Y, Z, X), 4)])
+    assert move is not None
+    assert move()[1] == "looked at the rim of a wall that nothing has room to face"
+    heights = [float(edge.point @ Z) for edge, face in study.found.wall_rims if face == 4]
+    assert min(abs(height - 30.0) for height in heights) < 1.0

@@ -19,15 +19,20 @@ SPEC = load_sensor("lts210")
 BOX = np.array([-150.0, -150.0, -150.0, 150.0, 150.0, 150.0])
 
 
-@pytest.fixture
-def pad():
-    """Over a block of 80 x 80 x 60 mm."""
-    high = se3.pose(se3.frame_along(-UP, X), [0.0, 0.0, 60.0])
+def pad_at(x, z):
+    """A pad beside or over a block of 80 x 80 x 60 mm."""
+    high = se3.pose(se3.frame_along(-UP, X), [x, 0.0, z])
     solid = Solid.from_csg(Cube((80.0, 80.0, 60.0)))
     stage, arrays = simulate(solid, [SPEC], np.random.default_rng(0), start_pose=high)
     guard = Guard(stage, arrays, [Calibration.nominal(SPEC)])
     tools = Tool.each([SPEC], [array.flange_from_sensor for array in arrays])
     return Pad(guard, BOX, lambda kind, detail: None, tools=tools)
+
+
+@pytest.fixture
+def pad():
+    """Over the block."""
+    return pad_at(0.0, 60.0)
 
 
 @pytest.mark.parametrize("along", [X, -X])
@@ -44,3 +49,19 @@ def test_the_time_to_a_place_grows_with_the_way_and_with_the_turn(pad):
     level, aside, under = reach.seconds_to(np.array([near] * 3), np.array([UP, X, -UP]))
     assert 0.0 < level < aside < under
     assert reach.seconds_to(far, UP) > level
+
+
+def test_a_pad_that_is_shut_in_goes_back_the_way_it_came():
+    """In from the side and far along: only where it came from does anything lead out."""
+    pad = pad_at(-140.0, 120.0)
+    reach, down = Reach(pad), pad.guard.world_from_sensor[:3, :3]
+    for aside, high in ((-140.0, 40.0), (60.0, 40.0)):
+        pad.guard.go_to(se3.pose(down, [aside, 0.0, high]))
+    x, y = (g.ravel() for g in np.meshgrid(np.arange(-110.0, 150.0, 3.0), np.arange(-30.0, 31.0, 3.0)))
+    lids = [np.column_stack([x, y, np.full(len(x), high)]) for high in (30.0, 95.0)]
+    sides = [np.column_stack([x, np.full(len(x), side), 65.0 + y]) for side in (-30.0, 30.0)]
+    end = np.column_stack([np.full(len(x), 100.0), x, 65.0 + y])
+    walls = np.concatenate([*lids, *sides, end])
+    pad.felt.append((walls, np.tile(-UP, (len(walls), 1))))
+    assert reach.go(se3.pose(down, [20.0, 0.0, 130.0]))
+    assert np.allclose(pad.guard.world_from_sensor[:3, 3], [20.0, 0.0, 130.0], atol=0.1)
