@@ -84,7 +84,9 @@ class RoundHoles:
         looks, led = 1 if small else self.config.looks, 0
         found: RoundHole | None = None
         ends = self._ends(rim)
-        slim = rim.outer - rim.radius < self.config.narrow
+        own = self.study.found.fit_of(rim.face)
+        bare = own is not None and own.kind != "plane"  # nobody lay on what is round it
+        slim = rim.outer - rim.radius < (np.inf if bare else self.config.narrow)
         settling = AS_IT_CAME if slim else SettleConfig()
         for give, (way, pose) in product((False, True), self._places(rim, small)):
             if not small and any(way @ other > np.cos(self.config.apart) for other in used):
@@ -98,15 +100,14 @@ class RoundHoles:
                 found = fit_round_hole(frames, rim.center, rim.axis, rim.radius, rim.outer, ends, flush=slim)
             if led >= self.config.most or (found is not None and len(frames) >= looks):
                 break
-        own = self.study.found.fit_of(rim.face)
-        narrow = own is not None and own.kind != "plane"
         if found is None:
             self._missed.append(rim)
-            self.study.found.refuted += [rim.center] if frames and not narrow else []
+            self.study.found.refuted += [rim.center] if frames and not bare else []
             return None, "no round rim was made out"
         better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
         self._seen.note(rim.center, found.center)
-        if narrow and (ring := self.study.narrow_face(found.face, rim.axis)) is not None:
+        ring = self.study.narrow_face(found.face, rim.axis, len(frames)) if bare else None
+        if ring is not None:
             rise = float(((found.face - found.center) @ rim.axis).mean())
             better = replace(better, face=ring, center=found.center + rise * rim.axis)
             guessed = self.study.found.wall_rims

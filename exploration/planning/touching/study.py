@@ -111,13 +111,13 @@ class Study:
         self._rename(taken.gone)
         return taken.home
 
-    def narrow_face(self, places: Floats, normal: Floats) -> int | None:
+    def narrow_face(self, places: Floats, normal: Floats, looks: int = 1) -> int | None:
         """The id of a flat face at (n, 3) places that looks (3,) out, too narrow for a pad to lie on.
 
         The pad has pressed it at the attitude that it came at, and a model of what it saw tells the places; None
-        where they are on no plane.  One look errs as one: a few of its places stand for all.
+        where they are on no plane.  One look errs as one: a few places of each stand for all.
         """
-        some = places[np.unique(np.linspace(0, len(places) - 1, _FEW).astype(np.int64))]
+        some = places[np.unique(np.linspace(0, len(places) - 1, _FEW * looks).astype(np.int64))]
         contacts = Contacts.of(
             some,
             np.broadcast_to(normal, some.shape),
