@@ -18,11 +18,10 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.shared_error import with_shared_error
 from recognition.assembly import Assembly, NotClosed
-from recognition.assembly.assemble import tree_of
 from recognition.assembly.given import FittedFace, outward
 from recognition.assembly.hollowed import HOLLOW, hollowed
 from recognition.assembly.made import Body, Known
-from recognition.assembly.piece import Piece
+from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.regularities import regularize
 
 _OFF = 1.0  # [mm] from the body, from which a contact is not on it

@@ -10,7 +10,7 @@ The same is tried where a hole, taken to reach through the body, would take cont
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,9 +25,10 @@ from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
 from recognition.assembly.given import FittedFace, Given
 from recognition.assembly.hollowed import HOLLOW, hollowed
+from recognition.assembly.joined import JOINED, joined
 from recognition.assembly.limbs import LIMB, with_limbs
 from recognition.assembly.made import Body, Known
-from recognition.assembly.piece import Piece
+from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized
 
@@ -150,6 +151,10 @@ def _finished(
     given: Given, options: AssemblyOptions, named: tuple[Piece, ...], kept: set[int] | None
 ) -> Assembly:
     """The body of pieces as all evidence has it, with the surfaces `kept`, or all that it has or nobody felt."""
+    unfelt = {given.distinct[k] for k, told in enumerate(given.inferred) if told}
+    whole = joined(named, unfelt, given.free, options.facet)
+    told = (JOINED,) if any(new is not old for new, old in zip(whole, named, strict=True)) else ()
+    named = whole
     bare = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
     known = Known(given.shapes, [points for points, _ in given.touched], given.inferred, given.stray)
     body = hollowed(with_limbs(bare, given.free, known), given.free, known)
@@ -163,7 +168,7 @@ def _finished(
         (*named, *more),
         tree_of((*named, *more)),
         body.solid,
-        tuple(_BESIDES[piece.operation] for piece in more),
+        (*told, *(_BESIDES[piece.operation] for piece in more)),
     )
 
 
@@ -180,21 +185,6 @@ def _unused(given: Given, surface_of_fit: tuple[int | None, ...]) -> tuple[str, 
         for i, s in enumerate(surface_of_fit)
         if s is None and ((contacts := given.faces[i].contacts).touch != NOT_FELT).any()
     )
-
-
-def tree_of(named: Sequence[Piece]) -> Csg:
-    """The intersection of the pieces, less those to subtract."""
-    tree = named[0].placed
-    for piece in named[1:]:
-        tree = _OPERATIONS[piece.operation](tree, piece.placed)
-    return tree
-
-
-_OPERATIONS: dict[str, Callable[[Csg, Csg], Csg]] = {
-    "add": lambda tree, piece: tree | piece,
-    "subtract": lambda tree, piece: tree - piece,
-    "intersect": lambda tree, piece: tree & piece,
-}
 
 
 def _renumbered(piece: Piece, numbers: Sequence[int]) -> Piece:

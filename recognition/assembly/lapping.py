@@ -14,8 +14,8 @@ from models.csg import Csg, Cube, Cylinder
 from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.pose import pose
-from recognition.assembly.assemble import Assembly, AssemblyOptions, tree_of
-from recognition.assembly.piece import Piece
+from recognition.assembly.assemble import Assembly, AssemblyOptions
+from recognition.assembly.piece import Piece, tree_of
 
 _FARTHER = 1.0  # [mm] that a primitive runs on
 _SLIT = 1e-3  # [mm] that slits are wide

@@ -7,7 +7,7 @@ contact ended.  It holds nothing that an array passed through (our derivation).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -112,27 +112,16 @@ def _rooted(piece: Piece, solid: Solid, config: LimbConfig) -> Piece:
     axis = int(np.argmax(np.abs(way))) if isinstance(piece.solid, Cube) else 2
     if abs(float(way[axis])) < _ALONG:
         return piece  # it lies along the body
-    down = -float(np.sign(way[axis])) * turn[:, axis]
-    tall = piece.solid.size[axis] if isinstance(piece.solid, Cube) else piece.solid.height  # type: ignore[attr-defined]
+    above = float(way[axis]) < 0.0  # the end that stands on the body
+    down = (1.0 if above else -1.0) * turn[:, axis]
+    tall = piece.size(axis)
     steps = np.arange(_STEP, config.root + _STEP, _STEP)
     inside = solid.signed_distance(middle + np.outer(0.5 * tall + steps, down)) < 0.0
     into = steps[inside]
     if not len(into):
         return piece
     deep = float(into[0]) + 0.5 * float(np.count_nonzero(inside)) * _STEP
-    if isinstance(piece.solid, Cube):
-        x, y, z = (size + deep * (k == axis) for k, size in enumerate(piece.solid.size))
-        grown: Csg = Cube((x, y, z))
-    else:
-        assert isinstance(piece.solid, Bar)
-        grown = Bar(piece.solid.radius, tall + deep)
-    shifted = pose(turn, middle + 0.5 * deep * down)
-    place, below = (axis if isinstance(piece.solid, Cube) else 0), float(way[axis]) > 0.0
-    ends = tuple(
-        pair if k != place else ((None, pair[1]) if below else (pair[0], None))
-        for k, pair in enumerate(piece.ends)
-    )
-    return replace(piece, solid=grown, world_from_piece=shifted, ends=ends)
+    return piece.longer(axis, above, deep)
 
 
 def _tried(limb: Floats, known: Known, config: LimbConfig) -> list[Piece]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.csg import Csg
+from models.csg import Csg, Cube, Cylinder
 from primitives.arrays import Floats
 from primitives.pose import pose, rotation_exp
 from primitives.shapes import Plane
 
 EXACT = 1e-6  # [rad] directions that were made equal agree within this
 _PAST = 1.0  # [mm] at least, by which an open side reaches past the body
+_Z, _AXES = 2, 3
 _ROUND = 1.0  # [mm] open sides end at a multiple of this
 
 
@@ -41,6 +42,49 @@ class Piece:
     def placed(self) -> Csg:
         """In the world."""
         return self.solid.placed(self.world_from_piece)
+
+    def size(self, axis: int) -> float:
+        """[mm] along one of its axes; TypeError where it is neither a box nor a bar along z."""
+        if isinstance(self.solid, Cube):
+            return self.solid.size[axis]
+        if isinstance(self.solid, Cylinder) and axis == _Z:
+            return self.solid.height
+        raise TypeError(f"a {self.kind} is not measured along an axis")
+
+    def longer(self, axis: int, above: bool, by: float) -> Piece:
+        """Grown by so many mm at one end, where no surface ends it any more; TypeError as for `size`."""
+        size = self.size(axis) + by
+        if isinstance(self.solid, Cube):
+            x, y, z = (size if k == axis else own for k, own in enumerate(self.solid.size))
+            solid: Csg = replace(self.solid, size=(x, y, z))
+        else:
+            assert isinstance(self.solid, Cylinder)
+            solid = replace(self.solid, height=size)
+        shift = np.zeros(3)
+        shift[axis] = 0.5 * by if above else -0.5 * by
+        row = axis if len(self.ends) == _AXES else 0
+        ends = tuple(
+            pair if k != row else ((pair[0], None) if above else (None, pair[1]))
+            for k, pair in enumerate(self.ends)
+        )
+        return replace(
+            self, solid=solid, world_from_piece=self.world_from_piece @ pose(translation=shift), ends=ends
+        )
+
+
+def tree_of(named: Sequence[Piece]) -> Csg:
+    """The intersection of the pieces, less those to subtract."""
+    tree = named[0].placed
+    for piece in named[1:]:
+        tree = _OPERATIONS[piece.operation](tree, piece.placed)
+    return tree
+
+
+_OPERATIONS: dict[str, Callable[[Csg, Csg], Csg]] = {
+    "add": lambda tree, piece: tree | piece,
+    "subtract": lambda tree, piece: tree - piece,
+    "intersect": lambda tree, piece: tree & piece,
+}
 
 
 def _crossed(origin: Floats, axis: Floats, end: Plane) -> float:

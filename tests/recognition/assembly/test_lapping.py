@@ -10,9 +10,9 @@ from models.csg import Cylinder as CylinderSolid
 from models.solid import Solid, iou
 from primitives.arrays import frozen
 from primitives.pose import pose, random_rotation, rotation_exp
-from recognition.assembly.assemble import Assembly, tree_of
+from recognition.assembly.assemble import Assembly
 from recognition.assembly.lapping import lapped
-from recognition.assembly.piece import Piece
+from recognition.assembly.piece import Piece, tree_of
 
 SLIT = 5e-4  # [mm], more than meshing takes for nothing
 STRAIGHT = np.eye(4)
