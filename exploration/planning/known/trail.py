@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from primitives.arrays import Floats
+from primitives.pose import apart
 
 _EVERY = 5.0  # [mm] between the poses that are kept
-_TURN = 0.15  # of the attitude's matrix, the same
+_ALIKE = 1.0 + 2.0 * float(np.cos(0.1))  # of two attitudes as near
 
 
 class Trail:
@@ -39,5 +40,5 @@ class Trail:
 
 
 def _moved(before: Floats, now: Floats) -> bool:
-    step = np.abs(now - before)
-    return bool(step[:3, 3].max() > _EVERY or step[:3, :3].max() > _TURN)
+    alike = float(np.vdot(before[:3, :3], now[:3, :3]))  # 1 + 2 cos of the turn between them
+    return alike < _ALIKE or apart(before, now) > _EVERY
