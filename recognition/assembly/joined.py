@@ -13,6 +13,7 @@ import numpy as np
 from models.csg import Cube, Cylinder
 from models.solid import Solid
 from primitives.arrays import Floats
+from primitives.pose import transform_points
 from recognition.assembly.made import among, drawn, thinned
 from recognition.assembly.piece import Piece, tree_of
 
@@ -21,6 +22,8 @@ _REACH = 25.0  # [mm] from such an end to what it points at
 _STEP = 0.25  # [mm] at which it is looked along the way
 _ROOT = 0.5  # of what it points at, along the way, that it goes into
 _DEEPEST = 8.0  # [mm] the same
+_RIM = 0.9  # of an end's half width, where it is looked along the way
+_HITS = 0.3  # of such places, that must point at something
 _SAMPLES = 2000  # of what is added, to ask how much of it was passed through
 _NEAR = 2.0  # [mm] from a place that was passed through, that is so too
 _EMPTY = 0.12  # of it at most
@@ -38,11 +41,10 @@ def joined(
     while parts > 1:
         for _, k, longer, added in sorted(_longer(now, solid, unfelt), key=lambda found: found[0]):
             tried = (*now[:k], longer, *now[k + 1 :])
-            if not _passed_through(added, nowhere):
-                whole = Solid.from_csg(tree_of(tried), facet)
-                if whole.parts < parts:
-                    now, solid, parts = tried, whole, whole.parts
-                    break
+            whole = Solid.from_csg(tree_of(tried), facet)
+            if whole.parts < parts and not _passed_through(added, whole, nowhere):
+                now, solid, parts = tried, whole, whole.parts
+                break
         else:
             return now
     return now
@@ -60,23 +62,49 @@ def _longer(
             for above, end in enumerate(ends):
                 if end is not None and end not in unfelt:
                     continue
-                out = piece.world_from_piece[:3, axis] * (1.0 if above else -1.0)
-                foot = piece.world_from_piece[:3, 3] + 0.5 * piece.size(axis) * out
-                steps = np.arange(_STEP, 2.0 * _REACH, _STEP)
-                inside = solid.signed_distance(foot + np.outer(steps, out)) < 0.0
-                gap = int(np.argmax(inside))
-                if inside[0] or not inside.any() or steps[gap] > _REACH:
+                found = _ahead(piece, axis, 1.0 if above else -1.0, solid)
+                if found is None:
                     continue
-                through = int(np.argmin(inside[gap:])) or len(inside) - gap
-                by = float(steps[gap]) + min(_ROOT * through * _STEP, _DEEPEST)
+                gap, by = found
                 longer = piece.longer(axis, bool(above), by)
                 added = longer.longer(axis, not above, -piece.size(axis))
-                yield float(steps[gap]), k, longer, added
+                yield gap, k, longer, added
 
 
-def _passed_through(added: Piece, free: Floats) -> bool:
-    """Whether an array went through what is added."""
+def _ahead(piece: Piece, axis: int, side: float, solid: Solid) -> tuple[float, float] | None:
+    """[mm] from one end of a piece to what it points at, and by how much it is longer when it goes on into that.
+
+    A bar may be bored, and what it points at as well: both are looked for behind all of the end.
+    """
+    feet = _end(piece, axis)
+    feet[:, axis] = 0.5 * side * piece.size(axis)
+    out = side * piece.world_from_piece[:3, axis]
+    steps = np.arange(_STEP, 2.0 * _REACH, _STEP)
+    places = transform_points(piece.world_from_piece, feet)[:, None] + steps[:, None] * out
+    inside = solid.signed_distance(places.reshape(-1, 3)).reshape(len(feet), -1) < 0.0
+    inside = inside[~inside[:, 0] & inside[:, steps <= _REACH].any(axis=1)]
+    if len(inside) < _HITS * len(feet):
+        return None
+    gap = np.argmax(inside, axis=1)
+    through = np.array([int(np.argmin(row[k:])) or len(row) - k for row, k in zip(inside, gap, strict=True)])
+    far = float(steps[gap].max())
+    return far, far + min(_ROOT * float(np.median(through)) * _STEP, _DEEPEST)
+
+
+def _end(piece: Piece, axis: int) -> Floats:
+    """(9, 3) places across one axis of a piece, in its own frame: its middle and near its rim all round."""
+    turn = np.arange(8) * np.pi / 4.0
+    if isinstance(piece.solid, Cylinder):
+        half = _RIM * np.full(2, piece.solid.radius)
+    else:
+        half = _RIM * 0.5 * np.array([piece.size(k) for k in range(3) if k != axis])
+    flat = np.vstack([np.zeros(2), half * np.column_stack([np.cos(turn), np.sin(turn)])])
+    return np.insert(flat, axis, 0.0, axis=1)
+
+
+def _passed_through(added: Piece, whole: Solid, free: Floats) -> bool:
+    """Whether an array went through what is added, where nothing takes it away again."""
     low, high = added.placed.bounds()
     some = drawn(low, high, _SAMPLES)
-    some = some[np.asarray(added.placed.signed_distance(some) < 0.0)]
+    some = some[np.asarray(added.placed.signed_distance(some) < 0.0) & (whole.signed_distance(some) < 0.0)]
     return float(among(some, free, _NEAR).mean()) > _EMPTY if len(some) else True

@@ -29,6 +29,15 @@ class Trail:
         """Where the way began; None where there was none."""
         return self._poses[0] if self._poses else None
 
+    @property
+    def length(self) -> int:
+        """Number of poses that are kept."""
+        return len(self._poses)
+
+    def since(self, length: int) -> list[Floats]:
+        """The stops of the way back from the end to where the trail had a length."""
+        return self._poses[length:][::-1]
+
     def back(self) -> Iterator[list[Floats]]:
         """The stops of ways back from the end, each twice as long as the one before; the last to the start."""
         count, most = 1, len(self._poses)

@@ -38,6 +38,7 @@ class Finding:
         left = list(over(box, self.pad.size, self.config.feature))
         while left and not self.config.spent(self.guard.cost):
             start, end = left.pop(0)
+            begun = self.pad.trail.length
             try:
                 for stop in from_above(self.guard.world_from_sensor, start, box[5]):
                     self.guard.go_to(stop)
@@ -51,8 +52,18 @@ class Finding:
                 self.study.found.warnings.append(str(error))
                 place = (error.seen.world_from_sensor if error.seen else self.guard.world_from_sensor)[:3, 3]
             if place[2] > end[2, 3] + _SHORT:
+                self._go_back(begun)
                 left = beside_first(not_below(left, place), place)
         return False
+
+    def _go_back(self, begun: int) -> None:
+        """The way it came since the trail had a length: straight up may be shut, as in a bowl that lies aslant."""
+        for stop in self.pad.trail.since(begun):
+            try:
+                self.guard.go_to(stop @ self.pad.tool.mount)
+            except (OverPress, Collision) as error:
+                self.study.found.warnings.append(str(error))
+                return
 
     def look_again(self) -> Done:
         """Come down again where something was touched, each time elsewhere and from another side."""

@@ -1,6 +1,7 @@
 """A trail leads back over every place that was passed, in ever longer ways."""
 
 import numpy as np
+import pytest
 
 from exploration.planning.known.trail import Trail
 from primitives import pose as se3
@@ -21,6 +22,16 @@ def test_ways_back_begin_at_the_end_and_double():
     assert [len(way) for way in ways] == [1, 2, 4, 8, 16, 20]
     assert all(way == [190.0 - 10.0 * k for k in range(len(way))] for way in ways)
     assert trail.start[0, 3] == 0.0
+
+
+@pytest.mark.parametrize("length", [0, 1, 7, 20])
+def test_the_way_back_to_an_earlier_moment_ends_where_the_trail_did_then(length):
+    trail = walked(length, 10.0)
+    for k in range(length, 20):
+        trail.pass_through(se3.pose(translation=k * 10.0 * X))
+    stops = [float(stop[0, 3]) for stop in trail.since(length)]
+    assert stops == [10.0 * k for k in range(19, length - 1, -1)]
+    assert trail.length == 20
 
 
 def test_small_steps_are_not_kept_and_turns_are():

@@ -1,0 +1,41 @@
+"""An object is found from wherever the array has come to in looking for it."""
+
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Guard
+from exploration.devices.simulated import simulate
+from exploration.planning.faces.attribution import AttributionConfig
+from exploration.planning.moves.finding import Finding
+from exploration.planning.touching.findings import ExplorerConfig, Findings
+from exploration.planning.touching.pad import Pad
+from exploration.planning.touching.study import Study
+from exploration.planning.ways.routes import Tool
+from exploration.sensing.calibration import Calibration
+from exploration.sensing.spec import load_sensor
+from models.csg import Cube, Sphere
+from models.solid import Solid
+from primitives import pose as se3
+
+# (qw, qx, qy, qz) and [mm] of a bowl that the array comes to lie in, on its first way down
+ASLANT = (
+    [0.3185828276437135, -0.21269536111609105, -0.4892992919575719, 0.7834869929871524],
+    [10.049954948945503, -4.998418216481209, 32.02278049967116],
+)
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_a_bowl_that_lies_aslant_lets_the_array_out_again(seed):
+    """Too round inside for a pad to lie in, and straight up from there its wall is in the way."""
+    bowl = (Sphere(45.0) - Sphere(39.0)) & Cube((120.0, 120.0, 40.0)).at(0.0, 0.0, -20.0)
+    specs, start = [load_sensor("lts210"), load_sensor("fingertip")], se3.pose(np.diag([1.0, -1.0, -1.0]))
+    start[2, 3] = 300.0
+    solid, rng = Solid.from_csg(bowl).placed(se3.from_quaternion(*ASLANT)), np.random.default_rng(seed)
+    stage, arrays = simulate(solid, specs, rng, noise=0.05, start_pose=start)
+    guard = Guard(stage, arrays, [Calibration.nominal(array.spec) for array in arrays])
+    box = np.array([-300.0, -300.0, -300.0, 300.0, 300.0, 300.0])
+    tools = Tool.each([array.spec for array in arrays], [array.flange_from_sensor for array in arrays])
+    pad = Pad(guard, box, lambda kind, detail: None, tools=tools)
+    study = Study(pad, Findings(), AttributionConfig())
+    assert Finding(study, box, ExplorerConfig(max_touches=30), None).find()
+    assert len(study.found.warnings) < 10
