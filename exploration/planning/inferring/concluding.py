@@ -34,9 +34,10 @@ from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
+from exploration.planning.open.round_rims import RoundRim, aside
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -63,6 +64,7 @@ _BY_ROUNDING = "a rounded edge is inferred from where contact with the walls on 
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between two directions that are one
+_WALLS = 4.0  # [mm] round an opening, within which its walls are
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 _BESIDE = 16.0  # [mm] from a rim, within which a round face was felt that goes on from it
 _FAR = 12.0  # [mm] from a rim, within which an inferred face is known
@@ -104,6 +106,22 @@ def conclude(
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
     found.warnings.extend(rim.told() for rim in found.openings)
+    found.warnings.extend(rim.told_odd() for rim in found.odd if not _walled(rim, found.graph.faces))
+
+
+def _walled(rim: RoundRim, faces: Sequence[Face]) -> bool:
+    """Whether walls of an opening are known by now: faces beside it that look to its axis."""
+    for face in faces:
+        out = face.contacts.points - rim.center
+        near = aside(face.contacts.points, rim.center, rim.axis) < rim.radius + _WALLS
+        if (near & ((face.contacts.normals * out).sum(axis=1) < 0.0) & _upright(face, rim)).any():
+            return True
+    return False
+
+
+def _upright(face: Face, rim: RoundRim) -> Bools:
+    """(n,) which contacts of a face look across the axis of an opening."""
+    return np.asarray(np.abs(face.contacts.normals @ rim.axis) < _ALONG)
 
 
 def _open_rims(

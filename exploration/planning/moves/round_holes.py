@@ -16,7 +16,7 @@ import numpy as np
 from exploration.control.dwell import dwell
 from exploration.control.procedures.land import AS_TOLD
 from exploration.control.procedures.settle import AS_IT_CAME, SettleConfig
-from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.open.round_rims import RoundRim, aside
 from exploration.planning.touching.findings import Attempts, Done, SeenRim
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
@@ -49,6 +49,9 @@ class RoundHolesConfig:
     strays: int = 3  # contacts there, up to which it ends all the same
     beside: float = 4.0  # [mm] between rims that are tried as one,
     as_wide: float = 4.0  # [mm] and between their radii
+    middle: float = 0.6  # of its radius, where a hole shows if there is one,
+    round_it: float = 6.0  # [mm] outside it, up to which the face shows,
+    missing: float = 0.4  # and share of what shows there, that shows inside at most
     guessed: float = 2.0  # [mm] between edges that one end of a tube was guessed from
     narrow: float = 6.0  # [mm] of a ring, on which no pad can lie
 
@@ -102,7 +105,10 @@ class RoundHoles:
                 break
         if found is None:
             self._missed.append(rim)
-            self.study.found.refuted += [rim.center] if frames and not bare else []
+            if frames and not bare:
+                self.study.found.refuted.append(rim.center)
+                wide = max(self._opening(*look, rim) for look in frames)
+                self.study.found.odd += [replace(rim, radius=wide)] if wide > 0.0 else []
             return None, "no round rim was made out"
         better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
         self._seen.note(rim.center, found.center)
@@ -114,6 +120,20 @@ class RoundHoles:
             self.study.found.wall_rims = [edge for edge in guessed if not self._led_here(edge, rim)]
         self.study.found.rims.append(better)
         return None, "looked at the rim of a round hole"
+
+    def _opening(self, image: TactileImage, pose: Floats, rim: RoundRim) -> float:
+        """[mm] radius of as much as is missing of a face where a hole was thought; 0 where it is not missing."""
+        x, y = np.meshgrid(image.array.x, image.array.y)
+        flat = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
+        away = aside(se3.transform_points(pose, flat), rim.center, rim.axis)
+        seen = np.isfinite(image.sigma.ravel()) & (away < rim.radius + self.config.round_it)
+        if not seen.any():
+            return 0.0
+        depth = image.depth.ravel()
+        missing = seen & (depth < self.config.missing * float(np.quantile(depth[seen], 0.9)))
+        at_all = bool(missing[away < self.config.middle * rim.radius].any())
+        cell = image.array.pitch[0] * image.array.pitch[1]
+        return float(np.sqrt(missing.sum() * cell / np.pi)) if at_all else 0.0
 
     def _led_here(self, edge: SeenRim, rim: RoundRim) -> bool:
         """Whether an edge is where a tube was guessed to end, which the look at its ring told better."""

@@ -66,11 +66,16 @@ class RoundRim:
 
     def told(self) -> str:
         """In words, for a person."""
+        return f"a round opening of radius about {self._room()}"
+
+    def told_odd(self) -> str:
+        """In words, where a look has found that its rim is no circle."""
+        return f"an opening that is not round, of radius about {self._room()}"
+
+    def _room(self) -> str:
         x, y, z = self.center
-        return (
-            f"a round opening of radius about {self.radius:.0f} mm at ({x:.1f}, {y:.1f}, {z:.1f}) mm "
-            "has no room for the array; how deep it is, is unknown"
-        )
+        where = f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
+        return f"{self.radius:.0f} mm at {where} has no room for the array; how deep it is, is unknown"
 
 
 def far_end(

@@ -77,6 +77,7 @@ class Findings:
     inside: list[Floats] = field(default_factory=list)  # (n, 3) places [mm] that an array was in
     rims: list[RoundRim] = field(default_factory=list)  # of round holes, looked at
     refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
+    odd: list[RoundRim] = field(default_factory=list)  # likewise, though something opens there
     stopped: list[Stopped] = field(default_factory=list)  # in holes that narrow
     wall_rims: list[SeenRim] = field(default_factory=list)  # others looked at
     glimpsed: list[SeenRim] = field(default_factory=list)  # edges that parts of a pad showed

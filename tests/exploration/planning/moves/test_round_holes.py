@@ -24,7 +24,7 @@ from exploration.sensing.lines.blurred_disc import of_disc
 from exploration.sensing.lines.round_hole import RoundHoleConfig, _Look, _without_strays, fit_round_hole
 from exploration.sensing.response import rubber
 from exploration.sensing.spec import load_sensor
-from models.csg import Cylinder
+from models.csg import Cube, Cylinder
 from models.solid import Solid
 from primitives import pose as se3
 from primitives.evidence import Contacts
@@ -263,3 +263,22 @@ def test_a_flange_does_not_end_at_the_neck_behind_it():
     mouth = replace(rim(0.0, radius=10.0), face=0)
     assert not looking([flange(24.0), barrel])._ends(mouth)
     assert len(looking([flange(15.5), barrel])._ends(mouth)) == 1
+
+
+@pytest.mark.parametrize(("hole", "wide"), [(Cube((9.0, 9.0, 99.0)), 9.0 / np.sqrt(np.pi)), (None, None)])
+def test_an_opening_that_is_not_round_is_told_apart_from_none(hole, wide):
+    block = Cube((60.0, 50.0, 40.0)) - hole if hole is not None else Cube((60.0, 50.0, 40.0))
+    spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-UP), [0.0, 0.0, 60.0])
+    stage, arrays = simulate(
+        Solid.from_csg(block), [spec], np.random.default_rng(0), noise=0.05, start_pose=start
+    )
+    guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
+    tare(guard)
+    pad = Pad(guard, np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0]), lambda kind, detail: None)
+    points = np.array([[x, y, 20.0] for x in (-20.0, 0.0, 20.0) for y in (-16.0, 16.0)])
+    top = ranked_face(1, Contacts.of(points, np.tile(UP, (6, 1)), 0.01, 0.01), MergeOptions())
+    study = Study(pad, Findings(hollow=True, graph=PatchGraph((top,), ())), AttributionConfig(convex=False))
+    RoundHoles(study, Reach(pad)).next([RoundRim(20.0 * UP, UP, 4.0, 0.5, 1)])()
+    assert study.found.rims == []
+    assert len(study.found.refuted) == 1
+    assert [rim.radius for rim in study.found.odd] == ([] if wide is None else [pytest.approx(wide, abs=0.8)])
