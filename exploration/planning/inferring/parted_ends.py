@@ -29,6 +29,7 @@ class PartedEndsConfig:
     deep: float = 0.6  # of the radius, nearer than which to the axis an array was,
     shell: tuple[float, float] = (0.7, 1.0)  # of it, and [mm] under the face, between which it was, too
     bore: float = 1.5  # [mm] from a round hollow, in which it may have been instead
+    coaxial: float = 0.99  # least cosine between the axes of a cylinder and of a bore in it
     places: int = 3  # of either, at least
     around: float = 3.3  # [rad] round the axis, over which it was: past it, and no notch from one side
     most: float = 8.0  # [mm] between a contact and such a place, from which nobody knows where the end is
@@ -54,9 +55,10 @@ def parted_ends(
         away = (inside - shape.anchor) @ shape.frame
         axis = shape.frame[:, 2]
         radial = np.hypot(away[:, 0], away[:, 1])
-        free = np.sort(away[radial < config.deep * shape.radius, 2])
         low, under = config.shell
-        shell = away[(radial > low * shape.radius) & (radial < shape.radius - under), 2]
+        shell = np.sort(away[(radial > low * shape.radius) & (radial < shape.radius - under), 2])
+        bored = any(_bores(hollow, shape, config) for hollow in faces)
+        free = shell if bored else np.sort(away[radial < config.deep * shape.radius, 2])
         heights = np.sort((felt - shape.anchor) @ axis)
         for k in np.flatnonzero(np.diff(heights) > config.gap):
             below, above = float(heights[k]), float(heights[k + 1])
@@ -74,6 +76,19 @@ def parted_ends(
                         _end(shape, 0.5 * (felt_at + float(free_at)), way, abs(free_at - felt_at), config)
                     )
     return lots
+
+
+def _bores(hollow: Face, shape: Cylinder, config: PartedEndsConfig) -> bool:
+    """Whether a face is a bore about a cylinder's axis: who was near that may have been in it."""
+    fit = hollow.fit
+    if not isinstance(fit, Fit) or fit.convex or not isinstance(fit.shape, Cylinder):
+        return False
+    off = (fit.shape.anchor - shape.anchor) @ shape.frame[:, :2]
+    return (
+        abs(float(fit.shape.direction @ shape.direction)) > config.coaxial
+        and float(np.linalg.norm(off)) < config.bore
+        and fit.shape.radius < shape.radius
+    )
 
 
 def _end(shape: Cylinder, height: float, way: float, unsure: float, config: PartedEndsConfig) -> Contacts:

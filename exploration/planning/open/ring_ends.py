@@ -55,10 +55,12 @@ def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfi
                 continue
             along = float(axis @ (end.fit.shape.anchor - shape.anchor)) / slope
             center = shape.anchor + along * shape.direction
-            felt, outer = aside(end.cells, center, axis), float(shape.radius)
-            radius, outside = float(felt.min()), float(felt.max())
+            outer, felt = float(shape.radius), aside(end.cells, center, axis)
+            within = felt[felt < outer + config.beyond]  # a plate beside the barrel may end in the same plane
+            if len(within) < config.felt or (radius := float(within.min())) <= config.least:
+                continue
             inside = aside(end.free, center, axis) < radius - config.inside
-            if config.least < radius and outside < outer + config.beyond and inside.sum() >= config.free:
+            if radius < outer and inside.sum() >= config.free:
                 found.append(RoundRim(center, axis, radius, 1.0, end.face.id, outer=outer))
     return found
 

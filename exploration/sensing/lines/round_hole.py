@@ -8,7 +8,8 @@ In the face's plane, with a the distance of a taxel from the hole's center and F
 its own plane (d, g) under the same circle: what the blur makes of a plane where S is its share, the last term the
 moment that it takes across an edge.  On a narrow ring, over which a pad easily leans, that is tenths of a mm.  The
 planes are linear, so only center and radius are searched for (variable projection, Golub and Pereyra 1973).
-Taxels far outside the rim tell of other things and are left out.
+Taxels far outside the rim tell of other things and are left out; where no circle explains the others, as beside an
+edge that nobody knows of, so are all but those at the rim.
 So are those over a keyway or a nick: where no circle explains all taxels, one may explain most that see the rim.
 A face that is a ring about the hole ends at a known circle of radius S, and 1 becomes F(b / w, S / w), with b
 from the center of that; where other known surfaces bound it, it ends as the normal distribution does, Phi(-e / w),
@@ -18,7 +19,7 @@ with e the distance past them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
@@ -41,11 +42,13 @@ class RoundHoleConfig:
     """What belongs to the rim, and what is round."""
 
     outside: float = 3.0  # [widths] of the blur outside the rim, up to which taxels are looked at
+    close: float = 1.2  # [widths] the same, where farther out the face may end at what is not known
     systematic: float = 0.02  # of the deepest taxel: what the model leaves out
     shift: float = 5.0  # [mm] of the center from where it was thought to be
     change: float = 4.0  # [mm] of the radius, likewise
     least: float = 1.5  # [mm] radius, below which the skin sees no hole
     misfit: float = 3.0  # chi2 per degree of freedom, above which the hole is not round
+    sure: float = 1.0  # chi2 per degree of freedom, from which it is tried to explain fewer taxels
     certain: float = 0.3  # [mm] of the radius, that it must be known to
     stray: float = 4.0  # [standard deviations] from which a taxel tells of a keyway
     sees: float = 0.2  # of the largest slope by the radius, from which a taxel sees the rim
@@ -114,6 +117,32 @@ def fit_round_hole(
     of its distance past it.  A narrow ring that leans looks like one of another width; pads that kept the attitude
     they came at are `flush`, and it leans only as their poses do.
     """
+    close = replace(config, outside=config.close)
+    tries = [
+        (ends, config),
+        (ends, close),
+        *([((), close)] if ends else []),
+    ]  # it may go on past what ends it
+    best: RoundHole | None = None
+    for known, each in tries:
+        found = _fitted(frames, (center, axis), (radius, outer), known, each, flush)
+        if found is not None and (best is None or found.misfit < best.misfit):
+            best = found
+        if best is not None and best.misfit < config.sure:
+            break
+    return best
+
+
+def _fitted(
+    frames: Sequence[tuple[TactileImage, Floats]],
+    line: tuple[Floats, Floats],
+    radii: tuple[float, float],
+    ends: Sequence[tuple[Shape, float]],
+    config: RoundHoleConfig,
+    flush: bool,
+) -> RoundHole | None:
+    """The hole about a (3,) center and (3,) axis, of as many taxels round it as `config` says."""
+    (center, axis), (radius, outer) = line, radii
     turn = se3.frame_along(axis)
     looks = [
         _look(image, (pose, turn, center), (radius, outer), ends, config, flush) for image, pose in frames

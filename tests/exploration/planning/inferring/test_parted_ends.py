@@ -50,3 +50,13 @@ def test_a_keyway_a_notch_contacts_at_that_height_and_a_bore_part_nothing():
     assert parted_ends([knuckles(2.0, 6.0, 10.0, 13.0, 16.0, 19.0, 22.0)], went(-7.0)) == []
     assert parted_ends([bar, bore()], went(-7.0)) == []
     assert parted_ends([bar], np.empty((0, 3))) == []
+
+
+def test_knuckles_on_a_narrow_pin_bore_are_parted_where_an_array_went_beside_the_bore():
+    points = np.concatenate([3.0 * RING + z * Z for z in (3.0, 15.0, 28.0)])
+    pin = ranked_face(1, Contacts.of(points, -np.tile(RING, (3, 1)), 0.02, 0.02), MergeOptions())
+    bar = knuckles(2.0, 10.0, 22.0)
+    heights = [lot.points[0, 2] for lot in parted_ends([bar, pin], went(-7.0))]
+    assert heights == [pytest.approx(12.0), pytest.approx(20.0)]
+    within = went(-7.0)
+    assert parted_ends([bar, pin], within[np.hypot(*within[:, :2].T) < 4.0]) == []

@@ -84,7 +84,7 @@ def test_the_bore_of_a_ring_is_seen_on_three_millimeters_of_face():
     assert len(away) > 20
     assert 13.0 < away.min() < away.max() < 17.0
     blind = fit_round_hole(frames, np.zeros(3), UP, 11.7)
-    assert blind is None or abs(blind.radius - 13.4) > 0.1
+    assert blind is None or blind.sigma > 1.5 * found.sigma  # by fewer taxels
 
 
 def leaning_on_a_ring(center, radius, outer, pose, lean, rng):
@@ -173,6 +173,19 @@ def test_a_hole_is_seen_beside_the_edges_of_its_face():
     assert np.linalg.norm(found.center[:2]) < 0.1
     blind = fit_round_hole(frames, np.array([0.5, 0.4, 0.0]), UP, 5.0)
     assert blind is None or abs(blind.radius - 5.6) > 0.1 or np.linalg.norm(blind.center[:2]) > 0.1
+
+
+def test_a_hole_near_an_edge_that_nobody_knows_of_is_measured_by_what_is_at_its_rim():
+    """A knuckle's end; and past the edges that are told the face may go on, as where a plate begins."""
+    rng = np.random.default_rng(3)
+    down = np.diag([1.0, -1.0, -1.0])
+    frames = [over(np.zeros(2), 4.0, se3.pose(down, [x, 0.0, 0.0]), rng, 8.5) for x in (-1.0, 1.0, 2.0)]
+    told = [(Plane(np.array([0.0, 6.0, 0.0]), np.array([0.0, 1.0, 0.0])), 1.0)]
+    for ends in ((), told):
+        found = fit_round_hole(frames, np.array([0.3, 0.2, 0.0]), UP, 3.4, ends=ends)
+        assert found is not None
+        assert found.radius == pytest.approx(4.0, abs=0.12)
+        assert np.linalg.norm(found.center) < 0.15
 
 
 def test_a_face_without_a_hole_shows_none():
