@@ -47,6 +47,7 @@ class RoundHoleConfig:
     shift: float = 5.0  # [mm] of the center from where it was thought to be
     change: float = 4.0  # [mm] of the radius, likewise
     least: float = 1.5  # [mm] radius, below which the skin sees no hole
+    ring: float = 0.5  # [mm] of material round it at least, where the face's own circle is known
     misfit: float = 3.0  # chi2 per degree of freedom, above which the hole is not round
     sure: float = 1.0  # chi2 per degree of freedom, from which it is tried to explain fewer taxels
     certain: float = 0.3  # [mm] of the radius, that it must be known to
@@ -170,7 +171,8 @@ def _fitted(
     slopes = np.asarray(found.jac)
     inverse = np.linalg.pinv(slopes.T @ slopes)
     sigma = float(np.sqrt(inverse[2, 2] * max(misfit, 1.0)))
-    if misfit > most or sigma > config.certain or (found.active_mask != 0).any():
+    ring = outer - float(found.x[2]) - float(np.linalg.norm(found.x[:2]))
+    if misfit > most or sigma > config.certain or (found.active_mask != 0).any() or ring < config.ring:
         return None
     face = np.concatenate([_places(look, found.x, config) for look in looks])
     return RoundHole(center + turn[:, :2] @ found.x[:2], float(found.x[2]), sigma, misfit, face)

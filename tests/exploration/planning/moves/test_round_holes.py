@@ -87,6 +87,14 @@ def test_the_bore_of_a_ring_is_seen_on_three_millimeters_of_face():
     assert blind is None or blind.sigma > 1.5 * found.sigma  # by fewer taxels
 
 
+def test_no_hole_reaches_to_the_circle_that_its_face_ends_at():
+    """What is missing of an image there is no hole of the face, however well a circle explains it."""
+    rng, down = np.random.default_rng(3), np.diag([1.0, -1.0, -1.0])
+    frames = [over([1.6, 0.2], 10.2, se3.pose(down, [x, 0.0, 0.0]), rng, 12.0) for x in (-12.0, 12.0)]
+    assert fit_round_hole(frames, np.zeros(3), UP, 9.0) is not None
+    assert fit_round_hole(frames, np.zeros(3), UP, 9.0, 12.0) is None
+
+
 def leaning_on_a_ring(center, radius, outer, pose, lean, rng):
     """A frame of a pad that leans on a ring: what presses, blurred on a fine grid."""
     fine, width = 0.1, rubber(SPREAD, PAD.pitch).mean_width
