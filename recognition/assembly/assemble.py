@@ -152,7 +152,8 @@ def _finished(
 ) -> Assembly:
     """The body of pieces as all evidence has it, with the surfaces `kept`, or all that it has or nobody felt."""
     unfelt = {given.distinct[k] for k, told in enumerate(given.inferred) if told}
-    whole = joined(named, unfelt, given.free, options.facet)
+    felt = np.concatenate([points for points, _ in given.touched])
+    whole = joined(named, unfelt, given.free, felt, options.facet)
     told = (JOINED,) if any(new is not old for new, old in zip(whole, named, strict=True)) else ()
     named = whole
     bare = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)

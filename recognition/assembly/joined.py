@@ -24,25 +24,29 @@ _ROOT = 0.5  # of what it points at, along the way, that it goes into
 _DEEPEST = 8.0  # [mm] the same
 _RIM = 0.9  # of an end's half width, where it is looked along the way
 _HITS = 0.3  # of such places, that must point at something
+_DEEP = 0.5  # [mm] under the surface, from which what was felt is buried
+_STRAYS = 2  # places that may be
 _SAMPLES = 2000  # of what is added, to ask how much of it was passed through
 _NEAR = 2.0  # [mm] from a place that was passed through, that is so too
 _EMPTY = 0.12  # of it at most
 
 
 def joined(
-    pieces: Sequence[Piece], unfelt: Collection[int], free: Floats | None, facet: float
+    pieces: Sequence[Piece], unfelt: Collection[int], free: Floats | None, felt: Floats, facet: float
 ) -> tuple[Piece, ...]:
     """The pieces, some of them longer where they lie apart; as they are where nothing joins them.
 
-    Nobody felt the surfaces `unfelt`; nothing is at (n, 3) places `free` [mm].
+    Nobody felt the surfaces `unfelt`; nothing is at (n, 3) places `free` [mm], and (m, 3) `felt` ones are on it.
     """
     now, nowhere = tuple(pieces), np.empty((0, 3)) if free is None else thinned(free, _NEAR)
+    on = thinned(felt, _NEAR)
     parts = (solid := Solid.from_csg(tree_of(now), facet)).parts
     while parts > 1:
         for _, k, longer, added in sorted(_longer(now, solid, unfelt), key=lambda found: found[0]):
             tried = (*now[:k], longer, *now[k + 1 :])
             whole = Solid.from_csg(tree_of(tried), facet)
-            if whole.parts < parts and not _passed_through(added, whole, nowhere):
+            buried = _buried(whole, on) > _buried(solid, on) + _STRAYS
+            if whole.parts < parts and not buried and not _passed_through(added, whole, nowhere):
                 now, solid, parts = tried, whole, whole.parts
                 break
         else:
@@ -100,6 +104,11 @@ def _end(piece: Piece, axis: int) -> Floats:
         half = _RIM * 0.5 * np.array([piece.size(k) for k in range(3) if k != axis])
     flat = np.vstack([np.zeros(2), half * np.column_stack([np.cos(turn), np.sin(turn)])])
     return np.insert(flat, axis, 0.0, axis=1)
+
+
+def _buried(solid: Solid, felt: Floats) -> int:
+    """How many of (n, 3) felt places lie in a body."""
+    return int((solid.signed_distance(felt) < -_DEEP).sum()) if len(felt) else 0
 
 
 def _passed_through(added: Piece, whole: Solid, free: Floats) -> bool:

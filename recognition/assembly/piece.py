@@ -73,7 +73,7 @@ class Piece:
 
 
 def tree_of(named: Sequence[Piece]) -> Csg:
-    """The intersection of the pieces, less those to subtract."""
+    """The pieces one after another, each added, taken away or kept to."""
     tree = named[0].placed
     for piece in named[1:]:
         tree = _OPERATIONS[piece.operation](tree, piece.placed)

@@ -34,10 +34,10 @@ from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
-from exploration.planning.open.round_rims import RoundRim, aside
+from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -65,6 +65,7 @@ _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle 
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between two directions that are one
 _WALLS = 4.0  # [mm] round an opening, within which its walls are
+_DEEP = 40.0  # [mm] behind its rim, likewise
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 _BESIDE = 16.0  # [mm] from a rim, within which a round face was felt that goes on from it
 _FAR = 12.0  # [mm] from a rim, within which an inferred face is known
@@ -106,22 +107,31 @@ def conclude(
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
     found.warnings.extend(rim.told() for rim in found.openings)
-    found.warnings.extend(rim.told_odd() for rim in found.odd if not _walled(rim, found.graph.faces))
+    found.warnings.extend(rim.told_odd() for rim in _odd(found))
+
+
+def _odd(found: Findings) -> list[RoundRim]:
+    """Openings that are not round, each once, and none that is told of or whose walls are known by now."""
+    kept: list[RoundRim] = []
+    for rim in found.odd:
+        others = (*found.rims, *found.openings, *kept)
+        told = any(float(np.linalg.norm(rim.center - other.center)) < rim.radius for other in others)
+        if not told and not _walled(rim, found.graph.faces):
+            kept.append(rim)
+    return kept
 
 
 def _walled(rim: RoundRim, faces: Sequence[Face]) -> bool:
-    """Whether walls of an opening are known by now: faces beside it that look to its axis."""
+    """Whether walls of an opening are known by now: beside it, behind its rim, and looking to its axis."""
     for face in faces:
         out = face.contacts.points - rim.center
-        near = aside(face.contacts.points, rim.center, rim.axis) < rim.radius + _WALLS
-        if (near & ((face.contacts.normals * out).sum(axis=1) < 0.0) & _upright(face, rim)).any():
+        deep, normals = -(out @ rim.axis), face.contacts.normals
+        flat = out + np.outer(deep, rim.axis)
+        near = (np.linalg.norm(flat, axis=1) < rim.radius + _WALLS) & (deep > 0.0) & (deep < _DEEP)
+        upright = np.abs(normals @ rim.axis) < _ALONG
+        if (near & upright & ((normals * flat).sum(axis=1) < 0.0)).any():
             return True
     return False
-
-
-def _upright(face: Face, rim: RoundRim) -> Bools:
-    """(n,) which contacts of a face look across the axis of an opening."""
-    return np.asarray(np.abs(face.contacts.normals @ rim.axis) < _ALONG)
 
 
 def _open_rims(

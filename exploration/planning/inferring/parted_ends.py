@@ -29,6 +29,7 @@ class PartedEndsConfig:
     deep: float = 0.6  # of the radius, nearer than which to the axis an array was,
     shell: tuple[float, float] = (0.7, 1.0)  # of it, and [mm] under the face, between which it was, too
     bore: float = 1.5  # [mm] from a round hollow, in which it may have been instead
+    core: float = 2.0  # [mm] farther out than that, up to which who was there went through what is bored
     coaxial: float = 0.99  # least cosine between the axes of a cylinder and of a bore in it
     places: int = 3  # of either, at least
     around: float = 3.3  # [rad] round the axis, over which it was: past it, and no notch from one side
@@ -57,8 +58,12 @@ def parted_ends(
         radial = np.hypot(away[:, 0], away[:, 1])
         low, under = config.shell
         shell = np.sort(away[(radial > low * shape.radius) & (radial < shape.radius - under), 2])
-        bored = any(_bores(hollow, shape, config) for hollow in faces)
-        free = shell if bored else np.sort(away[radial < config.deep * shape.radius, 2])
+        bores = [bore for hollow in faces if (bore := _bored(hollow, shape, config)) is not None]
+        near = [radial < config.deep * shape.radius]
+        for radius, low_end, high_end in bores:
+            beside = radial < radius + config.bore + config.core
+            near.append(beside & (away[:, 2] > low_end) & (away[:, 2] < high_end))
+        free = np.sort(away[np.any(near, axis=0), 2])
         heights = np.sort((felt - shape.anchor) @ axis)
         for k in np.flatnonzero(np.diff(heights) > config.gap):
             below, above = float(heights[k]), float(heights[k + 1])
@@ -78,17 +83,17 @@ def parted_ends(
     return lots
 
 
-def _bores(hollow: Face, shape: Cylinder, config: PartedEndsConfig) -> bool:
-    """Whether a face is a bore about a cylinder's axis: who was near that may have been in it."""
+def _bored(hollow: Face, shape: Cylinder, config: PartedEndsConfig) -> tuple[float, float, float] | None:
+    """[mm] radius of a bore about a cylinder's axis, and from where to where it goes; None where it is none."""
     fit = hollow.fit
     if not isinstance(fit, Fit) or fit.convex or not isinstance(fit.shape, Cylinder):
-        return False
+        return None
     off = (fit.shape.anchor - shape.anchor) @ shape.frame[:, :2]
-    return (
-        abs(float(fit.shape.direction @ shape.direction)) > config.coaxial
-        and float(np.linalg.norm(off)) < config.bore
-        and fit.shape.radius < shape.radius
-    )
+    along = abs(float(fit.shape.direction @ shape.direction)) > config.coaxial
+    if not along or float(np.linalg.norm(off)) > config.bore or fit.shape.radius >= shape.radius:
+        return None
+    heights = (hollow.contacts.points - shape.anchor) @ shape.frame[:, 2]
+    return float(fit.shape.radius), float(heights.min()), float(heights.max())
 
 
 def _end(shape: Cylinder, height: float, way: float, unsure: float, config: PartedEndsConfig) -> Contacts:

@@ -251,8 +251,18 @@ def _stands(
     """
     if step > 0.0 and patch.in_round_hole(known):
         return True
-    span = min(between) - config.past, max(between) + config.behind
-    return patch.enters(known, way, span, 0.5 * step, float(np.sign(step)))
+    (at, begun), side = between, float(np.sign(step))
+    near, far = (at - config.past, at + config.behind), (at - config.past, max(at, begun) + config.behind)
+    leaning = [own for own in known if _leans(own, patch.normal, config)]
+    return patch.enters(known, way, near, 0.5 * step, side) or patch.enters(
+        leaning, way, far, 0.5 * step, side
+    )
+
+
+def _leans(own: KnownFace, normal: Floats, config: RiserConfig) -> bool:
+    """Whether a flat face is neither level nor upright, so that it may reach from a foot to a top far aside."""
+    lean = abs(float(own.fit.shape.direction @ normal)) if own.fit.kind == "plane" else 0.0
+    return config.upright < lean < config.alike
 
 
 def _ways(known: Sequence[KnownFace]) -> Floats:

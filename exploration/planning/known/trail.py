@@ -1,4 +1,7 @@
-"""The way that the stage has come: where it went once it can go back."""
+"""The way that the stage has come: where it went once it can go back.
+
+What it was in contact with is left off by a little on the way back.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ from primitives.arrays import Floats
 from primitives.pose import apart
 
 _EVERY = 5.0  # [mm] between the poses that are kept
+_LATE = 60  # poses, among which it is that a fault was backed off to
+_PER_TURN = 60.0  # [mm] that count as much as two attitudes by which they differ by one
 _ALIKE = 1.0 + 2.0 * float(np.cos(0.1))  # of two attitudes as near
 
 
@@ -19,10 +24,21 @@ class Trail:
     def __init__(self) -> None:
         self._poses: list[Floats] = []
 
+    def leaves(self, pose: Floats) -> bool:
+        """Whether a pose of the flange is so far from the last one that it is to be noted."""
+        return not self._poses or _moved(self._poses[-1], pose)
+
     def pass_through(self, pose: Floats) -> None:
         """Note the pose of the flange, unless it hardly moved."""
-        if not self._poses or _moved(self._poses[-1], pose):
+        if self.leaves(pose):
             self._poses.append(pose.copy())
+
+    def rejoin(self, pose: Floats) -> None:
+        """Forget what lies past a pose: the guard that backs off from a fault is not followed on its way."""
+        late = self._poses[-_LATE:]
+        if late:
+            off = [apart(kept, pose) + _PER_TURN * (3.0 - _alike(kept, pose)) for kept in late]
+            del self._poses[len(self._poses) - len(late) + int(np.argmin(off)) + 1 :]
 
     @property
     def start(self) -> Floats | None:
@@ -49,5 +65,9 @@ class Trail:
 
 
 def _moved(before: Floats, now: Floats) -> bool:
-    alike = float(np.vdot(before[:3, :3], now[:3, :3]))  # 1 + 2 cos of the turn between them
-    return alike < _ALIKE or apart(before, now) > _EVERY
+    return _alike(before, now) < _ALIKE or apart(before, now) > _EVERY
+
+
+def _alike(a: Floats, b: Floats) -> float:
+    """1 + 2 cos of the turn between two attitudes."""
+    return float(np.vdot(a[:3, :3], b[:3, :3]))

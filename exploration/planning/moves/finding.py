@@ -42,6 +42,7 @@ class Finding:
             try:
                 for stop in from_above(self.guard.world_from_sensor, start, box[5]):
                     self.guard.go_to(stop)
+                begun = self.pad.trail.length
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
                 settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
                 if settled or self.pad.touches():
@@ -58,9 +59,9 @@ class Finding:
 
     def _go_back(self, begun: int) -> None:
         """The way it came since the trail had a length: straight up may be shut, as in a bowl that lies aslant."""
-        for stop in self.pad.trail.since(begun):
+        for stop in next(self.pad.way_back(begun)):
             try:
-                self.guard.go_to(stop @ self.pad.tool.mount)
+                self.guard.go_to(stop)
             except (OverPress, Collision) as error:
                 self.study.found.warnings.append(str(error))
                 return

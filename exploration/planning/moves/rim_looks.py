@@ -77,7 +77,7 @@ class RimLooks:
                 if not self.reach.touch(over, give, landing=AS_TOLD):
                     continue
                 ends = self._straight(rim, face) and not self._goes_on(rim.outward)
-                heading = pad.guard.world_from_sensor[:3, :2].T @ rim.outward if ends else None
+                heading = _along(pad.guard.world_from_sensor, rim.outward) if ends else None
                 whole, parts = pad.sightings(heading), pad.sightings_in_parts() if self._flat(face) else []
                 seen = self._made_out(rim, whole)
                 found.wall_rims += [] if seen is None else [(seen, face)]
@@ -118,3 +118,9 @@ class RimLooks:
             and abs(float((seen.point - rim.point) @ rim.outward)) < self.config.near
         ]
         return max(there, key=lambda seen: seen.length, default=None)
+
+
+def _along(world_from_sensor: Floats, way: Floats) -> Floats:
+    """(2,) unit direction in the plane of a pad, along a (3,) way in the world."""
+    flat = world_from_sensor[:3, :2].T @ way
+    return np.asarray(flat / np.linalg.norm(flat))

@@ -16,7 +16,7 @@ import numpy as np
 from exploration.control.dwell import dwell
 from exploration.control.procedures.land import AS_TOLD
 from exploration.control.procedures.settle import AS_IT_CAME, SettleConfig
-from exploration.planning.open.round_rims import RoundRim, aside
+from exploration.planning.open.round_rims import RoundRim, around, aside
 from exploration.planning.touching.findings import Attempts, Done, SeenRim
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
@@ -26,6 +26,7 @@ from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.fit import Fit
+from primitives.pose import frame_along
 from primitives.shapes import Shape
 
 
@@ -52,6 +53,7 @@ class RoundHolesConfig:
     middle: float = 0.6  # of its radius, where a hole shows if there is one,
     round_it: float = 6.0  # [mm] outside it, up to which the face shows,
     missing: float = 0.4  # and share of what shows there, that shows inside at most
+    closed: float = 4.5  # [rad] round what is missing, over which the face shows at least
     guessed: float = 2.0  # [mm] between edges that one end of a tube was guessed from
     narrow: float = 6.0  # [mm] of a ring, on which no pad can lie
 
@@ -131,9 +133,14 @@ class RoundHoles:
             return 0.0
         depth = image.depth.ravel()
         missing = seen & (depth < self.config.missing * float(np.quantile(depth[seen], 0.9)))
-        at_all = bool(missing[away < self.config.middle * rim.radius].any())
+        if not missing[away < self.config.middle * rim.radius].any():
+            return 0.0
+        face = se3.transform_points(pose, flat[seen & ~missing]) @ frame_along(rim.axis)
+        middle = se3.transform_points(pose, flat[missing]).mean(axis=0) @ frame_along(rim.axis)
+        if around(np.arctan2(*(face - middle)[:, 1::-1].T)) < self.config.closed:
+            return 0.0  # where the face ends, much is missing beside it
         cell = image.array.pitch[0] * image.array.pitch[1]
-        return float(np.sqrt(missing.sum() * cell / np.pi)) if at_all else 0.0
+        return float(np.sqrt(missing.sum() * cell / np.pi))
 
     def _led_here(self, edge: SeenRim, rim: RoundRim) -> bool:
         """Whether an edge is where a tube was guessed to end, which the look at its ring told better."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import RoundRim, aside
+from exploration.planning.open.round_rims import RoundRim, around, aside
 from primitives.arrays import Floats
 from primitives.shapes import Cylinder
 
@@ -28,6 +28,7 @@ class RingEndsConfig:
 
     upright: float = 0.998  # least cosine between the face's normal and the axis
     beyond: float = 3.0  # [mm] past the turned face, that what was felt of its end may seem to lie
+    one_side: float = 3.3  # [rad] round the axis, over which such places past it lie at most
     beside: float = 20.0  # [mm] from the end, within which the turned face was felt
     felt: int = 6  # touched places of the ring
     least: float = 2.5  # [mm] of the bore's radius
@@ -56,7 +57,9 @@ def ring_ends(known: Sequence[KnownFace], config: RingEndsConfig = RingEndsConfi
             along = float(axis @ (end.fit.shape.anchor - shape.anchor)) / slope
             center = shape.anchor + along * shape.direction
             outer, felt = float(shape.radius), aside(end.cells, center, axis)
-            within = felt[felt < outer + config.beyond]  # a plate beside the barrel may end in the same plane
+            within, past = felt[felt < outer + config.beyond], end.cells[felt >= outer + config.beyond]
+            if len(past) and _around(past, center, shape) > config.one_side:
+                continue  # a flange; but a plate beside the barrel may end in the same plane
             if len(within) < config.felt or (radius := float(within.min())) <= config.least:
                 continue
             inside = aside(end.free, center, axis) < radius - config.inside
@@ -105,6 +108,12 @@ def bare_ends(
             ):
                 found.append(RoundRim(center, axis, radius, 1.0, turned.face.id, outer=float(shape.radius)))
     return found
+
+
+def _around(places: Floats, center: Floats, shape: Cylinder) -> float:
+    """[rad] round a cylinder's axis, over which (n, 3) places lie."""
+    local = (places - center) @ shape.frame
+    return around(np.arctan2(local[:, 1], local[:, 0]))
 
 
 def _passes(end: KnownFace, center: Floats, axis: Floats, config: RingEndsConfig) -> bool:

@@ -5,7 +5,7 @@ It remembers where it lies and what it has covered, and counts touches and strok
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,6 +53,7 @@ class PadConfig:
     back: float = 12.0  # [mm] from a touch that met nothing
     lift: float = 8.0  # [mm] before any travel
     watch: float = 3.0  # [mm] between looks for what the skin leaves free
+    trail: float = 3.0  # [mm] off what it touched, on its way back
     alike: float = 0.95  # cosine above which two supporting planes are one
 
 
@@ -275,7 +276,7 @@ class Pad:
         """Note where the array is, and what the skin leaves free, every few mm of whatever it does in contact."""
         here = seen.world_from_sensor
         self.swept.pass_through(here, self.tool.low, self.tool.high)
-        self.trail.pass_through(here @ se3.inverse(self.tool.mount))
+        self._leave_trail(seen)
         if self._watched is not None and se3.apart(here, self._watched) < self.config.watch:
             return
         felt = feel(seen.image) if touched(seen.image) else None
@@ -283,6 +284,21 @@ class Pad:
             self._watched = here
             self.free.add(free_cells(seen, felt))
             self.pits.look(seen)
+
+    def _leave_trail(self, seen: Observation) -> None:
+        """Note where the stage is, off what the skin touches: it comes back faster than it pressed."""
+        off = se3.inverse(self.guard.sensor.flange_from_sensor)
+        if self.trail.leaves(seen.world_from_sensor @ off):
+            lift = self.config.trail if touched(seen.image) else 0.0
+            self.trail.pass_through(seen.world_from_sensor @ se3.pose(translation=[0.0, 0.0, -lift]) @ off)
+
+    def way_back(self, length: int | None = None) -> Iterator[list[Floats]]:
+        """(4, 4) stops of this array on ways back where it came from, ever longer ones; or to a trail's length."""
+        mount = self.guard.sensor.flange_from_sensor
+        self.trail.rejoin(self.guard.world_from_sensor @ se3.inverse(mount))
+        ways = self.trail.back() if length is None else [self.trail.since(length)]
+        for stops in ways:
+            yield [stop @ mount for stop in stops]
 
     def _outside(self) -> list[Support]:
         """The workspace's sides, below which nothing leads where the object lies on a table."""

@@ -41,7 +41,7 @@ class ReachConfig:
     looked_turn: float = 0.05  # [rad] the same
     give: float = 8.0  # [mm] off a place that what is known reaches into, from where it is come at yet
     step: float = 1.6  # [mm] between such tries
-    back_most: int = 130  # stops back the way it came, where no other way leads on
+    back_most: int = 128  # stops back the way it came, where no other way leads on
 
 
 class Reach:
@@ -189,12 +189,14 @@ class Reach:
 
     def _back_to_where_leads(self, goal: Floats) -> list[Floats]:
         """(4, 4) stops back the way the array came, to where something leads to a goal; or none."""
-        mount, trail = self.pad.tool.mount, self.pad.trail
-        if trail.start is None or self._routed(trail.start @ mount, goal) is None:
+        start, mount = self.pad.trail.start, self.pad.guard.sensor.flange_from_sensor
+        if start is None or self._routed(start @ mount, goal) is None:
             return []
-        for stops in trail.back():
-            if len(stops) <= self.config.back_most and self._routed(stops[-1] @ mount, goal) is not None:
-                return [stop @ mount for stop in stops]
+        for stops in self.pad.way_back():
+            if len(stops) > self.config.back_most:
+                break
+            if self._routed(stops[-1], goal) is not None:
+                return stops
         return []
 
     def _routed(self, start: Floats, goal: Floats) -> list[Floats] | None:

@@ -8,8 +8,8 @@ In the face's plane, with a the distance of a taxel from the hole's center and F
 its own plane (d, g) under the same circle: what the blur makes of a plane where S is its share, the last term the
 moment that it takes across an edge.  On a narrow ring, over which a pad easily leans, that is tenths of a mm.  The
 planes are linear, so only center and radius are searched for (variable projection, Golub and Pereyra 1973).
-Taxels far outside the rim tell of other things and are left out; where no circle explains the others, as beside an
-edge that nobody knows of, so are all but those at the rim.
+Taxels far outside the rim tell of other things and are left out; where a circle explains the others badly, as
+beside an edge that nobody knows of, so are all but those at the rim.
 So are those over a keyway or a nick: where no circle explains all taxels, one may explain most that see the rim.
 A face that is a ring about the hole ends at a known circle of radius S, and 1 becomes F(b / w, S / w), with b
 from the center of that; where other known surfaces bound it, it ends as the normal distribution does, Phi(-e / w),
@@ -49,6 +49,7 @@ class RoundHoleConfig:
     least: float = 1.5  # [mm] radius, below which the skin sees no hole
     ring: float = 0.5  # [mm] of material round it at least, where the face's own circle is known
     misfit: float = 3.0  # chi2 per degree of freedom, above which the hole is not round
+    worth: float = 1.2  # times less misfit, for which fewer taxels are believed
     sure: float = 1.0  # chi2 per degree of freedom, from which it is tried to explain fewer taxels
     certain: float = 0.3  # [mm] of the radius, that it must be known to
     stray: float = 4.0  # [standard deviations] from which a taxel tells of a keyway
@@ -127,7 +128,7 @@ def fit_round_hole(
     best: RoundHole | None = None
     for known, each in tries:
         found = _fitted(frames, (center, axis), (radius, outer), known, each, flush)
-        if found is not None and (best is None or found.misfit < best.misfit):
+        if found is not None and (best is None or config.worth * found.misfit < best.misfit):
             best = found
         if best is not None and best.misfit < config.sure:
             break

@@ -11,6 +11,7 @@ from recognition.assembly.piece import Piece, tree_of
 
 TURNED = se3.pose(se3.rotation_exp([0.3, 0.5, -0.2]), [5.0, -3.0, 8.0])
 FELT, UNFELT = 1, 2
+NOTHING = np.empty((0, 3))
 
 
 def placed(solid, kind, at, ends):
@@ -29,15 +30,15 @@ def parts(pieces):
     return Solid.from_csg(tree_of(pieces)).parts
 
 
-def kept(pieces, free=None):
+def kept(pieces, free=None, felt=NOTHING):
     """Whether all stay as they are."""
-    whole = joined(pieces, {UNFELT}, free, 0.01)
+    whole = joined(pieces, {UNFELT}, free, felt, 0.01)
     return all(new is old for new, old in zip(whole, pieces, strict=True))
 
 
 @pytest.mark.parametrize("above", [UNFELT, None])
 def test_a_bar_goes_on_to_what_it_points_at_and_not_through_it(above):
-    whole = joined([BALL, bar(above)], {UNFELT}, None, 0.01)
+    whole = joined([BALL, bar(above)], {UNFELT}, None, NOTHING, 0.01)
     assert parts(whole) == 1
     low, high = se3.transform_points(se3.inverse(TURNED), whole[1].world_from_piece[:3, 3][None])[0, 2] + (
         0.5 * np.array([-1.0, 1.0]) * whole[1].solid.height
@@ -51,7 +52,7 @@ def test_a_box_is_joined_along_the_side_that_nobody_felt():
     box = placed(
         Cube((20.0, 8.0, 6.0)), "cube", [-30.0, 0.0, 0.0], ((FELT, UNFELT), (FELT, FELT), (FELT, FELT))
     )
-    whole = joined([BALL, box], {UNFELT}, None, 0.01)
+    whole = joined([BALL, box], {UNFELT}, None, NOTHING, 0.01)
     assert parts(whole) == 1
     assert whole[1].ends[0] == (FELT, None)
     assert whole[1].solid.size[1:] == (8.0, 6.0)
@@ -65,6 +66,7 @@ def test_nothing_is_joined_from_an_end_that_was_felt_or_through_what_was_passed_
         TURNED, np.array([[x, y, z] for x in (-3, 0, 3) for y in (-3, 0, 3) for z in axis])
     )
     assert kept(lone, free)
+    assert kept(lone, None, free)  # another face is there
     assert not kept(lone)
     assert kept((BALL, bar(gap=40.0)))
 

@@ -58,5 +58,8 @@ def test_knuckles_on_a_narrow_pin_bore_are_parted_where_an_array_went_beside_the
     bar = knuckles(2.0, 10.0, 22.0)
     heights = [lot.points[0, 2] for lot in parted_ends([bar, pin], went(-7.0))]
     assert heights == [pytest.approx(12.0), pytest.approx(20.0)]
+    turns = 6.8 * RING
+    round_it = np.concatenate([turns + z * Z for z in (14.0, 16.0, 18.0)])
+    assert parted_ends([bar, pin], round_it) == []  # a groove round a core that is bored
     within = went(-7.0)
     assert parted_ends([bar, pin], within[np.hypot(*within[:, :2].T) < 4.0]) == []

@@ -45,3 +45,10 @@ def test_small_steps_are_not_kept_and_turns_are():
 def test_a_trail_that_nobody_walked_has_no_start():
     assert Trail().start is None
     assert list(Trail().back()) == []
+
+
+def test_what_lies_past_a_fault_that_was_backed_off_from_is_forgotten():
+    trail = walked(30, 10.0)
+    trail.rejoin(se3.pose(translation=[153.0, 4.0, 0.0]))
+    assert trail.length == 16
+    assert trail.since(0)[0][0, 3] == 150.0

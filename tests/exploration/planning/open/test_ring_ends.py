@@ -48,10 +48,20 @@ def test_an_end_felt_over_its_middle_or_free_nowhere_is_none():
 
 
 def test_a_flange_round_the_barrel_or_a_bore_for_it_makes_no_ring():
-    wide = flat_ring((19.0, 25.0), INSIDE)
-    assert ring_ends([wide, BARREL]) == []
+    for radii in ((19.0, 25.0), (11.0, 15.0, 19.0, 24.0)):
+        assert ring_ends([flat_ring(radii, INSIDE), BARREL]) == []
     assert ring_ends([END, replace(BARREL, side=-1.0)]) == []
     assert ring_ends([END, BARREL], RingEndsConfig(largest=15.0)) == []
+
+
+def test_a_plate_beside_the_barrel_may_end_in_the_same_plane():
+    plate = np.array([[x, y, 0.0] for x in (22.0, 30.0, 38.0) for y in (-12.0, 0.0, 12.0)])
+    contacts = Contacts.concatenate([END.face.contacts, Contacts.of(plate, np.tile(UP, (9, 1)), 0.01, 0.01)])
+    cells = np.concatenate([END.cells, plate])
+    knuckle = replace(END, face=replace(END.face, contacts=contacts), cells=cells)
+    (rim,) = ring_ends([knuckle, BARREL])
+    assert abs(rim.outer - 16.0) < 0.05
+    assert abs(rim.radius - 13.5) < 0.5
 
 
 def outer_rim(up, way=UP, face=1):
