@@ -38,11 +38,11 @@ class Finding:
         left = list(over(box, self.pad.size, self.config.feature))
         while left and not self.config.spent(self.guard.cost):
             start, end = left.pop(0)
-            begun = self.pad.trail.length
+            begun = self.pad.way_back.length
             try:
                 for stop in from_above(self.guard.world_from_sensor, start, box[5]):
                     self.guard.go_to(stop)
-                begun = self.pad.trail.length
+                begun = self.pad.way_back.length
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
                 settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
                 if settled or self.pad.touches():
@@ -59,7 +59,7 @@ class Finding:
 
     def _go_back(self, begun: int) -> None:
         """The way it came since the trail had a length: straight up may be shut, as in a bowl that lies aslant."""
-        for stop in next(self.pad.way_back(begun)):
+        for stop in self.pad.way_back.since(begun):
             try:
                 self.guard.go_to(stop)
             except (OverPress, Collision) as error:

@@ -5,7 +5,7 @@ It remembers where it lies and what it has covered, and counts touches and strok
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,7 +29,7 @@ from exploration.planning.known.seen_pits import SeenPits
 from exploration.planning.known.swept_cells import SweptCells
 from exploration.planning.known.told import Told
 from exploration.planning.known.touched import Touched
-from exploration.planning.known.trail import Trail
+from exploration.planning.touching.way_back import WayBack
 from exploration.planning.ways.routes import Tool
 from exploration.planning.ways.transit import Support, TransitConfig, box_supports, keeps_clear, way
 from exploration.sensing.lines.hough import sure_lines
@@ -53,7 +53,6 @@ class PadConfig:
     back: float = 12.0  # [mm] from a touch that met nothing
     lift: float = 8.0  # [mm] before any travel
     watch: float = 3.0  # [mm] between looks for what the skin leaves free
-    trail: float = 3.0  # [mm] off what it touched, on its way back
     alike: float = 0.95  # cosine above which two supporting planes are one
 
 
@@ -76,7 +75,7 @@ class Pad:
         self.guard, self.box, self.announce, self.config, self.told = guard, box, announce, config, told
         self.covered = Touched()
         self.free, self.swept, self.pits = FeltFree(), SweptCells(box), SeenPits()
-        self.trail = Trail()
+        self.way_back = WayBack(guard)
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self.slipped: list[
             tuple[Floats, Floats]
@@ -276,7 +275,7 @@ class Pad:
         """Note where the array is, and what the skin leaves free, every few mm of whatever it does in contact."""
         here = seen.world_from_sensor
         self.swept.pass_through(here, self.tool.low, self.tool.high)
-        self._leave_trail(seen)
+        self.way_back.note(seen)
         if self._watched is not None and se3.apart(here, self._watched) < self.config.watch:
             return
         felt = feel(seen.image) if touched(seen.image) else None
@@ -284,21 +283,6 @@ class Pad:
             self._watched = here
             self.free.add(free_cells(seen, felt))
             self.pits.look(seen)
-
-    def _leave_trail(self, seen: Observation) -> None:
-        """Note where the stage is, off what the skin touches: it comes back faster than it pressed."""
-        off = se3.inverse(self.guard.sensor.flange_from_sensor)
-        if self.trail.leaves(seen.world_from_sensor @ off):
-            lift = self.config.trail if touched(seen.image) else 0.0
-            self.trail.pass_through(seen.world_from_sensor @ se3.pose(translation=[0.0, 0.0, -lift]) @ off)
-
-    def way_back(self, length: int | None = None) -> Iterator[list[Floats]]:
-        """(4, 4) stops of this array on ways back where it came from, ever longer ones; or to a trail's length."""
-        mount = self.guard.sensor.flange_from_sensor
-        self.trail.rejoin(self.guard.world_from_sensor @ se3.inverse(mount))
-        ways = self.trail.back() if length is None else [self.trail.since(length)]
-        for stops in ways:
-            yield [stop @ mount for stop in stops]
 
     def _outside(self) -> list[Support]:
         """The workspace's sides, below which nothing leads where the object lies on a table."""

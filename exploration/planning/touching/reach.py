@@ -189,10 +189,10 @@ class Reach:
 
     def _back_to_where_leads(self, goal: Floats) -> list[Floats]:
         """(4, 4) stops back the way the array came, to where something leads to a goal; or none."""
-        start, mount = self.pad.trail.start, self.pad.guard.sensor.flange_from_sensor
-        if start is None or self._routed(start @ mount, goal) is None:
+        start = self.pad.way_back.start
+        if start is None or self._routed(start, goal) is None:
             return []
-        for stops in self.pad.way_back():
+        for stops in self.pad.way_back.ways():
             if len(stops) > self.config.back_most:
                 break
             if self._routed(stops[-1], goal) is not None:
