@@ -151,13 +151,12 @@ def _finished(
     given: Given, options: AssemblyOptions, named: tuple[Piece, ...], kept: set[int] | None
 ) -> Assembly:
     """The body of pieces as all evidence has it, with the surfaces `kept`, or all that it has or nobody felt."""
+    known = Known(given.shapes, [points for points, _ in given.touched], given.inferred, given.stray)
     unfelt = {given.distinct[k] for k, told in enumerate(given.inferred) if told}
-    felt = np.concatenate([points for points, _ in given.touched])
-    whole = joined(named, unfelt, given.free, felt, options.facet)
+    whole = joined(named, unfelt, given.free, known.felt, options.facet)
     told = (JOINED,) if any(new is not old for new, old in zip(whole, named, strict=True)) else ()
     named = whole
     bare = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
-    known = Known(given.shapes, [points for points, _ in given.touched], given.inferred, given.stray)
     body = hollowed(with_limbs(bare, given.free, known), given.free, known)
     more = tuple(_renumbered(piece, given.distinct) for piece in body.pieces[len(named) :])
     on = _surfaces_of(given, body.solid, options.on_body) if kept is None else kept
