@@ -13,6 +13,7 @@ from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.fit import Fit
 
+_STANDOFF = 10.0  # [mm] before an approach
 _BESIDE_EDGE = 4.0  # [mm] within which two crossings went over the same edge
 
 
@@ -45,8 +46,10 @@ class Crossing:
         down = np.cos(angle) * sighting.outward - np.sin(angle) * sighting.normal
         reach = 0.5 * min(pad.size) - self.config.overlap
         target = se3.pose(pad.attitude(normal, sighting.tangent), sighting.point + max(reach, 0.0) * down)
-        pad.travel(target, Support(sighting.point, sighting.normal), standoff=10.0)
-        if not pad.touch(target, standoff=10.0, overtravel=16.0):
+        if self._is_barred(target):
+            return None, "what lies beside leaves no room over an edge"
+        pad.travel(target, Support(sighting.point, sighting.normal), standoff=_STANDOFF)
+        if not pad.touch(target, standoff=_STANDOFF, overtravel=16.0):
             return None, "crossed an edge and met nothing"
         face = self.study.face_here()
         if face is not None and face != own and self._passes(face, sighting.point):
@@ -67,10 +70,18 @@ class Crossing:
         down = down * -np.sign(down @ sighting.normal)
         attitude = self.study.pad.attitude(normal, sighting.tangent)
         target = se3.pose(attitude, sighting.point + self.config.aside * down)
-        self.study.pad.travel(target, Support(sighting.point, sighting.normal), standoff=10.0)
-        if not self.study.pad.touch(target, standoff=10.0, overtravel=16.0, settling=SettleConfig(shifts=0)):
+        if self._is_barred(target):
+            return None, "what lies beside leaves no room between two faces"
+        self.study.pad.travel(target, Support(sighting.point, sighting.normal), standoff=_STANDOFF)
+        settling = SettleConfig(shifts=0)
+        if not self.study.pad.touch(target, standoff=_STANDOFF, overtravel=16.0, settling=settling):
             return None, "pressed between two faces and met nothing"
         return self.study.face_here(), "pressed between two faces"
+
+    def _is_barred(self, target: Floats) -> bool:
+        """Whether what is known to stand beside the object leaves no room to come at a (4, 4) target."""
+        told, back = self.study.pad.told, se3.pose(translation=[0.0, 0.0, -_STANDOFF])
+        return told is not None and not (told.leads_past(target @ back) and told.leads_past(target))
 
     def _explained(self, sighting: Sighting, own: int) -> bool:
         if self._times_crossed(sighting) > len(self.config.roll):
