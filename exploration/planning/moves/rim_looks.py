@@ -7,7 +7,8 @@ remembered, too.  What walls they are of is inferred in the end.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -32,6 +33,9 @@ class RimLooksConfig:
     inside: float = 3.0  # [mm] of the pad's middle on the material
     alike: float = 0.85  # least cosine between the ways out of a rim as guessed and as seen
     near: float = 4.0  # [mm] between the two
+    shift: float = 3.0  # [mm] aside and farther inside, in steps, where there is no room right over a rim
+    seen: float = 3.0  # [mm] of the pad beyond the rim then
+    looks: int = 2  # such poses that are tried
     on: float = 0.4  # of the pad's shorter side, that it goes on where the surface does
     along: float = 10.0  # [mm] inside a rim, where a face that is straight there looks as it does at the rim
     even: float = 0.9995  # least cosine between its normals at the two,
@@ -71,19 +75,34 @@ class RimLooks:
         """Whether the pad came to lie over a rim of a face, and whether an edge was seen there."""
         pad, found = self.study.pad, self.study.found
         at = rim.point - self.config.inside * rim.outward
-        for give in (False, True):
-            for along in (rim.tangent, rim.outward):
-                over = se3.pose(pad.attitude(rim.normal, along), at)
-                if not self.reach.touch(over, give, landing=AS_TOLD):
-                    continue
-                ends = self._straight(rim, face) and not self._goes_on(rim.outward)
-                heading = _along(pad.guard.world_from_sensor, rim.outward) if ends else None
-                whole, parts = pad.sightings(heading), pad.sightings_in_parts() if self._flat(face) else []
-                seen = self._made_out(rim, whole)
-                found.wall_rims += [] if seen is None else [(seen, face)]
-                found.glimpsed += [(edge, face) for edge in parts]
-                return True, seen is not None or self._made_out(rim, parts) is not None
+        attitudes = [pad.attitude(rim.normal, along) for along in (rim.tangent, rim.outward)]
+        straight = [(se3.pose(attitude, at), give) for give in (False, True) for attitude in attitudes]
+        for over, give in itertools.chain(straight, self._aside(rim, attitudes)):
+            if not self.reach.touch(over, give, landing=AS_TOLD):
+                continue
+            ends = self._straight(rim, face) and not self._goes_on(rim.outward)
+            heading = _along(pad.guard.world_from_sensor, rim.outward) if ends else None
+            whole, parts = pad.sightings(heading), pad.sightings_in_parts() if self._flat(face) else []
+            seen = self._made_out(rim, whole)
+            found.wall_rims += [] if seen is None else [(seen, face)]
+            found.glimpsed += [(edge, face) for edge in parts]
+            return True, seen is not None or self._made_out(rim, parts) is not None
         return False, False
+
+    def _aside(self, rim: Sighting, attitudes: Sequence[Floats]) -> Iterator[tuple[Floats, bool]]:
+        """(4, 4) poses with room from which part of the pad looks at a rim, those nearest to it first."""
+        config, shifts = self.config, []
+        for attitude in attitudes:
+            across = 0.5 * float(np.abs(attitude[:, :2].T @ rim.outward) @ self.study.pad.size)
+            along = np.arange(-0.5 * rim.length, 0.5 * rim.length + config.shift, config.shift)
+            inside = np.arange(config.inside, max(across - config.seen, config.inside) + 0.1, config.shift)
+            shifts += [
+                (abs(aside) + deep, se3.pose(attitude, rim.point - deep * rim.outward + aside * rim.tangent))
+                for aside, deep in itertools.product(along, inside)
+            ]
+        ordered = [pose for _, pose in sorted(shifts, key=lambda item: item[0])]
+        free = self.reach.with_room(ordered) if ordered else []
+        yield from ((pose, False) for pose in free[: config.looks])
 
     def _goes_on(self, outward: Floats) -> bool:
         """Whether the surface under the pad reaches the border of the pad that a (3,) direction leads to."""

@@ -7,14 +7,17 @@ from exploration.control.sighting import Sighting
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.faces.attribution import AttributionConfig
+from exploration.planning.known.told import Told
 from exploration.planning.moves.rim_looks import RimLooks
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
+from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models.csg import Cube, Cylinder
+from models.scene import Scene, table_under
 from models.solid import Solid
 from primitives import pose as se3
 from primitives.evidence import Contacts
@@ -72,3 +75,29 @@ def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_o
     assert move()[1] == "looked at the rim of a wall that nothing has room to face"
     heights = [float(edge.point @ Z) for edge, face in study.found.wall_rims if face == 4]
     assert min(abs(height - 30.0) for height in heights) < 1.0
+
+
+def test_a_rim_too_near_a_table_to_lie_over_is_looked_at_from_higher_up():
+    """A slot 12 mm high that opens onto the table: over the middle of its side the pad would be in the table."""
+    block = Solid.from_csg(Cube((80.0, 50.0, 40.0)) - Cube((20.0, 60.0, 24.0)).at(0.0, 0.0, -20.0))
+    table = table_under(block)
+    spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-Y), [0.0, 60.0, 0.0])
+    stage, arrays = simulate(Scene((block, table)), [spec], np.random.default_rng(0), start_pose=start)
+    x, y = np.meshgrid(np.arange(-150.0, 151.0, 4.0), np.arange(-150.0, 151.0, 4.0))
+    tool = Tool.of(spec)
+    told = Told(table, np.column_stack([x.ravel(), y.ravel(), np.full(x.size, -20.0)]), tool, -20.0)
+    box = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
+    guard = Guard(stage, arrays, [Calibration.nominal(spec)])
+    pad = Pad(guard, box, lambda kind, detail: None, told=told, tools=(tool,))
+    study = Study(
+        pad, Findings(hollow=True, graph=PatchGraph((flat(4, Y, 25.0 * Y),), ())), AttributionConfig()
+    )
+    reach, side = Reach(pad), rim([-10.0, 25.0, -14.0], Z, X, Y)
+    middle = side.point - 3.0 * X
+    assert not reach.with_room([se3.pose(pad.attitude(Y, along), middle) for along in (X, Z)])
+    move = RimLooks(study, reach).next([(side, 4)])
+    assert move is not None
+    assert move()[1] == "looked at the rim of a wall that nothing has room to face"
+    seen = [edge for edge, _ in (*study.found.wall_rims, *study.found.glimpsed)]
+    offs = [float(edge.point @ X) for edge in seen if edge.outward @ X > 0.99]
+    assert min(abs(off + 10.0) for off in offs) < 0.3
