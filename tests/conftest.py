@@ -17,6 +17,13 @@ from hypothesis import settings
 settings.register_profile("same", derandomize=True, deadline=None, max_examples=50)
 settings.load_profile("same")
 
+
+def pytest_collection_modifyitems(config, items):
+    """Where workers share the tests the slow ones come first, so that none is left alone with one at the end."""
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+
+
 # Tests write nothing outside the checkout; what recognition keeps of built-in parts is made once for all workers.
 os.environ["XDG_CACHE_HOME"] = str(Path(__file__).parents[1] / ".pytest_cache" / "home")
 
