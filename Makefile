@@ -65,6 +65,11 @@ $(VENV)/.bench: pyproject.toml | $(VENV)/.dev
 	$(BIN)/python -m pip install --quiet -e '.[dev,bench]'
 	@touch $@
 
+# All of these at once: every call of pip resolves and builds anew.
+$(VENV)/.everything: pyproject.toml | $(VENV)/.made
+	$(BIN)/python -m pip install --quiet -e '.[dev,docs]'
+	@touch $(VENV)/.installed $(VENV)/.dev $(VENV)/.docs $@
+
 $(VENV)/.kernels: $(SOURCES) | $(VENV)/.installed
 	$(BIN)/python -m compileall -q primitives models exploration recognition
 	$(BIN)/python -m recognition.warm
