@@ -12,8 +12,12 @@ import numpy as np
 from numba import njit
 
 from primitives.arrays import Bools, Floats, frozen
-from recognition.matching.facets import Facets, bent, likeliest, tilt_bound
+from recognition.matching.facets import Facets, bent, likeliest, on_edge, tilt_bound
 from recognition.matching.steps import add_bent_normal, add_distance, moved, rotated, solved, turn
+
+_OF_MEDIAN = (
+    2.0 / np.pi * 2.0 / np.pi
+)  # what a distance tells where their sum is least, of Laplace's b, if normal
 
 
 class Aligned(NamedTuple):
@@ -42,7 +46,7 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
         for k in range(3):
             middle[k] += points[i, k] / n
     least = 1e-3 * n / np.median(sigma) ** 2
-    corners, flat, normals_of, k_of = mesh[0], mesh[1], mesh[2], np.empty((3, 3))
+    corners, flat, normals_of, sharp, k_of = mesh[0], mesh[1], mesh[2], mesh[6], np.empty((3, 3))
     for row in range(count):
         pose = poses[row]
         step = -1
@@ -68,14 +72,16 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
                     along += u[k] * found[3 + k]
                     turned += (m[k] - found[3 + k]) ** 2
                     beside += (m[k] - flat[touched, k]) ** 2
-                    r[k] = q[k] - center[k]
+                    r[k] = found[k] - center[k]
                 d = np.sqrt(d2)
                 if step == rounds:
                     distances[row, i], angles[row, i] = d, np.sqrt(turned) if felt[i] else 0.0
                     facet_angles[row, i] = np.sqrt(beside) if felt[i] else 0.0
                 weight = shares[i] / (1.0 + np.exp(0.5 * min(d2 / (s * s), 200.0) - 0.35 * cap))
                 far = max(far, r[0] * r[0] + r[1] * r[1] + r[2] * r[2])
-                on_face = d < 1e-9 or abs(along) > 0.9 * d
+                on_face = (
+                    d < 1e-9 or abs(along) > 0.9 * d or not on_edge(found, corners[touched], sharp[touched])
+                )
                 for k in range(3):
                     u[k] = found[3 + k] if on_face else u[k] / d
                 w = 1.0 / (s * max(d, 0.02 * s)) if absolute else weight / (s * s)

@@ -10,7 +10,7 @@ exponent of the joint normal density).  A pad that lies on an edge feels a norma
 share TILTED of contacts lies on the surface with any normal: the bound is where that becomes the likelier.
 
 Nodes are pruned by the first term alone, and nothing beyond `cap` is looked for.  Normals are interpolated
-between corners, which share them across edges flatter than `CREASE`.
+between corners, which share them across edges flatter than `CREASE`, by angle (Thuermer and Wuethrich 1998).
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ import numpy as np
 from numba import njit
 
 from models.body import Body
-from primitives.arrays import Floats, Ints
+from primitives.arrays import Bools, Floats, Ints
 
 CREASE = np.deg2rad(30.0)  # [rad] a fold sharper than this is an edge of the object, not of its facets
-_STACK = 64
+_BESIDE = 1e-9  # share of a triangle's height, within which a point is on its side
 TILTED = 0.01  # share of contacts on the surface whose normal is not the surface's: pads that lay on an edge
 
 
@@ -37,6 +37,17 @@ class Facets(NamedTuple):
     boxes: Floats  # (m, 6)
     nodes: Ints  # (m, 2)
     order: Ints  # (t,)
+    sharp: Bools  # (t, 6) sides, from k to the next corner, and corners on edges; all where facets may be
+
+
+def is_exact(body: Body) -> bool:
+    """Whether the surfaces that a body's facets stand for are all known."""
+    return body.remembered("exact", lambda: _exact(body))
+
+
+def _exact(body: Body) -> bool:
+    labels = np.unique(body.face_of_triangle)
+    return bool((labels >= 0).all() and all(body.surfaces[k].shape is not None for k in labels))
 
 
 def facets_of(body: Body) -> Facets:
@@ -48,14 +59,33 @@ def _made(body: Body) -> Facets:
     tree = body.tree
     flat = np.ascontiguousarray(body.triangle_normals)
     corners = np.ascontiguousarray(body.vertices[body.triangles])
-    sides = np.roll(corners, -1, axis=1) - corners
-    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     at = body.triangles.ravel()
     order = np.argsort(at, kind="stable")
     first = np.searchsorted(at[order], np.arange(len(body.vertices) + 1))
-    normals = _corner_normals(body.triangles, flat, area, order // 3, first, float(np.cos(CREASE)))
+    angles = _angles(corners).ravel()
+    normals = _corner_normals(body.triangles, flat, angles, order, first, float(np.cos(CREASE)))
     _put_exact(body, corners, flat, normals)
-    return Facets(corners, flat, normals, *tree.arrays)
+    sharp = _sharp(body.triangles, flat, len(body.vertices)) | (not is_exact(body))
+    return Facets(corners, flat, normals, *tree.arrays, sharp)
+
+
+def _sharp(triangles: Ints, flat: Floats, vertices: int) -> Bools:
+    """`Facets.sharp`; sides that any number but two of triangles share are edges."""
+    ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    _, side, count = np.unique(ends[:, 0] * vertices + ends[:, 1], return_inverse=True, return_counts=True)
+    total = np.stack([np.bincount(side, np.repeat(flat[:, k], 3)) for k in range(3)], axis=1)
+    along = 0.5 * (total**2).sum(axis=1) - 1.0  # cosine between two of them
+    sharp = ((count != 2) | (along < np.cos(CREASE)))[side]
+    at = np.zeros(vertices, dtype=bool)
+    at[ends[sharp].ravel()] = True
+    return np.hstack([sharp.reshape(-1, 3), at[triangles]])
+
+
+def _angles(corners: Floats) -> Floats:
+    """(t, 3) [rad] of each corner: how much a triangle counts there, however its facet was cut into triangles."""
+    to, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    across = np.linalg.norm(np.cross(to, back), axis=2)
+    return np.asarray(np.arctan2(across, np.einsum("tki,tki->tk", to, back)))
 
 
 def _put_exact(body: Body, corners: Floats, flat: Floats, normals: Floats) -> None:
@@ -70,19 +100,19 @@ def _put_exact(body: Body, corners: Floats, flat: Floats, normals: Floats) -> No
 
 
 @njit(cache=True)
-def _corner_normals(triangles, flat, area, around, first, crease):  # type: ignore[no-untyped-def]
+def _corner_normals(triangles, flat, angles, around, first, crease):  # type: ignore[no-untyped-def]
     out = np.empty((len(triangles), 3, 3))
     for t in range(len(triangles)):
         for k in range(3):
             v = triangles[t, k]
             x, y, z = 0.0, 0.0, 0.0
             for r in range(first[v], first[v + 1]):
-                o = around[r]
+                o = around[r] // 3
                 along = flat[t, 0] * flat[o, 0] + flat[t, 1] * flat[o, 1] + flat[t, 2] * flat[o, 2]
                 if along >= crease:
-                    x += area[o] * flat[o, 0]
-                    y += area[o] * flat[o, 1]
-                    z += area[o] * flat[o, 2]
+                    x += angles[around[r]] * flat[o, 0]
+                    y += angles[around[r]] * flat[o, 1]
+                    z += angles[around[r]] * flat[o, 2]
             length = np.sqrt(x * x + y * y + z * z)
             if length > 0.0:
                 out[t, k, 0], out[t, k, 1], out[t, k, 2] = x / length, y / length, z / length
@@ -99,7 +129,7 @@ def likeliest(p, m, felt, sigma, tau, cap, mesh, stack, reach, found):  # type: 
 
     `m` counts only where `felt`.  `stack` and `reach` are scratch of at least 64.
     """
-    corners, flat, normals, boxes, nodes, order = mesh
+    corners, flat, normals, boxes, nodes, order, _ = mesh
     best, over, spread = cap, 1.0 / (sigma * sigma), 1.0 / (tau * tau)
     bound = tilt_bound(tau)
     if felt:
@@ -169,6 +199,27 @@ def bent(corners, normals, k):  # type: ignore[no-untyped-def]
         du, dv = (vv * u - uv * v) * over, (uu * v - uv * u) * over
         for a in range(3):
             k[a, b] = (normals[1, a] - normals[0, a]) * du + (normals[2, a] - normals[0, a]) * dv
+
+
+@njit(cache=True, nogil=True)
+def on_edge(s, corners, sharp):  # type: ignore[no-untyped-def]
+    """Whether a point (3,) of a triangle lies on a side or a corner of it that is an edge of the object."""
+    uu, uv, vv, su, sv = 0.0, 0.0, 0.0, 0.0, 0.0
+    for a in range(3):
+        u, v, w = corners[1, a] - corners[0, a], corners[2, a] - corners[0, a], s[a] - corners[0, a]
+        uu, uv, vv, su, sv = uu + u * u, uv + u * v, vv + v * v, su + w * u, sv + w * v
+    over = uu * vv - uv * uv
+    if over <= 1e-12 * uu * vv:
+        return True
+    second, third = (vv * su - uv * sv) / over, (uu * sv - uv * su) / over
+    low, mid, high = 1.0 - second - third < _BESIDE, second < _BESIDE, third < _BESIDE
+    if low and mid:
+        return sharp[5]
+    if mid and high:
+        return sharp[3]
+    if low and high:
+        return sharp[4]
+    return (high and sharp[0]) or (low and sharp[1]) or (mid and sharp[2])
 
 
 @njit(cache=True, inline="always")

@@ -21,6 +21,7 @@ import numpy as np
 from models.body import Body
 from primitives.arrays import Bools, Floats
 from recognition.matching.align import Aligned
+from recognition.matching.facets import is_exact
 from recognition.matching.likelihood import (
     NoiseConfig,
     log_each,
@@ -41,8 +42,7 @@ class Weighed(NamedTuple):
 
 def readings(done: Aligned, body: Body) -> list[Floats]:
     """(k, n) angles [rad] to the normals of the bent surface and, where it is not known exactly, of facets."""
-    exact = body.remembered("exact", lambda: _exact(body))
-    return [done.angles] if exact else [done.angles, done.facet_angles]
+    return [done.angles] if is_exact(body) else [done.angles, done.facet_angles]
 
 
 def weighed(
@@ -73,8 +73,3 @@ def read_both(told: Sequence[Weighed]) -> Weighed:
     each = np.where((bent.known >= flat.known)[:, None], bent.each, flat.each)
     known, unlike = (np.logaddexp(a, b) - np.log(2.0) for a, b in zip(bent[1:], flat[1:], strict=True))
     return Weighed(each, known, unlike)
-
-
-def _exact(body: Body) -> bool:
-    labels = np.unique(body.face_of_triangle)
-    return bool((labels >= 0).all() and all(body.surfaces[k].shape is not None for k in labels))

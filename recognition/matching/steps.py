@@ -1,9 +1,11 @@
 """Compiled: Gauss-Newton on a pose without allocating; a pose is object_from_world, a (3, 4) array.
 
-For a point q that moves by v + w x (q - c), a distance d along the unit u changes by u . v + (r x u) . w with
-r = q - c.  A normal m turns by w x m; the surface's own normal n, where it curves, goes along with the point by
-k (v + w x r), with k the shape operator, so that m - n changes by w x m - k (v + w x r).  On a plane k is 0 and
-the squared gradient I - m m^T in w, the slope m x (m - n) (our derivation).
+For a point q that moves by v + w x (q - c), its distance d along the unit u from the surface's point s changes by
+u . v + (r x u) . w with r = s - c: u turns along with s, where the surface bends.  A normal m turns by w x m; the
+surface's own normal n, where it bends, goes along with the point by k (v + w x r), with k the shape operator, so
+that m - n changes by w x m - k (v + w x r).  In the squared gradient w x n stands for w x m, whose slope is the
+same: a normal that is off by noise would else seem to tell of turns about the surface's own.  On a plane k is 0
+(our derivation).
 """
 
 import numpy as np
@@ -49,16 +51,22 @@ def add_normal(h, b, m, n, weight):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def add_bent_normal(h, b, m, n, k, r, weight, j):  # type: ignore[no-untyped-def]
-    """Into h and b: a felt normal m that should be n at r, where the surface bends by k (3, 3) [1/mm]."""
+    """Into h and b: a felt normal m that should be n at r, where the surface bends by k (3, 3) [1/mm].
+
+    What a facet's k has along n, between whose corners normals turn, is left out: no unit vector changes so.
+    """
     for a in range(3):
         off = m[a] - n[a]
         c, d = (a + 1) % 3, (a + 2) % 3
-        j[0], j[1], j[2] = -k[a, 0], -k[a, 1], -k[a, 2]
-        j[3] = k[a, 1] * r[2] - k[a, 2] * r[1]
-        j[4] = k[a, 2] * r[0] - k[a, 0] * r[2]
-        j[5] = k[a, 0] * r[1] - k[a, 1] * r[0]
-        j[3 + c] += m[d]
-        j[3 + d] -= m[c]
+        x = k[a, 0] - n[a] * (n[0] * k[0, 0] + n[1] * k[1, 0] + n[2] * k[2, 0])
+        y = k[a, 1] - n[a] * (n[0] * k[0, 1] + n[1] * k[1, 1] + n[2] * k[2, 1])
+        z = k[a, 2] - n[a] * (n[0] * k[0, 2] + n[1] * k[1, 2] + n[2] * k[2, 2])
+        j[0], j[1], j[2] = -x, -y, -z
+        j[3] = y * r[2] - z * r[1]
+        j[4] = z * r[0] - x * r[2]
+        j[5] = x * r[1] - y * r[0]
+        j[3 + c] += n[d]
+        j[3 + d] -= n[c]
         for p in range(6):
             b[p] -= weight * off * j[p]
             for o in range(p + 1):
