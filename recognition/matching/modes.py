@@ -38,7 +38,7 @@ from recognition.matching.places import Places, places_of
 from recognition.matching.readings import read_both, readings, weighed
 from recognition.matching.room import Lone, log_room
 from recognition.matching.round_room import rooms_round
-from recognition.matching.span import but_for_turns, log_copies, same, spread_of
+from recognition.matching.span import log_copies, same, spread_of
 from recognition.matching.target import Target, field_error, gap, target_of
 
 _ROTATIONS = np.log(8 * np.pi**2)
@@ -145,10 +145,9 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
         if float(np.linalg.norm(world[:3, :3] @ target.center + world[:3, 3] - prior.center)) > prior.radius:
             continue
-        covariance, log_volume = spread_of(known[k], done.poses[k], seen.points, target)
+        covariance, log_volume = spread_of(known[k], done.poses[k], seen.points, entry, target)
         if more is not None:
-            covariance, _ = spread_of(known[k] + more, done.poses[k], seen.points, target)
-        covariance = but_for_turns(entry, covariance)
+            covariance, _ = spread_of(known[k] + more, done.poses[k], seen.points, entry, target)
         if same(entry, [f.made for f in found], world, target).any():
             continue
         log_volume += log_room(done.poses[k], covariance, middle, target) + log_copies(

@@ -20,7 +20,7 @@ from primitives.shapes import Cylinder, Shape, Sphere
 from recognition.matching.belief import Hypothesis
 from recognition.matching.one_face import Room
 from recognition.matching.room import Lone, log_room
-from recognition.matching.span import but_for_turns, log_copies, same, spread_of
+from recognition.matching.span import log_copies, same, spread_of
 from recognition.matching.target import Target
 
 
@@ -41,8 +41,8 @@ def rooms_round(
     twists = sliding(shape, points.mean(axis=0))
     rooms, wide = list[Room | None](), list[Hypothesis]()
     for h, at, information in zip(made, poses, known, strict=True):
-        covariance, log_volume = spread_of(_without(information, twists, at), at, points, target)
-        covariance = but_for_turns(entry, covariance)
+        left = _without(information, twists, at)
+        covariance, log_volume = spread_of(left, at, points, entry, target)
         alike = same(entry, wide, h.pose, target)
         face = int(np.argmax(alike)) if alike.any() else len(wide)
         wide.append(replace(h, covariance=frozen(covariance)))

@@ -22,16 +22,50 @@ _SPANNED = 9.0  # squared sigmas of a mode's covariance, within which a pose is 
 _MERGED = 0.005, 0.01  # of the size, and [rad]: poses closer than that are one, however sharp they are
 
 
-def spread_of(information: Floats, found: Floats, points: Floats, target: Target) -> tuple[Floats, float]:
-    """Covariance about the object's center, and the logarithm of the volume of pose space that it stands for."""
+def spread_of(
+    information: Floats, found: Floats, points: Floats, entry: Entry, target: Target
+) -> tuple[Floats, float]:
+    """Covariance about the object's center, and the logarithm of the volume of pose space that it stands for.
+
+    Turns of a continuous symmetry are no other pose: the covariance is given that there was none of these, and the
+    volume has all of them, whatever facets say of them.
+    """
     middle = found[:, :3] @ points.mean(axis=0) + found[:, 3]
     shift = np.eye(6)
     shift[:3, 3:] = hat(middle - target.center).T
-    about = shift.T @ information @ shift
-    values, axes = np.linalg.eigh(about + bounds(target))
+    about = shift.T @ information @ shift + bounds(target)
+    values, axes = np.linalg.eigh(about)
     values = np.maximum(values, 1e-14 * values[-1])
-    log_volume = 3 * np.log(2 * np.pi) - 0.5 * np.log(values).sum()
-    return np.asarray((axes / values) @ axes.T), float(log_volume)
+    covariance = np.asarray((axes / values) @ axes.T)
+    if not entry.symmetry.continuous:
+        return covariance, float(3 * np.log(2 * np.pi) - 0.5 * np.log(values).sum())
+    own = _own_turns(entry, target)
+    across = covariance @ own.T
+    covariance = covariance - across @ np.linalg.solve(own @ across, across.T)
+    other = _but_for(own[:, 3:])
+    held = np.linalg.eigvalsh(other.T @ about @ other)
+    whole = 2 * np.pi if len(own) == 1 else 8 * np.pi**2
+    return covariance, float(
+        0.5 * len(held) * np.log(2 * np.pi)
+        - 0.5 * np.log(np.maximum(held, 1e-14 * held[-1])).sum()
+        + np.log(whole)
+    )
+
+
+def _own_turns(entry: Entry, target: Target) -> Floats:
+    """(k, 6) the turns (v, w) of a continuous symmetry about the object's center, 1 or 3."""
+    group = entry.symmetry
+    axes = np.eye(3) if group.axis is None else group.axis[None]
+    return np.hstack([np.cross(axes, target.center - group.center), axes])
+
+
+def _but_for(axes: Floats) -> Floats:
+    """(6, 6 - k) moves (v, w) that do not turn about (k, 3) orthonormal axes: with turns they span one volume."""
+    across = np.linalg.svd(axes)[2][len(axes) :]
+    other = np.zeros((6, 6 - len(axes)))
+    other[:3, :3] = np.eye(3)
+    other[3:, 3:] = across.T
+    return other
 
 
 def bounds(target: Target) -> Floats:
@@ -39,21 +73,10 @@ def bounds(target: Target) -> Floats:
     return np.diag([(3.0 / target.size) ** 2] * 3 + [1 / _FREE_TURN**2] * 3)
 
 
-def but_for_turns(entry: Entry, covariance: Floats) -> Floats:
-    """Without the turns of a continuous symmetry, which are no other pose: given that there was none of these."""
-    group = entry.symmetry
-    if not group.continuous:
-        return covariance
-    axes = np.eye(3) if group.axis is None else group.axis[None]
-    rows = np.hstack([np.zeros((len(axes), 3)), axes])
-    across = covariance @ rows.T
-    return np.asarray(covariance - across @ np.linalg.solve(rows @ across, across.T))
-
-
 def log_copies(entry: Entry, covariance: Floats, target: Target) -> float:
     """Logarithm of how many symmetric poses a mode stands for besides those that its covariance spans already.
 
-    Turns about an axis of revolution are left out: the volume counts them.
+    Turns of a continuous symmetry are left out: the volume counts them.
     """
     turns = entry.symmetry.rotations
     if len(turns) == 1:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from models import parts
-from models.csg import Cube, Sphere
+from models.csg import Cube, Cylinder, Sphere
 from models.library import Library
 from models.solid import Solid
 from primitives.evidence import Contacts
@@ -44,11 +44,11 @@ def test_a_face_felt_all_over_is_about_as_likely_as_as_much_of_a_larger_one() ->
 
 
 def test_the_room_of_a_contact_on_a_plate_is_its_face(library: Library) -> None:
-    target = target_of(library["long"])
+    entry, target = library["long"], target_of(library["long"])
     normal = np.array([0.0, 0.0, 1.0])
     level = np.zeros((6, 6))  # of a contact in the middle of the top: its height, and both tilts
     level[2, 2], level[3, 3], level[4, 4] = 1e2, 1e4, 1e4
-    covariance, log_volume = spread_of(level, np.eye(4)[:3], np.zeros((1, 3)), target)
+    covariance, log_volume = spread_of(level, np.eye(4)[:3], np.zeros((1, 3)), entry, target)
     lone = Lone(np.array([0.0, 0.0, 10.0]), normal, True, 0.1, 0.01)
     narrow = 1.5 * np.log(2.0 * np.pi) - 0.5 * np.log(1e2 * 1e4 * 1e4)
     room = np.exp(log_volume + log_room(np.eye(4)[:3], covariance, lone, target) - narrow)
@@ -77,6 +77,36 @@ def test_a_pose_that_turned_far_about_a_place_beside_the_object_is_of_the_same_m
         True,
         False,
     ]
+
+
+def test_a_disc_stands_for_all_turns_about_itself_and_no_facet_counts() -> None:
+    entry = Library.of({"disc": Solid.from_csg(Cylinder(40.0, 12.0))})["disc"]
+    target = target_of(entry)
+    level = np.diag([1e2, 1e2, 1e2, 1e4, 1e4, 0.0])
+    faceted = level + np.diag([0.0, 0.0, 0.0, 0.0, 0.0, 50.0])
+    middle = target.center[None]
+    covariance, log_volume = spread_of(level, np.eye(4)[:3], middle, entry, target)
+    assert covariance[5, 5] == pytest.approx(0.0, abs=1e-6)
+    held = 2.5 * np.log(2.0 * np.pi) - 0.5 * np.log(1e2**3 * 1e4**2)
+    assert log_volume == pytest.approx(held + np.log(2.0 * np.pi), abs=0.01)
+    assert spread_of(faceted, np.eye(4)[:3], middle, entry, target)[1] == pytest.approx(log_volume, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_round_object_is_no_less_likely_than_its_twin_that_turns_to_where_nothing_was_felt(
+    seed: int,
+) -> None:
+    disc = Cylinder(35.0, 10.0)
+    known = Library.of({"plain": Solid.from_csg(disc),
+                        "holed": Solid.from_csg(disc - Cylinder(5.0, 30.0).at(22.0, 0.0, 0.0))})  # fmt: skip
+    rng = np.random.default_rng(seed)
+    rows = rng.choice(len(known["plain"].samples.points), 30, replace=False)
+    points, normals = (a[rows] for a in (known["plain"].samples.points, known["plain"].samples.normals))
+    points = points + rng.normal(size=points.shape) * 0.2
+    normals = normals + rng.normal(size=normals.shape) * 0.02
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    told = match(Evidence(Contacts.of(points, normals, 0.2, 0.035)), known, unknown=0.0).probabilities
+    assert 0.45 < told["plain"] < 0.85  # 0.7 by an integral over the turn
 
 
 def test_contacts_of_the_bracket_are_still_named() -> None:

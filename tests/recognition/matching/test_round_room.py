@@ -55,6 +55,6 @@ def test_an_edge_that_holds_a_pose_along_the_face_takes_none_of_its_room():
     middle = Lone(points[0], normals[0], True, 0.3, 0.04)
     free, edged = (rooms_round(shape, made, PIN, target, poses, h, points, middle) for h in (told, held))
     assert edged[0].log_volume == pytest.approx(free[0].log_volume)
-    volumes = [spread_of(h[0], poses[0], points, target)[1] for h in (told, held)]
+    volumes = [spread_of(h[0], poses[0], points, PIN, target)[1] for h in (told, held)]
     assert volumes[0] - volumes[1] > 1.0
     assert free[0].face == free[1].face != free[2].face
