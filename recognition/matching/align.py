@@ -1,7 +1,8 @@
 """Poses refined on the exact surface, with the curvature of the likelihood there.
 
 Gauss-Newton on the residuals of `facets.likeliest`; a contact counts by how likely it is no outlier, or, for the
-absolute distances' sum, by one over its distance.
+absolute distances' sum, by one over its distance, until the curvature is asked: of a sum of n absolute values,
+normal ones with sigma = sqrt(pi / 2) b, the least varies by pi sigma^2 / 2 n (Laplace).
 """
 
 from __future__ import annotations
@@ -84,7 +85,9 @@ def aligned(poses, points, normals, felt, sigma, tau, shares, cap, rounds, wider
                 )
                 for k in range(3):
                     u[k] = found[3 + k] if on_face else u[k] / d
-                w = 1.0 / (s * max(d, 0.02 * s)) if absolute else weight / (s * s)
+                w = weight / (s * s)
+                if absolute:
+                    w = _OF_MEDIAN * w if step == rounds else 1.0 / (s * max(d, 0.02 * s))
                 add_distance(h, b, r, u, along if on_face else d, w, j)
                 if felt[i]:
                     w = (

@@ -125,6 +125,11 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
     """
     target, absolute = target_of(entry), not evidence.scale_known
     scale, turn = _scales(done, seen, evidence, target, noise)
+    if scale != 1.0 or turn != 1.0:
+        noise_so = seen.sigma * scale, seen.tau * turn, seen.shares
+        contacts = seen.points, seen.normals, seen.felt, *noise_so
+        again = refine(done.poses, *contacts, facets_of(entry.solid.body), 1.0, 0, absolute=absolute)
+        done = done._replace(information=again.information)
     there, behind = (
         seen.places.log_density(target.area, seen.shares),
         _behind(entry, target, done.poses, seen, scale),
@@ -138,16 +143,15 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
     )  # fmt: skip
     like, total, unlike = both.each, there + both.known, there + both.unlike
     middle = _in_the_middle(seen, scale, turn)
-    known = done.information / max(scale**2, 1e-12)
     found: list[_Found] = []
     for k in np.argsort(-total, kind="stable"):
         checkpoint()
         world = inverse(pose(done.poses[k][:, :3], done.poses[k][:, 3]))
         if float(np.linalg.norm(world[:3, :3] @ target.center + world[:3, 3] - prior.center)) > prior.radius:
             continue
-        covariance, log_volume = spread_of(known[k], done.poses[k], seen.points, entry, target)
+        covariance, log_volume = spread_of(done.information[k], done.poses[k], seen.points, entry, target)
         if more is not None:
-            covariance, _ = spread_of(known[k] + more, done.poses[k], seen.points, entry, target)
+            covariance, _ = spread_of(done.information[k] + more, done.poses[k], seen.points, entry, target)
         if same(entry, [f.made for f in found], world, target).any():
             continue
         log_volume += log_room(done.poses[k], covariance, middle, target) + log_copies(
@@ -155,7 +159,7 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
         )
         made = Hypothesis(entry.name, frozen(world), 0.0, frozen(covariance), float("nan"), frozen(like[k]))
         found.append(_Found(int(k), *let_in(made, entry, target, evidence), log_volume))
-    rooms = _rooms(entry, found, done.poses, known, seen, middle)
+    rooms = _rooms(entry, found, done, seen, middle)
     volumes, shares = divided([f.log_volume for f in found], rooms, log_share)
     modes: list[Mode] = []
     for f, log_volume, share in zip(found, volumes, shares, strict=True):
@@ -166,16 +170,16 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
     return modes
 
 
-def _rooms(entry: Entry, found: list[_Found], poses: Floats, known: Floats, seen: Felt,
-           middle: Lone) -> list[Room | None]:  # fmt: skip
+def _rooms(entry: Entry, found: list[_Found], done: Aligned, seen: Felt, middle: Lone) -> list[Room | None]:
     """The room that modes share, where nothing but one face was felt."""
     target, rows = target_of(entry), [f.row for f in found]
+    poses, known = done.poses[rows], done.information[rows]
     if seen.lone is not None:
-        return rooms_of(seen.lone, entry, target, poses[rows], known[rows])
+        return rooms_of(seen.lone, entry, target, poses, known)
     if seen.round_one is None:
         return [None] * len(found)
     made = [f.made for f in found]
-    return rooms_round(seen.round_one, made, entry, target, poses[rows], known[rows], seen.points, middle)
+    return rooms_round(seen.round_one, made, entry, target, poses, known, seen.points, middle)
 
 
 def residual(entry: Entry, world: Floats, points: Floats) -> float:
