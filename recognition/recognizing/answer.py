@@ -108,26 +108,32 @@ def why(belief: Belief, separate: Choice | None = None) -> dict[str, Any]:
 
 def warnings_of(belief: Belief, evidence: Evidence) -> list[str]:
     """What a person should know before the answer is used."""
-    said = []
-    if evidence.lacking:
-        have = "1 contact has" if evidence.lacking == 1 else f"{evidence.lacking} contacts have"
-        said.append(f"{have} no normal; with normals far fewer contacts are enough")
-    said += facing_of(belief)
-    said += _taken_scatter(belief, evidence)
+    said = of_contacts(belief, evidence)
     if belief.confidence < 0.95:
         said += _of_one_face(evidence)
         said.append(f"not sure: {belief.decision} has {_percent(belief.confidence)}; {_advice(belief)}")
     return said
 
 
+def of_contacts(belief: Belief, evidence: Evidence) -> list[str]:
+    """What the contacts lack, and what was taken in its place."""
+    said = []
+    if evidence.lacking:
+        have = "1 contact has" if evidence.lacking == 1 else f"{evidence.lacking} contacts have"
+        said.append(f"{have} no normal; with normals far fewer contacts are enough")
+    return said + facing_of(belief) + _taken_scatter(belief, evidence)
+
+
 def _taken_scatter(belief: Belief, evidence: Evidence) -> list[str]:
-    """What was taken for noise that nobody told, where nothing fits within it."""
-    if belief.decision != UNKNOWN or evidence.scale_known:
+    """What was taken for noise that nobody told."""
+    if evidence.scale_known:
         return []
-    taken = float(np.median(evidence.contacts.sigma))
+    taken = f"about {np.median(evidence.contacts.sigma):.2g} mm was taken"
+    otherwise = (
+        "if it is more, say how much" if belief.decision == UNKNOWN else "if you know it better, say so"
+    )
     return [
-        f"the file does not say how far its contacts scatter, and about {taken:.2g} mm was taken; if it is more, "
-        "say how much (--contact-sigma)"
+        f"the file does not say how far its contacts scatter, and {taken}; {otherwise} (--contact-sigma MM)"
     ]
 
 

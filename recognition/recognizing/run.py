@@ -21,15 +21,16 @@ from primitives.pose import pose
 from recognition.builtin import part_library
 from recognition.config import ExploreOptions, parse_numbers
 from recognition.identifying.bounds import believed_ball
-from recognition.matching import Belief, Evidence, Prior, match
+from recognition.matching import Belief, Evidence, Prior
 from recognition.matching.evidence import WIDE
 from recognition.matching.facing import turned
 from recognition.matching.hypotheses import SearchConfig
 from recognition.matching.match import MatchConfig
 from recognition.matching.next_touch import Choice, separating
 from recognition.matching.next_touch.sampled import sampled
-from recognition.recognizing.answer import facing_of, modes, objects, other_unit, warnings_of, why
+from recognition.recognizing.answer import modes, objects, of_contacts, other_unit, warnings_of, why
 from recognition.recognizing.kept_model import kept_model
+from recognition.recognizing.settled import settled
 from recognition.recognizing.truth import truth_of
 from recognition.reconstructing.options import require_sigma
 from recognition.reconstructing.scatter import scatter
@@ -37,6 +38,7 @@ from recognition.sources import read_source
 from recognition.sources.noise import estimated_sigma
 from recognition.sources.source import Source
 
+_UNKNOWN = 0.1  # prior probability that an object is none of the library
 _SURE = 0.95  # confidence from which on nothing is left to tell
 _MADE = 0.06  # [mm] by which an object differs from its model, whose facets are only so fine
 _NORMAL_SIGMA = 0.037  # [rad] where nobody told: 3 degrees in total; its scale is then estimated
@@ -104,7 +106,7 @@ def locate(
     library = Library({entry.name: lambda: entry})
     _ = entry.samples, entry.field, entry.symmetry  # the model's own preparation is start-up
     began = time.perf_counter()
-    belief = match(evidence, library, prior_of(asked, evidence), unknown=0.0, config=asked.matching)
+    belief, evidence = settled(evidence, library, prior_of(asked, evidence), 0.0, asked.matching)
     told = modes(belief, entry)
     return {
         "command": "locate",
@@ -120,7 +122,7 @@ def locate(
         "warnings": [
             *source.warnings,
             *noted,
-            *facing_of(belief),
+            *of_contacts(belief, evidence),
             *other_unit(evidence, library, [entry.name]),
         ],
     }
@@ -132,7 +134,7 @@ def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> 
     evidence = evidence_of(asked, source, scatter)
     library = part_library() if folder is None else Library.open(folder, units, scale)
     began = time.perf_counter()
-    belief = match(evidence, library, prior_of(asked, evidence), config=asked.matching)
+    belief, evidence = settled(evidence, library, prior_of(asked, evidence), _UNKNOWN, asked.matching)
     seconds = time.perf_counter() - began
     noted = [
         *warnings_of(belief, evidence),

@@ -9,8 +9,9 @@ from models import parts
 from models.formats.openscad.writer import write
 from models.library import Library
 from models.solid import Solid
+from primitives.arrays import Floats
 from primitives.pose import pose, random_rotation, rotate, transform_points
-from recognition.recognizing.run import Asked, recognize
+from recognition.recognizing.run import Asked, locate, recognize
 
 NAMES = ("bracket", "wedge", "block", "flange", "v_block")
 
@@ -20,11 +21,17 @@ def library() -> Library:
     return Library.of({name: Solid.from_csg(parts.build(name)) for name in NAMES})
 
 
+def _world(seed: int) -> Floats:
+    """Where the object lies."""
+    rng = np.random.default_rng([seed, 1])
+    return pose(random_rotation(rng), rng.uniform(-40.0, 40.0, 3))
+
+
 def _table(path: Path, library: Library, name: str, seed: int) -> str:
     """Of 30 contacts 0.3 mm and 2 degrees off, edges between most neighbors."""
     rng, samples = np.random.default_rng(seed), library[name].samples
     rows = rng.integers(len(samples), size=30)
-    world = pose(random_rotation(rng), rng.uniform(-40.0, 40.0, 3))
+    world = _world(seed)
     points = transform_points(world, samples.points[rows]) + 0.3 * rng.standard_normal((30, 3))
     normals = rotate(world, samples.normals[rows]) + 0.035 * rng.standard_normal((30, 3))
     table = np.hstack([points, normals])
@@ -55,3 +62,17 @@ def test_one_that_is_there_is_named(library: Library, tmp_path: Path) -> None:
     for seed, name in enumerate(("bracket", "flange", "v_block")):
         answer = recognize(Asked(_table(tmp_path / "felt.csv", library, name, seed)), folder, "mm", 1.0)
         assert (answer["decision"], answer["confidence"] > 0.95) == (name, True)
+
+
+def test_a_pose_is_as_sure_as_it_is_said_to_be(library: Library, tmp_path: Path) -> None:
+    model, felt, off = tmp_path / "bracket.csg", tmp_path / "felt.csv", []
+    write(parts.build("bracket"), model)
+    for seed in range(6):
+        world = _world(seed)
+        answer = locate(Asked(_table(felt, library, "bracket", seed)), str(model), "mm", 1.0)
+        found = answer["candidates"][0]
+        error = np.linalg.norm(np.array(found["pose"]["translation_mm"]) - world[:3, 3])
+        off.append(error / found["pose_sigma"]["translation_mm"])
+        assert error < 1.0
+        assert any("--contact-sigma" in warning for warning in answer["warnings"])
+    assert 0.3 < np.sqrt(np.mean(np.square(off))) < 2.0
