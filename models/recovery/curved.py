@@ -79,8 +79,8 @@ def in_neighborhood(
     tried, covered = np.zeros((2, len(free)), dtype=bool)
     ordered = hood[np.lexsort((-mesh.flats.area[hood], _near_rim(mesh, hood)[hood]))].tolist()
     patience = options.failures + min(len(hood) // 100, options.patient)
-    left = float(patience)
-    turned = axis_of(mesh, hood)
+    left, areas = float(patience), list[float]()
+    turned, whole = axis_of(mesh, hood), float(mesh.flats.area[hood].sum())
     for seed, late in ((seed, late) for late in (False, True) for seed in ordered):
         if not free[seed] or tried[seed] or covered[seed] != late:
             continue
@@ -94,14 +94,25 @@ def in_neighborhood(
             reach = cut_reach(mesh, region.shape, region.facets, region.reach, noise)
             covered[grow(mesh, region.shape, region.convex, region.facets, free, reach)] = True
             left = patience if len(region.facets) > 2 * options.patches[0] else left - 0.25
+            areas.append(float(mesh.flats.area[region.facets].sum()))
             yield region
-            if left <= 0:
+            if left <= 0 or _in_crumbs(areas, whole, len(hood), options):
                 return
             continue
         tried[patch_round(mesh, seed, free, 5, options)[0]] = True
         left -= 1
         if left <= 0:
             return
+
+
+def _in_crumbs(areas: Sequence[float], whole: float, facets: int, options: CurvedOptions) -> bool:
+    """Whether the surfaces found in a neighborhood of so large a `whole` are too small to be its surfaces.
+
+    On a smooth freeform face small patches of tori fit anywhere.
+    """
+    if facets < options.freeform or len(areas) < options.pieces:
+        return False
+    return options.many * float(np.mean(areas)) < whole
 
 
 def _near_rim(mesh: Mesh, hood: Ints) -> Bools:
