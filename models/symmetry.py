@@ -87,6 +87,15 @@ def pose_error(group: SymmetryGroup, estimated: Floats, true: Floats) -> PoseErr
     return PoseError(float(np.linalg.norm(turn)), float(np.linalg.norm(apart)))
 
 
+def grouped(turns: Floats, center: Floats, axis: Floats | None, order: float) -> SymmetryGroup:
+    """The group of (k, 3, 3) rotations, the identity first; of order inf: up to turns about an axis or any."""
+    if np.isfinite(order):
+        name, axis = _named(turns)
+    else:
+        name = "K" if axis is None else "D_inf" if len(turns) > 1 else "C_inf"
+    return _group(name, turns, center, axis, order)
+
+
 def _group(name: str, turns: Floats, center: Floats, axis: Floats | None, order: float) -> SymmetryGroup:
     rotations = pose(turns, center - turns @ center)
     return SymmetryGroup(name, frozen(rotations), center, None if axis is None else frozen(axis), order)

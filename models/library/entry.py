@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from models.boundary import labeled_boundary
 from models.brep import Brep
+from models.freeform_symmetry import symmetry_of_solid
 from models.library.field import DistanceField, distance_field
 from models.library.pair_table import pair_scores
 from models.library.samples import SurfaceSamples, surface_samples
 from models.solid import Solid
-from models.symmetry import SymmetryGroup, symmetry
+from models.symmetry import SymmetryGroup
 
 
 class Source(Protocol):
@@ -65,7 +66,7 @@ class Computed:
 
     def symmetry(self) -> SymmetryGroup:
         """See `Source`."""
-        return symmetry(self.brep())
+        return symmetry_of_solid(self._solid, self.brep())
 
     def samples(self) -> SurfaceSamples:
         """See `Source`."""

@@ -20,13 +20,14 @@ from models.body import LabeledSurface
 from models.boundary import labeled_boundary
 from models.brep import Brep
 from models.brep_json import brep_from_json
+from models.freeform_symmetry import symmetry_of_solid
 from models.library.field import DistanceField, distance_field
 from models.library.pair_table import pair_scores
 from models.library.samples import SurfaceSamples, surface_samples
 from models.library.thinned import thinned
 from models.part import Part
 from models.solid import Solid
-from models.symmetry import SymmetryGroup, symmetry
+from models.symmetry import SymmetryGroup
 from primitives.arrays import Floats, Ints, frozen
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -45,7 +46,7 @@ def record(part: Part, config: RecordConfig | None = None) -> dict[str, NDArray[
     config = config or RecordConfig()
     solid = part.solid
     brep, of_triangle = labeled_boundary(solid)
-    group = symmetry(brep)
+    group = symmetry_of_solid(solid, brep)
     vertices, triangles, label = thinned(solid, of_triangle, config.triangles)
     samples, field = surface_samples(solid), distance_field(solid)
     chord = config.chord

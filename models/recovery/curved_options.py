@@ -38,8 +38,8 @@ class CurvedOptions:
         12  # patches that may lead nowhere before a neighborhood is given up; and one in 100 facets; in a row
     )
     patient: int = 40  # the most that a large neighborhood adds to them
-    pieces: int = 10  # surfaces in a neighborhood, after which it is asked whether so small ones are worth looking for,
-    many: int = 60  # and how many as large would be needed to cover it, from which on it is freeform,
+    pieces: int = 10  # surfaces found in a neighborhood, after which it is asked whether they are but crumbs,
+    many: int = 60  # of which so many would be needed to cover it,
     freeform: int = 1500  # where it has so many facets
     failures_late: int = 3  # the same, among facets that a surface found before may explain
     slack: float = 1.2  # how far corners may be off where chords were cut, in units of the chords' sag

@@ -16,11 +16,11 @@ from models.brep import Brep
 from models.display import display_mesh
 from models.explained import freeform_area_fraction, unassigned_area_fraction
 from models.formats.units import Units
+from models.freeform_symmetry import symmetry_of_solid
 from models.library.build import read_part
 from models.library.folder import model_files
 from models.library.settings import read_settings
 from models.part import Part, load_part
-from models.symmetry import symmetry
 from primitives.errors import PalpateError
 from recognition.report.boundary_page import boundary_html
 from recognition.report.run_report import ReportMesh
@@ -88,7 +88,7 @@ def _summary(part: Part, brep: Brep) -> dict[str, Any]:
         "volume_mm3": solid.volume,
         "area_mm2": solid.area,
         "extent_mm": solid.extent.tolist(),
-        "symmetry": symmetry(brep).name,
+        "symmetry": symmetry_of_solid(solid, brep).name,
         "watertight": bool((solid.neighbors >= 0).all()),
         "unassigned_area_fraction": float(unassigned_area_fraction(solid)),
         "freeform_area_fraction": float(freeform_area_fraction(solid)),

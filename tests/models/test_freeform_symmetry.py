@@ -1,0 +1,49 @@
+"""Bodies whose faces are freeform: their surface tells the rotations that leave them as they are."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from models.library import Library
+from models.solid import Solid
+from models.symmetry import SymmetryGroup
+from primitives.arrays import Floats
+from primitives.pose import pose, random_rotation
+
+
+def _ball(radial: float, folds: int, lifted: float, sizes: tuple[float, float, float]) -> Floats:
+    """(v, 3) of a ball with waves round it, raised more on one end, stretched."""
+    x, y, z = trimesh.creation.icosphere(4).vertices.T
+    wave = 1.0 + radial * np.cos(folds * np.arctan2(y, x)) * (1.0 - z**2)
+    return np.column_stack([x * wave, y * wave, z + lifted * z**2]) * sizes
+
+
+def _group(points: Floats) -> tuple[SymmetryGroup, Floats]:
+    world = pose(random_rotation(np.random.default_rng(0)), [20.0, -30.0, 5.0])
+    there = points @ world[:3, :3].T + world[:3, 3]
+    solid = Solid.from_mesh(there, trimesh.creation.icosphere(4).faces)
+    return Library.of({"it": solid})["it"].symmetry, world
+
+
+@pytest.mark.parametrize(("points", "name", "order"), [
+    (_ball(0.0, 0, 0.0, (30.0, 20.0, 15.0)), "D2", 4),
+    (_ball(0.0, 0, 0.0, (30.0, 30.0, 15.0)), "D_inf", np.inf),
+    (_ball(0.0, 0, 0.3, (20.0, 20.0, 25.0)), "C_inf", np.inf),
+    (_ball(0.2, 5, 0.0, (25.0, 25.0, 15.0)), "D5", 10),
+    (_ball(0.2, 3, 0.3, (25.0, 25.0, 15.0)), "C3", 3),
+    (_ball(0.2, 3, 0.3, (25.0, 20.0, 15.0)), "C1", 1),
+])  # fmt: skip
+def test_the_surface_tells_the_group(points: Floats, name: str, order: float) -> None:
+    group, world = _group(points)
+    assert (group.name, group.order) == (name, order)
+    if group.axis is not None:
+        assert abs(group.axis @ world[:3, 2]) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_every_rotation_carries_the_surface_onto_itself() -> None:
+    group, world = _group(_ball(0.2, 5, 0.0, (25.0, 25.0, 15.0)))
+    solid = Solid.from_mesh(_ball(0.2, 5, 0.0, (25.0, 25.0, 15.0)), trimesh.creation.icosphere(4).faces)
+    for turn in group.rotations:
+        there = np.linalg.inv(world) @ turn @ world
+        moved = solid.vertices @ there[:3, :3].T + there[:3, 3]
+        assert np.abs(solid.signed_distance(moved)).max() < 0.3
