@@ -20,7 +20,7 @@ from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit
 from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import CutOffConfig, cut_off
-from recognition.hulled import BETTER, MOST, hulled, off_body
+from recognition.hulled import BETTER, MOST, all_on_hull, hulled, off_body
 
 _FEW = 6  # contacts outside the body, that are no strays
 _SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
@@ -86,12 +86,12 @@ def best_body(
     """
     rest = Contacts.of([]) if loose is None else loose
     make = partial(_assembled, box=box, free=free, stray=rest.points)
-    body = _of_faces(felt, make, past)
     contacts = Contacts.concatenate([*(face.contacts for face in felt), rest])
     places = contacts.points[contacts.touch != NOT_FELT]
+    body = _of_faces(felt, make, past, places)
     surer = [face for face in felt if face.fit.kind != "plane" or (face.contacts.touch != NOT_FELT).any()]
     if len(surer) < len(felt) and (off := off_body(body.assembly, places)) > MOST:
-        other = _of_faces(surer, make, past)
+        other = _of_faces(surer, make, past, places)
         body = other if off_body(other.assembly, places) < BETTER * off else body
     if open_ended(body.assembly) and reach_past(body.assembly, contacts) > (most := min(_OPEN, past)):
         bare = make(body.felt) if body.ends else body.assembly
@@ -102,8 +102,12 @@ def best_body(
     return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
 
 
-def _of_faces(felt: Sequence[FeltFace], make: Make, past: float) -> Body:
+def _of_faces(felt: Sequence[FeltFace], make: Make, past: float, places: Floats) -> Body:
+    """The body of all faces, or without some; not of more round ones where (n, 3) felt `places` have a hull."""
     whole = first = _closed(tuple(felt), make, past)
+    crumbs = sum(face.fit.kind != "plane" for face in felt) > _LEFT_OUT
+    if crumbs and isinstance(first.assembly, NotClosed) and all_on_hull(places):
+        return first
     while isinstance(whole.assembly, NotClosed) and len(whole.left_out) < _LEFT_OUT:
         rounds = [face for face in whole.felt if face.fit.kind != "plane"]
         if not rounds or len(whole.felt) < 2:

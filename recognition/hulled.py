@@ -2,7 +2,8 @@
 
 Most of an object of facets, folds or freeform surface may be felt, and name no face; the few that it names bound a
 body that most contacts lie off, or one in pieces with nothing under many of them.  Then their convex hull is
-nearer to the object, less what an array passed through.  No side of it was measured.
+nearer to the object, less what an array passed through.  Its facets are read as those of any mesh: what bends
+smoothly is freeform.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ _IN_AIR = 2.0  # [mm] outside the body, from which a contact has nothing under i
 _LACKS = 0.025  # share of the contacts with nothing under them, likewise, where the body is in pieces
 _FULL = 0.15  # share of a hull that may be empty, where the body lacks that much
 BETTER = 0.75  # of that share, as which less must be off the other
+_STRAYING = 0.01  # share of the contacts that may be off a hull that all others lie on
 _LEAST = 30  # contacts
 _EMPTY = 0.25  # share of a hull, of which more is known to be empty, that is no body
 _BESIDE = 3.0  # [mm] from a place known to be empty, that is so too
@@ -60,12 +62,22 @@ def hulled(
     known = Known(regularized.shapes, places, [False] * len(fits), felt[:0])
     piece = Piece("polyhedron", "add", hull, np.eye(4), None, ())
     less = hollowed(Body((piece,), Solid.from_csg(piece.placed), TOLERANCE), free, known)
+    solid = Solid.from_mesh(hull.points, hull.faces) if len(less.pieces) == 1 else less.solid
     on = {i for cut in less.pieces for i in cut.surfaces}
     speaker = tuple(i if i in on else None for i in range(len(fits)))
     told = (_LACKING if lacks else _TOLD, *[HOLLOW] * (len(less.pieces) - 1))
-    made = Assembly(fits, regularized, speaker, less.pieces, tree_of(less.pieces), less.solid, told)
+    made = Assembly(fits, regularized, speaker, less.pieces, tree_of(less.pieces), solid, told)
     nearer = in_air(made, felt) < in_air(body, felt) if lacks else off_body(made, felt) < BETTER * before
     return made if nearer else None
+
+
+def all_on_hull(felt: Floats) -> bool:
+    """Whether nearly all of (n, 3) felt places lie on their hull, as those of a convex object do."""
+    hull = _hull(felt) if len(felt) >= _LEAST else None
+    if hull is None:
+        return False
+    away = Solid.from_csg(hull).signed_distance(felt)
+    return bool(np.mean(np.abs(away) > _OFF) < _STRAYING)
 
 
 def off_body(body: Assembly | NotClosed, felt: Floats) -> float:

@@ -38,6 +38,7 @@ from recognition.best_body import FeltFace, best_body, reach_past
 
 Rows = list[dict[str, Any]]
 NO_FACE = -1
+_ON = 1.0  # [mm] from a freeform face, within which a contact lies on it
 
 
 @dataclass(frozen=True)
@@ -179,6 +180,18 @@ def _faces_of(assembly: Assembly, boundary: LinkedBoundary, contacts: Contacts, 
                 for k in faces
             ]
             owner[rows] = np.array(faces)[np.argmin([found.distance for found in away], axis=0)]
+    return _on_freeform(assembly, boundary, contacts, owner)
+
+
+def _on_freeform(assembly: Assembly, boundary: LinkedBoundary, contacts: Contacts, owner: Ints) -> Ints:
+    """The same, contacts of no face that lie on a freeform one its own."""
+    free = [face.id for face in boundary.brep.faces if face.shape is None]
+    rows = np.flatnonzero((owner == NO_FACE) & (contacts.touch != NOT_FELT))
+    if free and len(rows):
+        near = TriangleTree(assembly.solid.vertices, assembly.solid.triangles).nearest(contacts.points[rows])
+        face = boundary.of_triangle[near.triangle]
+        on = np.isin(face, free) & (near.distance < _ON)
+        owner[rows[on]] = face[on]
     return owner
 
 

@@ -10,9 +10,11 @@ from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 from recognition import best_body as best_body_module
 from recognition.assembly import Assembly, NotClosed
+from recognition.assembly.described import link
 from recognition.assembly.regularities import regularize
 from recognition.best_body import FeltFace, best_body
-from recognition.hulled import hulled
+from recognition.hulled import all_on_hull, hulled
+from recognition.reconstruct import NO_FACE, _faces_of
 
 BOX = np.array([[-100.0] * 3, [100.0] * 3])
 AXES = np.concatenate([np.eye(3), -np.eye(3)])
@@ -84,3 +86,18 @@ def test_a_body_in_pieces_with_nothing_under_many_contacts_is_their_hull():
     whole = Cube((80.0, 60.0, 60.0))
     one = Assembly((), regularize(()), (), (), whole, Solid.from_csg(whole), ())
     assert hulled(sides, Contacts.concatenate([across, shell]), one) is None
+
+
+def test_a_smooth_convex_body_is_one_freeform_face_that_was_felt():
+    ways = np.random.default_rng(0).normal(size=(1500, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    felt = Contacts.of(ways * [30.0, 20.0, 15.0], sigma=0.05)
+    face = FeltFace(fit("sphere", felt), felt)
+    hull = hulled([face], felt, NotClosed("a ball does not hold them"))
+    assert hull is not None
+    boundary = link(hull)
+    assert [f.kind for f in boundary.brep.faces] == ["freeform"]
+    owner = _faces_of(hull, boundary, felt, np.full(len(felt), NO_FACE))
+    assert np.mean(owner == 0) > 0.99
+    assert all_on_hull(felt.points)
+    assert not all_on_hull(np.vstack([felt.points, 0.5 * felt.points[:200]]))
