@@ -41,6 +41,7 @@ class SiftConfig:
     on_field_each: float = 1.0
     in_all: int = 40  # poses of all objects that stay, at most, however many contacts there are
     in_all_flat: int = 400  # the same where nothing but one face was felt
+    turn: float = 0.02  # of log likelihood, by which each pose of an object stands back behind the one before
     steps: int = 4000  # contacts times poses that stay, at most, while contacts are few
 
 
@@ -73,7 +74,7 @@ class Sieve:
             behind = self.config.on_field + self.config.on_field_each * n
         in_all = self.config.in_all_flat if flat else self.config.in_all
         limit = max(in_all, self.config.steps // n, each)
-        return _best(self._poses, self._scores, behind, limit)
+        return _best(self._poses, self._scores, behind, limit, self.config.turn)
 
     def _look(self, name: str, poses: Floats, costs: Floats, few: Ints, exact: bool) -> None:
         entry, seen = self.library[name], self.seen
@@ -104,14 +105,18 @@ def _looked_at(entry: Entry, poses: Floats, seen: Felt, few: Ints, noise: NoiseC
 
 
 def _best(
-    poses: Mapping[str, Floats], scores: Mapping[str, Floats], behind: float, limit: int
+    poses: Mapping[str, Floats], scores: Mapping[str, Floats], behind: float, limit: int, turn: float
 ) -> dict[str, Floats]:
-    """Those that are not far behind, at most so many of all objects."""
+    """Those that are not far behind, at most so many of all objects, which take turns by `turn` where they tie.
+
+    Where contacts tell little, poses of one object that all fit would leave no place to the others.
+    """
     names = [name for name in poses for _ in range(len(poses[name]))]
     rows = np.concatenate([np.arange(len(p)) for p in poses.values()])
     all_scores = np.concatenate([scores[name] for name in poses])
-    order = np.argsort(-all_scores, kind="stable")[:limit]
+    places = np.concatenate([np.argsort(np.argsort(-scores[name], kind="stable")) for name in poses])
+    order = np.argsort(turn * places - all_scores, kind="stable")[:limit]
     taken: dict[str, list[int]] = {}
-    for k in order[all_scores[order] >= all_scores[order[0]] - behind]:
+    for k in order[all_scores[order] >= all_scores.max() - behind]:
         taken.setdefault(names[k], []).append(int(rows[k]))
     return {name: poses[name][which] for name, which in taken.items()}

@@ -20,6 +20,7 @@ _LEAST = 1e-4  # a candidate less probable than this is not told, unless it is t
 _TOLD_INWARD = 0.05  # probability that normals point in, from which on it is told
 _CROWDED = 0.1  # of the length of the smallest object: contacts nearer together are hardly in mm,
 _MANY = 6  # where there are so many of them
+_SIGMAS, _NARROW = 2.0, 0.02  # breadth of a line that contacts lie on, in their sigmas or of its length
 
 
 def pose_json(world_from_object: Floats) -> dict[str, Any]:
@@ -140,6 +141,8 @@ def _taken_scatter(belief: Belief, evidence: Evidence) -> list[str]:
 def _of_one_face(evidence: Evidence) -> list[str]:
     """Why many contacts may tell little."""
     c = evidence.contacts
+    if where := _place(evidence):
+        return [f"all {len(c)} contacts lie {where}, which says little of an object; touch other sides"]
     flat = lone_face(c.points, c.normals, c.has_normal) is not None
     if not flat and evidence.round_face is None:
         return []
@@ -147,6 +150,18 @@ def _of_one_face(evidence: Evidence) -> list[str]:
         f"all {len(c)} contacts lie on one {'flat' if flat else 'round'} face, which says little of the rest of "
         "an object; touch other sides"
     ]
+
+
+def _place(evidence: Evidence) -> str | None:
+    """Where many contacts lie that span no area."""
+    c = evidence.contacts
+    if len(c) < _MANY:
+        return None
+    wide, broad, _ = np.linalg.svd(c.points - c.points.mean(axis=0), compute_uv=False) / np.sqrt(len(c))
+    least = _SIGMAS * float(np.median(c.sigma))
+    if broad > max(least, _NARROW * wide):
+        return None
+    return "on one line" if wide > least else "at one place"
 
 
 def facing_of(belief: Belief) -> list[str]:

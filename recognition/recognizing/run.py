@@ -30,7 +30,7 @@ from recognition.matching.next_touch import Choice, separating
 from recognition.matching.next_touch.sampled import sampled
 from recognition.recognizing.answer import modes, objects, of_contacts, other_unit, warnings_of, why
 from recognition.recognizing.kept_model import kept_model
-from recognition.recognizing.settled import settled
+from recognition.recognizing.settled import MADE, settled
 from recognition.recognizing.truth import truth_of
 from recognition.reconstructing.options import require_sigma
 from recognition.reconstructing.scatter import scatter
@@ -40,7 +40,6 @@ from recognition.sources.source import Source
 
 _UNKNOWN = 0.1  # prior probability that an object is none of the library
 _SURE = 0.95  # confidence from which on nothing is left to tell
-_MADE = 0.06  # [mm] by which an object differs from its model, whose facets are only so fine
 _NORMAL_SIGMA = 0.037  # [rad] where nobody told: 3 degrees in total; its scale is then estimated
 
 
@@ -83,7 +82,7 @@ def evidence_of(
     told = source.measured_sigma or asked.sigma is not None
     guessed = asked.sigma if told else guess(source.contacts)
     contacts = source.with_sigma(guessed).contacts
-    sigma = np.hypot(contacts.sigma, _MADE)
+    sigma = np.hypot(contacts.sigma, MADE)
     contacts = replace(contacts, sigma=sigma, normal_sigma=np.full(len(contacts), _NORMAL_SIGMA))
     free = None if source.sweep is None else source.sweep()
     return Evidence(contacts, (), free, told, normal_scale_known=False)

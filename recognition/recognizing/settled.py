@@ -19,6 +19,7 @@ from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.belief import UNKNOWN
 from recognition.matching.match import MatchConfig
 
+MADE = 0.06  # [mm] by which an object differs from its model, whose facets are only so fine
 _MEDIAN = 0.6745  # of |r| of a unit normal
 _POSE = 6  # numbers
 
@@ -56,4 +57,5 @@ def _left_over(belief: Belief, evidence: Evidence, library: Mapping[str, Entry])
         return None
     there = (evidence.contacts.points - best.pose[:3, 3]) @ best.pose[:3, :3]
     off = np.abs(library[best.name].solid.signed_distance(there))
-    return float(np.median(off)) / _MEDIAN * float(np.sqrt(count / (count - _POSE)))
+    left = float(np.median(off)) / _MEDIAN * float(np.sqrt(count / (count - _POSE)))
+    return max(left, MADE)

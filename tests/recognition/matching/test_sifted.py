@@ -1,0 +1,31 @@
+"""Poses of one object that all fit leave places to other objects, which fit as well."""
+
+import numpy as np
+
+from models.csg import Cone, Cube, Cylinder
+from models.library import Library
+from models.solid import Solid
+from primitives.evidence import Contacts
+from recognition.matching import Evidence, match
+from recognition.matching.sifted import _best
+from recognition.recognizing.answer import warnings_of
+
+BODIES = {"cone": Cone(20.0, 0.0, 50.0), "plate": Cube((80.0, 60.0, 8.0)), "block": Cube((40.0, 40.0, 40.0)),
+          "bar": Cube((90.0, 20.0, 10.0)), "rod": Cylinder(12.0, 60.0)}  # fmt: skip
+
+
+def test_contacts_on_a_line_are_on_whatever_is_straight_somewhere() -> None:
+    library = Library.of({name: Solid.from_csg(body) for name, body in BODIES.items()})
+    line = np.outer(np.arange(30.0), [0.6, 0.8, 0.0])
+    evidence = Evidence(Contacts.of(line, sigma=0.1))
+    belief = match(evidence, library)
+    assert all(belief.probabilities[name] > 0.02 for name in BODIES)
+    assert belief.confidence < 0.7
+    assert any("on one line" in warning for warning in warnings_of(belief, evidence))
+
+
+def test_objects_that_tie_take_turns() -> None:
+    poses = {"many": np.zeros((50, 3, 4)), "few": np.zeros((3, 3, 4)), "behind": np.zeros((3, 3, 4))}
+    scores = {"many": np.zeros(50), "few": np.full(3, -0.001), "behind": np.full(3, -9.0)}
+    kept = _best(poses, scores, 5.0, 8, 0.02)
+    assert {name: len(p) for name, p in kept.items()} == {"many": 5, "few": 3}
