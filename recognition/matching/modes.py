@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import expit
 
 from models.library import Entry
 from primitives.arrays import Bools, Floats, frozen
@@ -34,6 +35,7 @@ from recognition.matching.likelihood import (
 )
 from recognition.matching.lone_face import LoneFace, lone_face
 from recognition.matching.one_face import Room, divided, rooms_of
+from recognition.matching.one_side import log_one_side
 from recognition.matching.places import Places, places_of
 from recognition.matching.readings import read_both, readings, weighed
 from recognition.matching.room import Lone, log_room
@@ -42,6 +44,7 @@ from recognition.matching.span import log_copies, same, spread_of
 from recognition.matching.target import Target, field_error, gap, target_of
 
 _ROTATIONS = np.log(8 * np.pi**2)
+_ON = 6.0  # half the squared sigmas that a contact is off a surface which it is as likely to lie on as not
 _EXACT = 0.005, 0.002  # [mm], [rad]: no contact is surer, for no mesh is
 
 
@@ -130,10 +133,7 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
         contacts = seen.points, seen.normals, seen.felt, *noise_so
         again = refine(done.poses, *contacts, facets_of(entry.solid.body), 1.0, 0, absolute=absolute)
         done = done._replace(information=again.information)
-    there, behind = (
-        seen.places.log_density(target.area, seen.shares),
-        _behind(entry, target, done.poses, seen, scale),
-    )
+    there, behind = _places(entry, done, seen, scale), _behind(entry, target, done.poses, seen, scale)
     both = read_both(
         [
             weighed(done.distances, angles, seen.felt, seen.sigma * scale, seen.tau * turn, seen.shares,
@@ -168,6 +168,16 @@ def modes_at(entry: Entry, done: Aligned, seen: Felt, evidence: Evidence, prior:
         known_so, unlike_so = float(total[f.row] + at + f.bound), float(unlike[f.row] + at + other)
         modes.append(Mode(f.made, known_so, unlike_so, share))
     return modes
+
+
+def _places(entry: Entry, done: Aligned, seen: Felt, scale: float) -> Floats:
+    """(k,) logarithms of p(places | object, pose): anywhere, near each other, or all on one side."""
+    anyhow = np.full(len(done.poses), seen.places.log_density(target_of(entry).area, seen.shares))
+    if not (seen.felt.all() and seen.places.anywhere):
+        return anyhow
+    on = expit(_ON - 0.5 * (done.distances / (scale * seen.sigma)) ** 2)
+    side = log_one_side(entry, done.poses[:, :, :3], seen.normals, on, seen.shares)
+    return np.asarray(np.logaddexp(anyhow, side) - np.log(2.0))
 
 
 def _rooms(entry: Entry, found: list[_Found], done: Aligned, seen: Felt, middle: Lone) -> list[Room | None]:
