@@ -100,8 +100,10 @@ def touch_once(guard: Guard, approach: Approach, config: LoneTouchConfig | None 
     guard.cost.touches += 1
     number, swept = guard.cost.touches, Swept(guard)
     with swept.watching():
-        tare(guard)
-        met, why = _come_down(guard, approach, config)
+        lies = _lies(guard, config)
+        if not lies:
+            tare(guard)
+        met, why = _come_down(guard, approach, config, lies)
     if not met:
         return LoneTouch(
             number, approach, Contacts.of([]), (), swept.boxes(), False, why, guard.world_from_sensor
@@ -140,11 +142,18 @@ def blocked(number: int, approach: Approach, where: Floats) -> LoneTouch:
     return LoneTouch(number, approach, *nothing, False, "the way was blocked", where)
 
 
-def _come_down(guard: Guard, approach: Approach, config: LoneTouchConfig) -> tuple[bool, str]:
-    """Whether the pad came to touch something, and how."""
+def _lies(guard: Guard, config: LoneTouchConfig) -> bool:
+    """Whether the pad lies on something where it should begin: its zero must not be taken there."""
+    image = guard.hold().image
+    deepest = float(np.where(np.isfinite(image.sigma), image.depth, 0.0).max(initial=0.0))
+    return touched(image) and deepest > config.pressed
+
+
+def _come_down(guard: Guard, approach: Approach, config: LoneTouchConfig, lies: bool) -> tuple[bool, str]:
+    """Whether the pad came to touch something, or `lies` there already, and how."""
     direction = approach.direction
     try:
-        if advance(guard, direction, approach.length, config.speed) is None:
+        if not lies and advance(guard, direction, approach.length, config.speed) is None:
             return False, "nothing"
         settled = settle(guard, config=config.settling)
         return True, "" if settled else "unsettled"

@@ -16,9 +16,9 @@ from models.solid import Solid
 from primitives import pose as se3
 
 
-def _touch(part: str, place: list[float], toward: list[float], length: float = 80.0):  # type: ignore[no-untyped-def]
+def _touch(part: str, place: list[float], toward: list[float], length: float = 80.0, away: float = 50.0):  # type: ignore[no-untyped-def]
     solid, spec = Solid.from_csg(parts.build(part)), load_sensor("lts210")
-    start = se3.pose(se3.frame_along(toward), np.array(place) - 50.0 * np.array(toward))
+    start = se3.pose(se3.frame_along(toward), np.array(place) - away * np.array(toward))
     stage, arrays = simulate(solid, [spec], np.random.default_rng(0), start_pose=start)
     guard = Guard(stage, arrays, [Calibration.nominal(spec)])
     return solid, guard, touch_once(guard, Approach(start, length))
@@ -35,10 +35,19 @@ def test_a_touch_on_a_face_gives_its_plane_and_its_edge() -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "toward"), [([10.0, 0.0, 20.0], [0, 0, -1]), ([-18.0, 18.0, 20.0], [0, 0, -1])]
+    ("place", "toward", "away"),
+    [
+        ([10.0, 0.0, 20.0], [0, 0, -1], 50.0),
+        ([-18.0, 18.0, 20.0], [0, 0, -1], 50.0),
+        ([0.0, 0.0, 20.0], [0, 0, -1], -1.2),  # pressed into it already
+    ],
 )
-def test_what_a_touch_calls_free_holds_no_material(place: list[float], toward: list[float]) -> None:
-    solid, _, touch = _touch("cube", place, toward)
+def test_what_a_touch_calls_free_holds_no_material(
+    place: list[float], toward: list[float], away: float
+) -> None:
+    solid, _, touch = _touch("cube", place, toward, away=away)
+    assert touch.met
+    assert np.abs(solid.signed_distance(touch.contacts.points)).max() < 0.1
     rng = np.random.default_rng(1)
     for pose, half in zip(touch.free.poses, touch.free.half_extents, strict=True):
         inside = se3.transform_points(pose, rng.uniform(-1.0, 1.0, (300, 3)) * half)
