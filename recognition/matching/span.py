@@ -34,29 +34,21 @@ def spread_of(
     shift = np.eye(6)
     shift[:3, 3:] = hat(middle - target.center).T
     about = shift.T @ information @ shift + bounds(target)
-    values, axes = np.linalg.eigh(about)
-    values = np.maximum(values, 1e-14 * values[-1])
-    covariance = np.asarray((axes / values) @ axes.T)
     if not entry.symmetry.continuous:
-        return covariance, float(3 * np.log(2 * np.pi) - 0.5 * np.log(values).sum())
-    own = _own_turns(entry, target)
-    across = covariance @ own.T
-    covariance = covariance - across @ np.linalg.solve(own @ across, across.T)
-    other = _but_for(own[:, 3:])
-    held = np.linalg.eigvalsh(other.T @ about @ other)
-    whole = 2 * np.pi if len(own) == 1 else 8 * np.pi**2
-    return covariance, float(
-        0.5 * len(held) * np.log(2 * np.pi)
-        - 0.5 * np.log(np.maximum(held, 1e-14 * held[-1])).sum()
-        + np.log(whole)
-    )
+        return _inverted(about)
+    axis = entry.symmetry.axis
+    other = _but_for(np.eye(3) if axis is None else axis[None])
+    covariance, log_volume = _inverted(other.T @ about @ other)
+    whole = 8 * np.pi**2 if axis is None else 2 * np.pi
+    return np.asarray(other @ covariance @ other.T), log_volume + float(np.log(whole))
 
 
-def _own_turns(entry: Entry, target: Target) -> Floats:
-    """(k, 6) the turns (v, w) of a continuous symmetry about the object's center, 1 or 3."""
-    group = entry.symmetry
-    axes = np.eye(3) if group.axis is None else group.axis[None]
-    return np.hstack([np.cross(axes, target.center - group.center), axes])
+def _inverted(information: Floats) -> tuple[Floats, float]:
+    """Covariance of (n, n) information, and the logarithm of the volume of its normal density."""
+    values, axes = np.linalg.eigh(information)
+    values = np.maximum(values, 1e-14 * values[-1])
+    log_volume = 0.5 * len(values) * np.log(2 * np.pi) - 0.5 * np.log(values).sum()
+    return np.asarray((axes / values) @ axes.T), float(log_volume)
 
 
 def _but_for(axes: Floats) -> Floats:

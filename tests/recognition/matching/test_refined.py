@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from models.csg import Cylinder
+from models.csg import Cone, Cylinder
 from models.library import Library
 from models.solid import Solid
+from models.symmetry import pose_error
 from primitives.evidence import Contacts
 from primitives.pose import exp, inverse, pose, rotation_exp
 from recognition.matching import Evidence, match
@@ -102,3 +103,19 @@ def test_a_facet_without_area_is_passed_over():
     args = touched, np.zeros((1, 3)), each < 0, 0.1 * each, 0.02 * each, each
     found = refine(np.eye(4)[None, :3].copy(), *args, mesh, 1.0, 0)
     assert 0.1 < found.distances[0, 0] < 0.2  # on its neighbors
+
+
+def test_how_sure_a_cone_lies_is_how_far_it_is_off():
+    cone = Library.of({"cone": Solid.from_csg(Cone(20.0, 0.0, 50.0))})
+    entry, off, said = cone["cone"], [], []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        rows = rng.choice(len(entry.samples.points), 20, replace=False)
+        points = entry.samples.points[rows] + 0.1 * rng.standard_normal((20, 3))
+        normals = entry.samples.normals[rows] + 0.01 * rng.standard_normal((20, 3))
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        evidence = Evidence(Contacts.of(points, normals, 0.1, 0.01))
+        h = match(evidence, cone, starts=[("cone", np.eye(4))]).hypotheses[0]
+        off.append(pose_error(entry.symmetry, h.pose, np.eye(4)).angle)
+        said.append(h.rotation_sigma)
+    assert 0.5 < np.sqrt(np.mean(np.square(off)) / np.mean(np.square(said))) < 1.5
