@@ -16,7 +16,7 @@ from exploration.control.dwell import dwell
 from exploration.control.feel import Felt, feel
 from exploration.control.free_cells import free_cells
 from exploration.control.kept_contacts import keep
-from exploration.control.procedures.approach import ApproachConfig, advance, touched
+from exploration.control.procedures.approach import ApproachConfig, advance, retreat, touched
 from exploration.control.procedures.land import LandConfig, land, strongest
 from exploration.control.procedures.settle import SettleConfig, settle
 from exploration.control.procedures.tare import tare
@@ -84,6 +84,7 @@ class LoneTouchConfig:
 
     averaged: int = 8  # frames of what is felt
     pressed: float = 0.3  # [mm] from which the whole skin tells, and not only where it was met
+    clear: float = 2.0  # [mm] off what the pad lies on where it should begin, at which its zero is taken
     least_line: float = 4.0  # [mm] of a line that counts as an edge
     speed: float = 50.0  # [mm/s] of the advance, through space that was not seen yet
     spacing: float = 3.0  # [mm] between the points of an edge
@@ -100,10 +101,9 @@ def touch_once(guard: Guard, approach: Approach, config: LoneTouchConfig | None 
     guard.cost.touches += 1
     number, swept = guard.cost.touches, Swept(guard)
     with swept.watching():
-        lies = _lies(guard, config)
-        if not lies:
-            tare(guard)
-        met, why = _come_down(guard, approach, config, lies)
+        back = _off_what_it_lies_on(guard, config)
+        tare(guard)
+        met, why = _come_down(guard, approach.direction, approach.length + back, config)
     if not met:
         return LoneTouch(
             number, approach, Contacts.of([]), (), swept.boxes(), False, why, guard.world_from_sensor
@@ -142,18 +142,21 @@ def blocked(number: int, approach: Approach, where: Floats) -> LoneTouch:
     return LoneTouch(number, approach, *nothing, False, "the way was blocked", where)
 
 
-def _lies(guard: Guard, config: LoneTouchConfig) -> bool:
-    """Whether the pad lies on something where it should begin: its zero must not be taken there."""
+def _off_what_it_lies_on(guard: Guard, config: LoneTouchConfig) -> float:
+    """[mm] that the pad goes back where it seems to lie on something already: its zero must not be taken there."""
     image = guard.hold().image
     deepest = float(np.where(np.isfinite(image.sigma), image.depth, 0.0).max(initial=0.0))
-    return touched(image) and deepest > config.pressed
+    if not touched(image) or deepest < config.pressed:
+        return 0.0
+    back = deepest + config.clear
+    retreat(guard, back)
+    return back
 
 
-def _come_down(guard: Guard, approach: Approach, config: LoneTouchConfig, lies: bool) -> tuple[bool, str]:
-    """Whether the pad came to touch something, or `lies` there already, and how."""
-    direction = approach.direction
+def _come_down(guard: Guard, direction: Floats, length: float, config: LoneTouchConfig) -> tuple[bool, str]:
+    """Whether the pad came to touch something, and how."""
     try:
-        if not lies and advance(guard, direction, approach.length, config.speed) is None:
+        if advance(guard, direction, length, config.speed) is None:
             return False, "nothing"
         settled = settle(guard, config=config.settling)
         return True, "" if settled else "unsettled"
