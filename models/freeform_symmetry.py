@@ -35,6 +35,7 @@ class FreeformConfig:
     equal: float = 0.02  # of the moments, by which two that are one may differ
     folds: int = 12  # at most
     smooth: float = np.deg2rad(32.0)  # [rad] between facets of one surface
+    coarse: float = 0.006  # of the body's diagonal, that facets and play may come to
     across: int = 180  # directions of axes across, that are tried
 
 
@@ -43,7 +44,10 @@ def symmetry_of_solid(solid: Solid, brep: Brep, config: FreeformConfig = Freefor
     told = symmetry(brep)
     if told.continuous or (solid.neighbors < 0).any() or all(face.kind != "freeform" for face in brep.faces):
         return told
-    felt = _Surface(solid, config).group()
+    surface = _Surface(solid, config)
+    if surface.limit > config.coarse * float(np.linalg.norm(solid.extent)):
+        return told  # so coarse facets would hide what the symmetry lacks
+    felt = surface.group()
     return felt if felt.order > told.order else told
 
 
@@ -77,14 +81,13 @@ class _Surface:
             if all(self.has(rotation_exp(a * axis)) for a in _IRRATIONAL):
                 flip = self._across(axis, 0.0)
                 return grouped(np.stack([np.eye(3), *flip[:1]]), self.center, axis, np.inf)
-        turns = [np.eye(3)]
-        for axis, same in zip(self.axes, alike, strict=True):
-            folds = self._folds(axis, self.config.folds if same else 2)
-            if folds <= len(turns):
-                continue
-            turns = [rotation_exp(2 * np.pi * k / folds * axis) for k in range(folds)]
-            flips = self._across(axis, np.pi / folds)
-            turns += [turn @ flips[0] for turn in turns] if flips else []
+        each = [
+            self._folds(k, self.config.folds if same else 2) for k, same in zip(self.axes, alike, strict=True)
+        ]
+        axis, folds = self.axes[int(np.argmax(each))], max(each)
+        turns = [rotation_exp(2 * np.pi * k / folds * axis) for k in range(folds)]
+        flips = self._across(axis, np.pi / folds) if folds > 1 else []
+        turns += [turn @ flips[0] for turn in turns] if flips else []
         return grouped(np.stack(turns), self.center, None, float(len(turns)))
 
     def _alike(self, k: int) -> bool:

@@ -18,8 +18,9 @@ def _ball(radial: float, folds: int, lifted: float, sizes: tuple[float, float, f
     return np.column_stack([x * wave, y * wave, z + lifted * z**2]) * sizes
 
 
-def _group(points: Floats) -> tuple[SymmetryGroup, Floats]:
-    world = pose(random_rotation(np.random.default_rng(0)), [20.0, -30.0, 5.0])
+def _group(points: Floats, turned: bool = True) -> tuple[SymmetryGroup, Floats]:
+    turn = random_rotation(np.random.default_rng(0)) if turned else np.eye(3)
+    world = pose(turn, [20.0, -30.0, 5.0])
     there = points @ world[:3, :3].T + world[:3, 3]
     solid = Solid.from_mesh(there, trimesh.creation.icosphere(4).faces)
     return Library.of({"it": solid})["it"].symmetry, world
@@ -30,10 +31,15 @@ def _group(points: Floats) -> tuple[SymmetryGroup, Floats]:
     (_ball(0.0, 0, 0.0, (30.0, 30.0, 15.0)), "D_inf", np.inf),
     (_ball(0.0, 0, 0.3, (20.0, 20.0, 25.0)), "C_inf", np.inf),
     (_ball(0.2, 5, 0.0, (25.0, 25.0, 15.0)), "D5", 10),
+    (_ball(0.15, 4, 0.0, (30.0, 30.0, 12.0)), "D4", 8),
+    (_ball(0.15, 4, 0.0, (30.0, 30.0, 60.0)), "D4", 8),
+    (_ball(0.15, 2, 0.0, (30.0, 30.0, 12.0)), "D2", 4),
     (_ball(0.2, 3, 0.3, (25.0, 25.0, 15.0)), "C3", 3),
     (_ball(0.2, 3, 0.3, (25.0, 20.0, 15.0)), "C1", 1),
 ])  # fmt: skip
 def test_the_surface_tells_the_group(points: Floats, name: str, order: float) -> None:
+    straight, _ = _group(points, turned=False)
+    assert (straight.name, straight.order) == (name, order)
     group, world = _group(points)
     assert (group.name, group.order) == (name, order)
     if group.axis is not None:
@@ -47,3 +53,12 @@ def test_every_rotation_carries_the_surface_onto_itself() -> None:
         there = np.linalg.inv(world) @ turn @ world
         moved = solid.vertices @ there[:3, :3].T + there[:3, 3]
         assert np.abs(solid.signed_distance(moved)).max() < 0.3
+
+
+def test_facets_that_are_coarse_hide_no_lack_of_symmetry() -> None:
+    for fine in (1, 2, 3):
+        ball = trimesh.creation.icosphere(fine)
+        x, y, z = ball.vertices.T
+        lobes = 1.0 + 0.05 * np.sin(2.0 * x + 1.0) * y + 0.05 * z * x + 0.04 * y * z
+        solid = Solid.from_mesh(ball.vertices * lobes[:, None] * [30.0, 28.0, 26.0], ball.faces)
+        assert Library.of({"egg": solid})["egg"].symmetry.name == "C1"
