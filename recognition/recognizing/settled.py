@@ -2,8 +2,9 @@
 
 A guess from the contacts alone may be far too wide where few of them share a face: they are looked for too far
 from the surface, and count for too little beside their normals.  What they leave over on the likeliest pose tells
-more, the median of |r| over that of a normal variable, raised by the six numbers of the pose.  They are matched
-again with that until it falls no more (our derivation).
+more: the median of |r| over that of a normal variable.  The pose has the least sum of |r|, which passes through as
+many contacts as a pose has numbers, so that the six least say nothing; and m left over tell sigma but roughly, so
+that it is raised by 1 + 2 / m.  They are matched again with that until it falls no more (our derivation).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from recognition.matching.match import MatchConfig
 MADE = 0.06  # [mm] by which an object differs from its model, whose facets are only so fine
 _MEDIAN = 0.6745  # of |r| of a unit normal
 _POSE = 6  # numbers
+_FEWEST = 2  # contacts left over, below which they tell nothing
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,8 @@ def _left_over(belief: Belief, evidence: Evidence, library: Mapping[str, Entry])
     """[mm] 1 sigma of the contacts from the likeliest pose of what is decided; None where that tells nothing."""
     best = belief.best(belief.decision)
     count = len(evidence.contacts)
-    if evidence.scale_known or belief.decision == UNKNOWN or best is None or count <= _POSE:
+    if evidence.scale_known or belief.decision == UNKNOWN or best is None or count < _POSE + _FEWEST:
         return None
     there = (evidence.contacts.points - best.pose[:3, 3]) @ best.pose[:3, :3]
-    off = np.abs(library[best.name].solid.signed_distance(there))
-    left = float(np.median(off)) / _MEDIAN * float(np.sqrt(count / (count - _POSE)))
-    return max(left, MADE)
+    off = np.sort(np.abs(library[best.name].solid.signed_distance(there)))[_POSE:]
+    return max(float(np.median(off)) / _MEDIAN * (1.0 + 2.0 / len(off)), MADE)

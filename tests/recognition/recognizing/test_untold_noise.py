@@ -9,9 +9,14 @@ from models import parts
 from models.formats.openscad.writer import write
 from models.library import Library
 from models.solid import Solid
+from models.symmetry import pose_error
 from primitives.arrays import Floats
+from primitives.evidence import Contacts
 from primitives.pose import pose, random_rotation, rotate, transform_points
+from recognition.matching import Evidence
+from recognition.matching.match import MatchConfig
 from recognition.recognizing.run import Asked, locate, recognize
+from recognition.recognizing.settled import settled
 
 NAMES = ("bracket", "wedge", "block", "flange", "v_block")
 
@@ -76,3 +81,21 @@ def test_a_pose_is_as_sure_as_it_is_said_to_be(library: Library, tmp_path: Path)
         assert error < 1.0
         assert any("--contact-sigma" in warning for warning in answer["warnings"])
     assert 0.3 < np.sqrt(np.mean(np.square(off))) < 2.0
+
+
+@pytest.mark.parametrize("count", [8, 10, 12])
+def test_few_contacts_do_not_pass_for_exact(library: Library, count: int) -> None:
+    off, entry = [], {"bracket": library["bracket"]}
+    for seed in range(8):
+        rng, samples = np.random.default_rng(seed), library["bracket"].samples
+        rows, world = rng.choice(len(samples), count, replace=False), _world(seed)
+        points = transform_points(world, samples.points[rows]) + 0.3 * rng.standard_normal((count, 3))
+        normals = rotate(world, samples.normals[rows]) + 0.026 * rng.standard_normal((count, 3))
+        contacts = Contacts.of(points, normals / np.linalg.norm(normals, axis=1, keepdims=True), 0.6, 0.037)
+        untold = Evidence(contacts, scale_known=False, normal_scale_known=False)
+        belief, taken = settled(untold, entry, None, 0.0, MatchConfig())
+        found = belief.hypotheses[0]
+        assert np.median(taken.contacts.sigma) > 0.1
+        error = pose_error(library["bracket"].symmetry, found.pose, world)
+        off.append(error.distance / found.translation_sigma)
+    assert np.median(off) < 2.5
