@@ -2,13 +2,13 @@
 
 A hand that reaches an object from one side, or a scan, feels all that faces it and nothing else, so that where
 contacts end is where the object does.  A place whose normal n looks along v is reached with Phi((n . v - c) / s),
-little where the touch would graze it, and A(v) is the area of the object with these weights, without what one part
-hides of another.  With n_i the normals that were felt::
+little where the touch would graze it, and A(v) is the object's area A with these weights.  With n_i the normals
+that were felt::
 
-    p(places | object, pose) = mean over v of  product over i of ((1 - e) Phi((n_i . v - c) / s) + e) / A(v)
+    p(places | object, pose) = mean over v of  product over i of ((1 - e) Phi((n_i . v - c) / s) / A(v) + e / A)
 
 over directions v all round and straight at the object's flat faces; what does not lie on the object came from
-anywhere, with 1 / A of all of it (our derivation).
+anywhere, with 1 / A (our derivation).  What one part of the object hides of another counts, as if it were reached.
 """
 
 from __future__ import annotations
@@ -27,8 +27,6 @@ _ROUND = 240  # directions
 _GRAZING = 0.1  # c
 _SOFT = 0.06  # s: with the error of normals
 _OTHER = 0.01  # e: share of contacts that came from elsewhere
-_CLEAR = 0.01  # [mm] over the surface, where it is asked what is hidden
-_LEAST = 0.02  # of an object's area that it shows to any side
 
 
 class Sides(NamedTuple):
@@ -50,9 +48,10 @@ def log_one_side(entry: Entry, turns: Floats, normals: Floats, on: Floats, count
     """
     sides = sides_of(entry)
     along = np.einsum("vi,kij,nj->kvn", sides.directions, turns, normals, optimize=True)
-    seen = np.logaddexp(log_ndtr((along - _GRAZING) / _SOFT) + np.log1p(-_OTHER), np.log(_OTHER))
     everywhere = np.log(entry.solid.area)
-    seen = on[:, None] * (seen - sides.log_areas[:, None]) - (1.0 - on[:, None]) * everywhere
+    reached = log_ndtr((along - _GRAZING) / _SOFT) - sides.log_areas[:, None]
+    seen = np.logaddexp(reached + np.log1p(-_OTHER), np.log(_OTHER) - everywhere)
+    seen = on[:, None] * seen - (1.0 - on[:, None]) * everywhere
     each = seen @ counts
     return np.asarray(logsumexp(each, axis=1) - np.log(len(sides.directions)))
 
@@ -62,21 +61,7 @@ def _made(entry: Entry) -> Sides:
     straight = [flat.axes[:, 2] for flat in flats_of(entry)]
     directions = np.concatenate([_all_round(), np.reshape(straight, (-1, 3))])
     area = ndtr((body.triangle_normals @ directions.T - _GRAZING) / _SOFT).T @ body.triangle_areas
-    area *= _open(entry, directions)
-    least = _LEAST * float(body.triangle_areas.sum())
-    return Sides(frozen(directions), frozen(np.log(np.maximum(area, least))))
-
-
-def _open(entry: Entry, directions: Floats) -> Floats:
-    """(v,) share of what looks along each direction that nothing of the object hides."""
-    points, normals = entry.samples.points, entry.samples.normals
-    sample, way = np.nonzero(normals @ directions.T > _GRAZING)
-    start = np.ascontiguousarray((points + _CLEAR * normals)[sample], dtype=np.float32)
-    rays = np.ascontiguousarray(directions[way], dtype=np.float32)
-    free = entry.solid.placed(np.eye(4)).first_hits(start, rays)[1] < 0
-    area, count = entry.samples.area[sample], len(directions)
-    facing, open_ = np.bincount(way, area, count), np.bincount(way, area * free, count)
-    return np.where(facing > 0.0, open_ / np.maximum(facing, 1e-12), 1.0)
+    return Sides(frozen(directions), frozen(np.log(area)))
 
 
 @cache

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from models import parts
 from models.csg import Cube
 from models.library import Library
 from models.solid import Solid
@@ -36,6 +37,14 @@ def test_a_block_shows_its_faces() -> None:
     assert area[up > 0.9999].min() == pytest.approx(60.0 * 50.0, rel=0.15)
     corner = (np.abs(sides.directions) > 0.25).all(axis=1)
     assert np.allclose(area[corner], 60.0 * 50.0 + 60.0 * 30.0 + 50.0 * 30.0, rtol=0.02)
+
+
+@pytest.mark.parametrize("name", ["pipe", "bracket", "spur_gear"])
+def test_the_places_of_a_contact_make_one(name: str) -> None:
+    entry = Library.of({name: Solid.from_csg(parts.build(name))})[name]
+    normals, area = entry.solid.body.triangle_normals, entry.solid.body.triangle_areas
+    each = [log_one_side(entry, np.eye(3)[None], n[None], np.ones((1, 1)), np.ones(1))[0] for n in normals]
+    assert area @ np.exp(each) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_from_all_round_no_side_explains_contacts() -> None:
