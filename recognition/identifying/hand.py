@@ -13,9 +13,10 @@ from exploration.devices.guard import Collision, Cost, Guard, OverPress
 from exploration.planning.known.told import Told
 from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocked, touch_once
 from exploration.planning.touching.pace import Pace
-from exploration.planning.touching.within_reach import begun_within, kept_within
+from exploration.planning.touching.within_reach import begun_within
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
 from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, not_below, sweeps
+from exploration.planning.ways.travel import kept_within
 from primitives.arrays import Floats
 
 _SHORT = 10.0  # [mm] of a sweep's end, from which something stopped it

@@ -16,13 +16,14 @@ from exploration.control.dwell import dwell
 from exploration.control.feel import Felt, feel
 from exploration.control.free_cells import free_cells
 from exploration.control.kept_contacts import keep
-from exploration.control.procedures.approach import ApproachConfig, advance, retreat, touched
+from exploration.control.procedures.approach import ApproachConfig, advance, touched
 from exploration.control.procedures.land import LandConfig, land, strongest
 from exploration.control.procedures.settle import SettleConfig, settle
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, ends_by_curving, sight
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.planning.known.swept import Swept, behind_skin, over_free_taxels
+from exploration.planning.ways.travel import kept_within
 from exploration.sensing.contacts import slid
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
@@ -149,7 +150,8 @@ def _off_what_it_lies_on(guard: Guard, config: LoneTouchConfig) -> float:
     if not touched(image) or deepest < config.pressed:
         return 0.0
     back = deepest + config.clear
-    retreat(guard, back)
+    behind = guard.world_from_sensor @ se3.pose(translation=[0.0, 0.0, -back])
+    guard.go_to(kept_within(behind, np.array(guard.limits.reach)))
     return back
 
 

@@ -1,7 +1,6 @@
-"""Ways and approaches that stay where the stage gets to, however large what they go round is taken for.
+"""Approaches that stay where the stage gets to, however large what they go round is taken for.
 
-An object lies in the workspace, beyond which the stage reaches: a way that would leave the stage's travel goes
-along its border, and an approach begins where its line comes in.
+An object lies in the workspace, beyond which the stage reaches: an approach begins where its line comes in.
 """
 
 from __future__ import annotations
@@ -11,20 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from exploration.planning.touching.lone_touch import Approach
+from exploration.planning.ways.travel import EDGE
 from primitives.arrays import Floats
 from primitives.pose import pose
-
-_EDGE = 2.0  # [mm] that a moving stage may overshoot
-
-
-def kept_within(world: Floats, reach: Floats) -> Floats:
-    """A (4, 4) pose moved into a (6,) box [mm]: lower corner, upper corner."""
-    return pose(world[:3, :3], np.clip(world[:3, 3], reach[:3] + _EDGE, reach[3:] - _EDGE))
 
 
 def begun_within(approach: Approach, reach: Floats) -> Approach:
     """The same line, begun where it enters a (6,) box [mm]; itself where it begins there or never enters it."""
-    low, high = reach[:3] + _EDGE, reach[3:] - _EDGE
+    low, high = reach[:3] + EDGE, reach[3:] - EDGE
     at, way = approach.start[:3, 3], approach.direction
     away = np.where(at < low, low - at, np.where(at > high, high - at, 0.0))
     out = away != 0.0

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from exploration.planning.touching.lone_touch import Approach
-from exploration.planning.touching.within_reach import begun_within, kept_within
+from exploration.planning.touching.within_reach import begun_within
+from exploration.planning.ways.travel import kept_within
 from primitives.pose import frame_along, pose, random_rotation
 
 REACH = np.array([-600.0, -600.0, -600.0, 600.0, 600.0, 600.0])
