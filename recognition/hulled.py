@@ -2,8 +2,8 @@
 
 Most of an object of facets, folds or freeform surface may be felt, and name no face; the few that it names bound a
 body that most contacts lie off, or one in pieces with nothing under many of them.  Then their convex hull is
-nearer to the object, less what an array passed through.  Its facets are read as those of any mesh: what bends
-smoothly is freeform.
+nearer to the object, less what an array passed through.  Where it passed through nothing, the hull's facets are
+read as those of any mesh: what bends smoothly is freeform.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ _LEAST = 30  # contacts
 _EMPTY = 0.25  # share of a hull, of which more is known to be empty, that is no body
 _BESIDE = 3.0  # [mm] from a place known to be empty, that is so too
 _SAMPLES = 4000
+_FLAT = 1e-6  # volume over area^(3/2), of which less is no body
 _COARSE = 40  # places along the longest side of the hull that are told apart
 
 _LACKING = "the faces leave much of what was felt in the air; the body is the hull of all contacts"
@@ -117,6 +118,8 @@ def _hull(felt: Floats) -> Polyhedron | None:
         _, first = np.unique(np.round(corners / cell), axis=0, return_index=True)
         some = corners[np.sort(first)]
         found = ConvexHull(some)
+        if found.volume < _FLAT * found.area**1.5:
+            return None
     except (QhullError, ValueError):
         return None
     middle, faces = some.mean(axis=0), []

@@ -101,3 +101,8 @@ def test_a_smooth_convex_body_is_one_freeform_face_that_was_felt():
     assert np.mean(owner == 0) > 0.99
     assert all_on_hull(felt.points)
     assert not all_on_hull(np.vstack([felt.points, 0.5 * felt.points[:200]]))
+
+
+def test_places_all_but_in_a_plane_have_no_hull():
+    flat = np.random.default_rng(0).uniform(-20.0, 20.0, (60, 3)) * [1.0, 1.0, 1e-12]
+    assert not all_on_hull(flat)
