@@ -24,7 +24,8 @@ from models.body import Body
 from primitives.arrays import Bools, Floats, Ints
 
 CREASE = np.deg2rad(30.0)  # [rad] a fold sharper than this is an edge of the object, not of its facets
-_BESIDE = 1e-9  # share of a triangle's height, within which a point is on its side
+_BESIDE = 1e-9  # barycentric coordinate of a point that is on a side
+_SLIVER = 1e-6  # squared sine at a corner, below which these are too rough to tell: its sides may be edges
 TILTED = 0.01  # share of contacts on the surface whose normal is not the surface's: pads that lay on an edge
 
 
@@ -209,7 +210,7 @@ def on_edge(s, corners, sharp):  # type: ignore[no-untyped-def]
         u, v, w = corners[1, a] - corners[0, a], corners[2, a] - corners[0, a], s[a] - corners[0, a]
         uu, uv, vv, su, sv = uu + u * u, uv + u * v, vv + v * v, su + w * u, sv + w * v
     over = uu * vv - uv * uv
-    if over <= 1e-12 * uu * vv:
+    if over <= _SLIVER * uu * vv:
         return True
     second, third = (vv * su - uv * sv) / over, (uu * sv - uv * su) / over
     low, mid, high = 1.0 - second - third < _BESIDE, second < _BESIDE, third < _BESIDE

@@ -1,16 +1,17 @@
 """Poses refined on curved surfaces: felt normals go along with the surface that bends."""
 
 import numpy as np
+import pytest
 
 from models.csg import Cone, Cylinder
 from models.library import Library
 from models.solid import Solid
 from models.symmetry import pose_error
 from primitives.evidence import Contacts
-from primitives.pose import exp, inverse, pose, rotation_exp
+from primitives.pose import exp, inverse, pose, random_rotation, rotation_exp
 from recognition.matching import Evidence, match
 from recognition.matching.align import refine
-from recognition.matching.facets import bent, facets_of
+from recognition.matching.facets import bent, facets_of, on_edge
 from recognition.matching.steps import add_bent_normal
 
 ROD = Library.of({"rod": Solid.from_csg(Cylinder(15.0, 60.0))})["rod"]
@@ -119,3 +120,13 @@ def test_how_sure_a_cone_lies_is_how_far_it_is_off():
         off.append(pose_error(entry.symmetry, h.pose, np.eye(4)).angle)
         said.append(h.rotation_sigma)
     assert 0.5 < np.sqrt(np.mean(np.square(off)) / np.mean(np.square(said))) < 1.5
+
+
+@pytest.mark.parametrize("width", [1.0, 0.01, 0.001])
+def test_a_place_on_a_sharp_side_of_a_sliver_is_on_an_edge(width):
+    rng, sharp = np.random.default_rng(0), np.array([True, True, True, True, True, True])
+    for _ in range(200):
+        corners = random_rotation(rng) @ np.array([[0.0, 0.0, 0.0], [50.0, 0.0, 0.0], [20.0, width, 0.0]]).T
+        corners = np.ascontiguousarray(corners.T + rng.uniform(-50.0, 50.0, 3))
+        t, k = rng.random(), int(rng.integers(3))
+        assert on_edge((1.0 - t) * corners[k] + t * corners[(k + 1) % 3], corners, sharp)
