@@ -110,9 +110,9 @@ def _in_crumbs(areas: Sequence[float], whole: float, facets: int, options: Curve
 
     On a smooth freeform face small patches of tori fit anywhere.
     """
-    if facets < options.freeform or len(areas) < options.pieces:
+    if facets < options.crumbs_facets or len(areas) < options.crumbs:
         return False
-    return options.many * float(np.mean(areas)) < whole
+    return options.crumbs_to_cover * float(np.mean(areas)) < whole
 
 
 def _near_rim(mesh: Mesh, hood: Ints) -> Bools:

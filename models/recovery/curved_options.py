@@ -38,10 +38,10 @@ class CurvedOptions:
         12  # patches that may lead nowhere before a neighborhood is given up; and one in 100 facets; in a row
     )
     patient: int = 40  # the most that a large neighborhood adds to them
-    pieces: int = 10  # surfaces found in a neighborhood, after which it is asked whether they are but crumbs,
-    many: int = 60  # of which so many would be needed to cover it,
-    freeform: int = 1500  # where it has so many facets
     failures_late: int = 3  # the same, among facets that a surface found before may explain
+    crumbs: int = 10  # surfaces found in a neighborhood, after which it is asked whether they are but crumbs
+    crumbs_to_cover: int = 60  # as large as these, that it would take to cover one that is freeform
+    crumbs_facets: int = 1500  # of a neighborhood that is asked for crumbs, at least
     slack: float = 1.2  # how far corners may be off where chords were cut, in units of the chords' sag
     together: int = 3  # surfaces that may explain a neighborhood of cut chords
     fit: FacetFitOptions = field(default_factory=FacetFitOptions)
