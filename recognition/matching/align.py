@@ -16,9 +16,7 @@ from primitives.arrays import Bools, Floats, frozen
 from recognition.matching.facets import Facets, bent, likeliest, on_edge, tilt_bound
 from recognition.matching.steps import add_bent_normal, add_distance, moved, rotated, solved, turn
 
-_OF_MEDIAN = (
-    2.0 / np.pi * 2.0 / np.pi
-)  # what a distance tells where their sum is least, of Laplace's b, if normal
+_OF_MEDIAN = (2.0 / np.pi) ** 2  # what a distance tells where their sum is least, of Laplace's b, if normal
 
 
 class Aligned(NamedTuple):
