@@ -113,13 +113,19 @@ class Explorer:
                 done, note = move()
             except (OverPress, Collision) as error:
                 self._study.back_off(error)
-                self._stopped += self.told is None  # what is told stops moves, and says nothing of the object
+                self._stopped += not self._by_what_is_told(error)
                 done, note = None, f"backed off: {error}"
             if done is not None:
                 face, self._stopped = done, 0
             self.found.hollow |= self._stopped >= self.config.stopped
             yield self._say(note)
         self.found.ended = "budget"
+
+    def _by_what_is_told(self, fault: OverPress | Collision) -> bool:
+        """Whether what is told may have stopped a move, which says nothing of the object then."""
+        return self.told is not None and (
+            fault.seen is None or self.told.may_have_stopped(fault.seen.world_from_sensor)
+        )
 
     def _dented(self) -> bool:
         """Whether what was felt of a face proves that the object is not convex, or it bounds no half-space."""

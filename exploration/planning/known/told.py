@@ -81,6 +81,10 @@ class Told:
         """[mm] height down to which the object is looked for."""
         return -np.inf if self.table is None else self.table + self._config.over
 
+    def may_have_stopped(self, where: Floats) -> bool:
+        """Whether an array that was stopped at a (4, 4) pose was so near to it that it may have met it."""
+        return not bool(self._tool.clear(where[None], self.points, self._config.met, self._config.met)[0])
+
     def leads_past(self, start: Floats) -> bool:
         """Whether an approach from a (4, 4) pose begins clear of it, and above the table."""
         above = self.table is None or float(start[2, 3]) > self.floor

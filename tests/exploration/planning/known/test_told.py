@@ -9,6 +9,7 @@ from models.csg import Cube
 from models.scene import table_under
 from models.solid import Solid
 from primitives.evidence import NOT_FELT, Contacts
+from primitives.pose import frame_along, pose
 
 BLOCK = Solid.from_csg(Cube((60.0, 40.0, 20.0)))
 TABLE = table_under(BLOCK)
@@ -51,3 +52,9 @@ def test_the_resting_face_is_on_the_tables_top_and_was_not_felt(told):
     resting = told.resting(np.array([5.0, 6.0, 10.0]))
     assert (resting.points[:, 2] == -10.0).all()
     assert (resting.touch == NOT_FELT).all()
+
+
+def test_what_stopped_an_array_well_above_the_table_was_not_the_table(told):
+    down = frame_along(np.array([0.0, 0.0, -1.0]))
+    assert told.may_have_stopped(pose(down, [60.0, 0.0, -7.0]))
+    assert not told.may_have_stopped(pose(down, [60.0, 0.0, 3.0]))
