@@ -1,8 +1,9 @@
 """Looks at the rims of walls that no array has room to face.
 
 The pad lies over a rim that was only guessed, and sees where it is; where the surface goes on under all of it, the
-pad looks once more farther out.  Where that face is flat, every straight edge that a part of the pad shows is
-remembered, too.  What walls they are of is inferred in the end.
+pad looks once more farther out; where it rolled off, as off a narrow top, it is pressed there as it came.  Where
+that face is flat, every straight edge that a part of the pad shows is remembered, too.  What walls they are of is
+inferred in the end.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from exploration.control.feel import feel
 from exploration.control.kept_contacts import touched_cells
 from exploration.control.procedures.land import AS_TOLD
+from exploration.control.procedures.settle import AS_IT_CAME
 from exploration.control.sighting import Sighting
 from exploration.planning.touching.findings import Attempts, Done, SeenRim
 from exploration.planning.touching.reach import Reach
@@ -41,6 +44,15 @@ class RimLooksConfig:
     even: float = 0.9995  # least cosine between its normals at the two,
     level: float = 0.05  # and most between them and the way out
     border: float = 2.0  # [mm] of the pad, where surface is felt that goes on
+    flush: float = 0.999  # least cosine between the pad's normal and that of a face that it lies on
+
+
+class _Seen(NamedTuple):
+    """What a pad over a rim shows."""
+
+    rim: Sighting | None  # where the whole pad makes it out
+    parts: list[Sighting]  # straight edges that parts of it show
+    made_out: bool  # whether either shows the rim
 
 
 class RimLooks:
@@ -80,14 +92,27 @@ class RimLooks:
         for over, give in itertools.chain(straight, self._aside(rim, attitudes)):
             if not self.reach.touch(over, give, landing=AS_TOLD):
                 continue
-            ends = self._straight(rim, face) and not self._goes_on(rim.outward)
-            heading = _along(pad.guard.world_from_sensor, rim.outward) if ends else None
-            whole, parts = pad.sightings(heading), pad.sightings_in_parts() if self._flat(face) else []
-            seen = self._made_out(rim, whole)
-            found.wall_rims += [] if seen is None else [(seen, face)]
-            found.glimpsed += [(edge, face) for edge in parts]
-            return True, seen is not None or self._made_out(rim, parts) is not None
+            seen = self._edges(rim, face)
+            if self._rolled(rim) and self.reach.touch(over, give, AS_IT_CAME, AS_TOLD):
+                flush = self._edges(rim, face)
+                seen = flush if flush.made_out else seen
+            found.wall_rims += [] if seen.rim is None else [(seen.rim, face)]
+            found.glimpsed += [(edge, face) for edge in seen.parts]
+            return True, seen.made_out
         return False, False
+
+    def _edges(self, rim: Sighting, face: int) -> _Seen:
+        """What the pad shows of a rim of a face, and beside it."""
+        pad = self.study.pad
+        ends = self._straight(rim, face) and not self._goes_on(rim.outward)
+        heading = _along(pad.guard.world_from_sensor, rim.outward) if ends else None
+        whole, parts = pad.sightings(heading), pad.sightings_in_parts() if self._flat(face) else []
+        there = self._made_out(rim, whole)
+        return _Seen(there, parts, there is not None or self._made_out(rim, parts) is not None)
+
+    def _rolled(self, rim: Sighting) -> bool:
+        """Whether the pad settled off the face that a rim is of, as it does on the narrow top of a wall."""
+        return float(-self.study.pad.guard.world_from_sensor[:3, 2] @ rim.normal) < self.config.flush
 
     def _aside(self, rim: Sighting, attitudes: Sequence[Floats]) -> Iterator[tuple[Floats, bool]]:
         """(4, 4) poses with room from which part of the pad looks at a rim, those nearest to it first."""

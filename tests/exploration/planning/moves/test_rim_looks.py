@@ -101,3 +101,22 @@ def test_a_rim_too_near_a_table_to_lie_over_is_looked_at_from_higher_up():
     seen = [edge for edge, _ in (*study.found.wall_rims, *study.found.glimpsed)]
     offs = [float(edge.point @ X) for edge in seen if edge.outward @ X > 0.99]
     assert min(abs(off + 10.0) for off in offs) < 0.3
+
+
+def test_on_the_narrow_top_of_a_wall_the_pad_is_pressed_as_it_came():
+    """It settles off a guess that is 1 mm too far out, and contact that fades with its tilt ends at no edge."""
+    wall = Solid.from_csg(Cube((6.0, 90.0, 30.0)).at(3.0, 0.0, -15.0))
+    spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-Z), [0.0, 0.0, 40.0])
+    stage, arrays = simulate(wall, [spec], np.random.default_rng(0), noise=0.05, start_pose=start)
+    box = np.array([-80.0, -80.0, -80.0, 80.0, 80.0, 80.0])
+    guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
+    tare(guard)
+    pad = Pad(guard, box, lambda kind, detail: None)
+    top = flat(4, Z, 3.0 * X)
+    study = Study(pad, Findings(hollow=True, graph=PatchGraph((top,), ())), AttributionConfig(convex=False))
+    move = RimLooks(study, Reach(pad)).next([(rim([-1.0, 0.0, 0.0], Y, -X, Z), 4)])
+    assert move is not None
+    assert move()[1] == "looked at the rim of a wall that nothing has room to face"
+    seen = [edge for edge, face in (*study.found.wall_rims, *study.found.glimpsed) if face == 4]
+    assert min(float(edge.normal @ Z) for edge in seen) > 0.999
+    assert min(abs(float(edge.point @ X)) for edge in seen if edge.outward @ -X > 0.99) < 0.1
