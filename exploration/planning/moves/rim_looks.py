@@ -35,6 +35,10 @@ class RimLooksConfig:
     beside: float = 6.0  # [mm] between rims that are tried as one
     inside: float = 3.0  # [mm] of the pad's middle on the material
     alike: float = 0.85  # least cosine between the ways out of a rim as guessed and as seen
+    aslant: float = 0.5  # the same, where it was seen to end a round face
+    across: float = (
+        0.97  # least cosine between the way out of a round face's end and its side's straight lines
+    )
     near: float = 4.0  # [mm] between the two
     shift: float = 3.0  # [mm] aside and farther inside, in steps, where there is no room right over a rim
     seen: float = 3.0  # [mm] of the pad beyond the rim then
@@ -107,7 +111,7 @@ class RimLooks:
         ends = self._straight(rim, face) and not self._goes_on(rim.outward)
         heading = _along(pad.guard.world_from_sensor, rim.outward) if ends else None
         whole, parts = pad.sightings(heading), pad.sightings_in_parts() if self._flat(face) else []
-        there = self._made_out(rim, whole)
+        there = self._made_out(rim, whole) or self._end(rim, face, whole)
         return _Seen(there, parts, there is not None or self._made_out(rim, parts) is not None)
 
     def _rolled(self, rim: Sighting) -> bool:
@@ -155,13 +159,31 @@ class RimLooks:
 
     def _made_out(self, rim: Sighting, edges: Sequence[Sighting]) -> Sighting | None:
         """The longest of the edges that were seen where a rim was guessed."""
+        there = [seen for seen in self._near(rim, edges) if seen.outward @ rim.outward > self.config.alike]
+        return max(there, key=lambda seen: seen.length, default=None)
+
+    def _end(self, rim: Sighting, face: int, edges: Sequence[Sighting]) -> Sighting | None:
+        """The longest of those that end a round face across its axis, though the guess was aslant."""
+        fit = self.study.found.fit_of(face)
+        if fit is None or fit.kind not in ("cylinder", "cone"):
+            return None
         there = [
             seen
-            for seen in edges
-            if seen.outward @ rim.outward > self.config.alike
-            and abs(float((seen.point - rim.point) @ rim.outward)) < self.config.near
+            for seen in self._near(rim, edges)
+            if abs(float(seen.outward @ _down_the_side(fit.shape.direction, seen.normal)))
+            > self.config.across
+            and seen.outward @ rim.outward > self.config.aslant
         ]
         return max(there, key=lambda seen: seen.length, default=None)
+
+    def _near(self, rim: Sighting, edges: Sequence[Sighting]) -> list[Sighting]:
+        return [e for e in edges if abs(float((e.point - rim.point) @ rim.outward)) < self.config.near]
+
+
+def _down_the_side(axis: Floats, normal: Floats) -> Floats:
+    """(3,) straight line of a cylinder or cone about a (3,) axis, where its side has a (3,) normal."""
+    line = axis - float(axis @ normal) * normal
+    return np.asarray(line / np.linalg.norm(line))
 
 
 def _along(world_from_sensor: Floats, way: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """A look at a rim shows the others beside it."""
 
 import numpy as np
+import pytest
 
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting
@@ -55,8 +56,12 @@ def test_a_look_at_the_end_of_a_groove_remembers_every_edge_that_it_shows():
         assert min(abs(off - there) for off in offs) < 0.3
 
 
-def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_on():
-    """The contact on a cylinder is a narrow strip, whose end is seen in what is left of it."""
+@pytest.mark.parametrize("way", [Z, np.array([0.0, 0.8, 0.6])], ids=["straight", "aslant"])
+def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_on(way):
+    """The contact on a cylinder is a narrow strip, whose end is seen in what is left of it.
+
+    The guess is aslant where strokes have felt the side to end at a slant.
+    """
     spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-X), [60.0, 0.0, 0.0])
     post = Solid.from_csg(Cylinder(30.0, 60.0))
     stage, arrays = simulate(post, [spec], np.random.default_rng(0), noise=0.05, start_pose=start)
@@ -70,7 +75,7 @@ def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_o
     side = ranked_face(4, Contacts.of(points, np.tile(ring, (3, 1)), 0.01, 0.01), MergeOptions())
     found = Findings(hollow=True, graph=PatchGraph((side,), ()))
     study = Study(pad, found, AttributionConfig(convex=False))
-    move = RimLooks(study, Reach(pad)).next([(rim([30.0, 0.0, 23.0], Y, Z, X), 4)])
+    move = RimLooks(study, Reach(pad)).next([(rim([30.0, 0.0, 23.0], np.cross(way, X), way, X), 4)])
     assert move is not None
     assert move()[1] == "looked at the rim of a wall that nothing has room to face"
     heights = [float(edge.point @ Z) for edge, face in study.found.wall_rims if face == 4]
