@@ -80,14 +80,15 @@ class _Surface:
         for axis in self.axes[np.argsort([not a for a in alike])]:
             if all(self.has(rotation_exp(a * axis)) for a in _IRRATIONAL):
                 flip = self._across(axis, 0.0)
-                return grouped(np.stack([np.eye(3), *flip[:1]]), self.center, axis, np.inf)
+                turns = [np.eye(3)] if flip is None else [np.eye(3), flip]
+                return grouped(np.stack(turns), self.center, axis, np.inf)
         each = [
             self._folds(k, self.config.folds if same else 2) for k, same in zip(self.axes, alike, strict=True)
         ]
         axis, folds = self.axes[int(np.argmax(each))], max(each)
         turns = [rotation_exp(2 * np.pi * k / folds * axis) for k in range(folds)]
-        flips = self._across(axis, np.pi / folds) if folds > 1 else []
-        turns += [turn @ flips[0] for turn in turns] if flips else []
+        flip = self._across(axis, np.pi / folds) if folds > 1 else None
+        turns += [] if flip is None else [turn @ flip for turn in turns]
         return grouped(np.stack(turns), self.center, None, float(len(turns)))
 
     def _alike(self, k: int) -> bool:
@@ -97,15 +98,15 @@ class _Surface:
     def _folds(self, axis: Floats, most: int) -> int:
         return next((n for n in range(most, 1, -1) if self.has(rotation_exp(2 * np.pi / n * axis))), 1)
 
-    def _across(self, axis: Floats, period: float) -> list[Floats]:
-        """At most one half turn about an axis across; these come again after a `period` [rad], if not anywhere."""
+    def _across(self, axis: Floats, period: float) -> Floats | None:
+        """A half turn about an axis across; these come again after a `period` [rad], 0 where any would do."""
         u, v = frame_along(axis)[:, :2].T
 
         def flip(angle: float) -> Floats:
             return rotation_exp(np.pi * (np.cos(angle) * u + np.sin(angle) * v))
 
         if period == 0.0:
-            return [flip(0.0)] if self.has(flip(0.0)) else []
+            return flip(0.0) if self.has(flip(0.0)) else None
         tried = np.linspace(0.0, period, self.config.across, endpoint=False)
         off = [self.off(flip(angle), self.config.first) for angle in tried]
         best, step = float(tried[int(np.argmin(off))]), period / self.config.across
@@ -114,7 +115,7 @@ class _Surface:
             bounds=(best - step, best + step),
             method="bounded",
         )
-        return [flip(float(near.x))] if self.has(flip(float(near.x))) else []
+        return flip(float(near.x)) if self.has(flip(float(near.x))) else None
 
 
 def _sagitta(mesh: trimesh.Trimesh, smooth: float) -> float:

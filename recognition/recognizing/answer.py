@@ -20,7 +20,8 @@ _LEAST = 1e-4  # a candidate less probable than this is not told, unless it is t
 _TOLD_INWARD = 0.05  # probability that normals point in, from which on it is told
 _CROWDED = 0.1  # of the length of the smallest object: contacts nearer together are hardly in mm,
 _MANY = 6  # where there are so many of them
-_SIGMAS, _NARROW = 2.0, 0.02  # breadth of a line that contacts lie on, in their sigmas or of its length
+_SIGMAS = 2.0  # sigmas of the contacts, within which they lie on a line,
+_NARROW = 0.02  # or within this share of its length
 
 
 def pose_json(world_from_object: Floats) -> dict[str, Any]:
