@@ -7,6 +7,7 @@ import numpy as np
 from exploration.control.feel import Felt
 from exploration.devices.guard import Observation
 from exploration.sensing.lines.line import Line
+from exploration.sensing.lines.strip_end import fit_strip_end
 from primitives.arrays import Floats
 
 
@@ -43,7 +44,8 @@ def brink(seen: Observation, felt: Felt, heading: Floats) -> Sighting:
 
     A narrow contact, as of a cylinder, is cut by its edge over a few taxels only; that it ends is plain.
     """
-    ahead = reach_along(felt, seen, heading)
+    end = fit_strip_end(seen.image, heading)
+    ahead = reach_along(felt, seen, heading) if end is None else end.offset
     across = float(felt.centroid @ np.array([-heading[1], heading[0]]))
     foot = ahead * heading + across * np.array([-heading[1], heading[0]])
     turn = seen.world_from_sensor[:3, :3]
@@ -52,7 +54,7 @@ def brink(seen: Observation, felt: Felt, heading: Floats) -> Sighting:
         tangent=turn[:, :2] @ np.array([-heading[1], heading[0]]),
         outward=turn[:, :2] @ heading,
         normal=-turn[:, 2],
-        sigma=0.7 * float(min(seen.image.array.pitch)),
+        sigma=0.7 * float(min(seen.image.array.pitch)) if end is None else end.sigma,
         length=float(np.sqrt(felt.area)),
     )
 

@@ -35,18 +35,14 @@ class RimLooksConfig:
     beside: float = 6.0  # [mm] between rims that are tried as one
     inside: float = 3.0  # [mm] of the pad's middle on the material
     alike: float = 0.85  # least cosine between the ways out of a rim as guessed and as seen
-    aslant: float = 0.5  # the same, where it was seen to end a round face
-    across: float = (
-        0.97  # least cosine between the way out of a round face's end and its side's straight lines
-    )
+    aslant: float = 0.5  # least cosine between a guess and the straight lines of a round face that it ends
+    behind: tuple[float, float] = (2.0, 12.0)  # [mm] behind an end, where the face was not felt
+    across: float = 0.97  # the same, between these and an edge that is such an end
     near: float = 4.0  # [mm] between the two
     shift: float = 3.0  # [mm] aside and farther inside, in steps, where there is no room right over a rim
     seen: float = 3.0  # [mm] of the pad beyond the rim then
     looks: int = 2  # such poses that are tried
     on: float = 0.4  # of the pad's shorter side, that it goes on where the surface does
-    along: float = 10.0  # [mm] inside a rim, where a face that is straight there looks as it does at the rim
-    even: float = 0.9995  # least cosine between its normals at the two,
-    level: float = 0.05  # and most between them and the way out
     border: float = 2.0  # [mm] of the pad, where surface is felt that goes on
     flush: float = 0.999  # least cosine between the pad's normal and that of a face that it lies on
 
@@ -54,7 +50,7 @@ class RimLooksConfig:
 class _Seen(NamedTuple):
     """What a pad over a rim shows."""
 
-    rim: Sighting | None  # where the whole pad makes it out
+    rims: list[Sighting]  # the rim, where the whole pad makes it out, and other ends of a round face
     parts: list[Sighting]  # straight edges that parts of it show
     made_out: bool  # whether either shows the rim
 
@@ -76,6 +72,10 @@ class RimLooks:
 
     def _look(self, rim: Sighting, face: int) -> Done:
         self._tried.note(rim.point)
+        side = self._down_the_side(rim, face)
+        if side is not None and abs(along := float(side @ rim.outward)) > self.config.aslant:
+            out = side * np.sign(along)  # strokes have left it aslant
+            rim = replace(rim, outward=out, tangent=np.cross(rim.normal, out))
         lay, made_out = self._lay_over(rim, face)
         if lay and not made_out and self._goes_on(rim.outward):
             farther = rim.point + self.config.on * min(self.study.pad.size) * rim.outward
@@ -100,19 +100,23 @@ class RimLooks:
             if self._rolled(rim) and self.reach.touch(over, give, AS_IT_CAME, AS_TOLD):
                 flush = self._edges(rim, face)
                 seen = flush if flush.made_out else seen
-            found.wall_rims += [] if seen.rim is None else [(seen.rim, face)]
+            found.wall_rims += [(edge, face) for edge in seen.rims]
             found.glimpsed += [(edge, face) for edge in seen.parts]
             return True, seen.made_out
         return False, False
 
     def _edges(self, rim: Sighting, face: int) -> _Seen:
         """What the pad shows of a rim of a face, and beside it."""
-        pad = self.study.pad
-        ends = self._straight(rim, face) and not self._goes_on(rim.outward)
+        pad, side = self.study.pad, self._down_the_side(rim, face)
+        ends = side is not None and abs(float(side @ rim.outward)) > self.config.across
+        ends = ends and not self._goes_on(rim.outward)
         heading = _along(pad.guard.world_from_sensor, rim.outward) if ends else None
         whole, parts = pad.sightings(heading), pad.sightings_in_parts() if self._flat(face) else []
-        there = self._made_out(rim, whole) or self._end(rim, face, whole)
-        return _Seen(there, parts, there is not None or self._made_out(rim, parts) is not None)
+        there = self._made_out(rim, whole)
+        rims = [] if there is None else [there]
+        if side is not None:
+            rims += [edge for edge in whole if edge is not there and self._ends(edge, side)]
+        return _Seen(rims, parts, there is not None or self._made_out(rim, parts) is not None)
 
     def _rolled(self, rim: Sighting) -> bool:
         """Whether the pad settled off the face that a rim is of, as it does on the narrow top of a wall."""
@@ -148,42 +152,35 @@ class RimLooks:
         fit = self.study.found.fit_of(face)
         return fit is not None and fit.kind == "plane"
 
-    def _straight(self, rim: Sighting, face: int) -> bool:
-        """Whether a round face does not curve toward its rim: contact that ends there is at an end of the face."""
-        fit = self.study.found.fit_of(face)
-        if fit is None or fit.kind == "plane":
-            return False
-        inside = rim.point - self.config.along * rim.outward
-        at, before = fit.shape.normals(np.array([rim.point, inside]))
-        return bool(at @ before > self.config.even and abs(at @ rim.outward) < self.config.level)
-
-    def _made_out(self, rim: Sighting, edges: Sequence[Sighting]) -> Sighting | None:
-        """The longest of the edges that were seen where a rim was guessed."""
-        there = [seen for seen in self._near(rim, edges) if seen.outward @ rim.outward > self.config.alike]
-        return max(there, key=lambda seen: seen.length, default=None)
-
-    def _end(self, rim: Sighting, face: int, edges: Sequence[Sighting]) -> Sighting | None:
-        """The longest of those that end a round face across its axis, though the guess was aslant."""
+    def _down_the_side(self, rim: Sighting, face: int) -> Floats | None:
+        """(3,) straight line of a cylinder's or cone's side at a rim of it; None where a face has none."""
         fit = self.study.found.fit_of(face)
         if fit is None or fit.kind not in ("cylinder", "cone"):
             return None
+        line = fit.shape.direction - float(fit.shape.direction @ rim.normal) * rim.normal
+        length = float(np.linalg.norm(line))
+        return line / length if length > self.config.aslant else None
+
+    def _ends(self, edge: Sighting, side: Floats) -> bool:
+        """Whether an edge is across a round face's (3,) straight line, and nothing was felt behind it."""
+        if abs(float(edge.outward @ side)) < self.config.across:
+            return False
+        felt = self.reach.felt
+        away = felt.points - edge.point
+        ahead, aside, off = (away @ way for way in (edge.outward, edge.tangent, edge.normal))
+        near, far = self.config.behind
+        behind = (ahead > near) & (ahead < far) & (np.abs(aside) < 0.5 * edge.length) & (np.abs(off) < near)
+        return not bool((behind & (felt.facing @ edge.normal > self.config.alike)).any())
+
+    def _made_out(self, rim: Sighting, edges: Sequence[Sighting]) -> Sighting | None:
+        """The longest of the edges that were seen where a rim was guessed."""
         there = [
             seen
-            for seen in self._near(rim, edges)
-            if abs(float(seen.outward @ _down_the_side(fit.shape.direction, seen.normal)))
-            > self.config.across
-            and seen.outward @ rim.outward > self.config.aslant
+            for seen in edges
+            if seen.outward @ rim.outward > self.config.alike
+            and abs(float((seen.point - rim.point) @ rim.outward)) < self.config.near
         ]
         return max(there, key=lambda seen: seen.length, default=None)
-
-    def _near(self, rim: Sighting, edges: Sequence[Sighting]) -> list[Sighting]:
-        return [e for e in edges if abs(float((e.point - rim.point) @ rim.outward)) < self.config.near]
-
-
-def _down_the_side(axis: Floats, normal: Floats) -> Floats:
-    """(3,) straight line of a cylinder or cone about a (3,) axis, where its side has a (3,) normal."""
-    line = axis - float(axis @ normal) * normal
-    return np.asarray(line / np.linalg.norm(line))
 
 
 def _along(world_from_sensor: Floats, way: Floats) -> Floats:
