@@ -69,11 +69,18 @@ class RoundHoles:
     def next(self, openings: Sequence[RoundRim]) -> Callable[[], Done] | None:
         """A look at the nearest rim that was not looked at yet."""
         here = self.study.pad.guard.world_from_sensor[:3, 3]
-        left = [rim for rim in openings if not self._given_up(rim)]
+        left = [rim for rim in openings if not self._given_up(rim) and not self._on_a_ring(rim, openings)]
         if not left:
             return None
         nearest = min(left, key=lambda rim: float(np.linalg.norm(rim.center - here)))
         return partial(self._measure, nearest)
+
+    def _on_a_ring(self, rim: RoundRim, openings: Sequence[RoundRim]) -> bool:
+        """Whether another of the openings is a rim's, and tells where the face round it ends."""
+        return not np.isfinite(rim.outer) and any(
+            np.isfinite(other.outer) and float(np.linalg.norm(rim.center - other.center)) < self.config.beside
+            for other in openings
+        )
 
     def _given_up(self, rim: RoundRim) -> bool:
         """Whether one was seen there, or none about as wide: a far end is guessed as wide as the near one."""
@@ -114,7 +121,7 @@ class RoundHoles:
             return None, "no round rim was made out"
         better = replace(rim, center=found.center, radius=found.radius, sigma=found.sigma, measured=True)
         self._seen.note(rim.center, found.center)
-        ring = self.study.narrow_face(found.face, rim.axis, len(frames)) if bare else None
+        ring = self.study.narrow_face(found.face, rim.axis, len(frames)) if bare or slim else None
         if ring is not None:
             rise = float(((found.face - found.center) @ rim.axis).mean())
             better = replace(better, face=ring, center=found.center + rise * rim.axis)
