@@ -55,7 +55,7 @@ class RoundHolesConfig:
     missing: float = 0.4  # and share of what shows there, that shows inside at most
     closed: float = 4.5  # [rad] round what is missing, over which the face shows at least
     guessed: float = 2.0  # [mm] between edges that one end of a tube was guessed from
-    narrow: float = 6.0  # [mm] of a ring, on which no pad can lie
+    narrow: float = 9.0  # [mm] of a ring as guessed, which is up to 3 mm too wide, on which no pad can lie
 
 
 class RoundHoles:

@@ -221,7 +221,7 @@ def test_taxels_off_a_circle_are_left_out_on_one_side_of_it_and_not_all_round():
 
 @pytest.mark.parametrize(
     ("sensor", "wall", "rolled"),
-    [("lts210", 1.5, False), ("lts210", 3.0, False), ("optical", 1.5, False), ("lts210", 3.0, True)],
+    [("lts210", 1.5, False), ("lts210", 3.0, False), ("optical", 1.5, False), ("lts210", 5.0, True)],
 )
 def test_a_look_at_the_end_of_a_thin_tube_makes_a_face_of_it_and_measures_its_bore(sensor, wall, rolled):
     """Also where a pad that rolled over the ring has left a face of it that is too poor to keep."""
@@ -242,7 +242,8 @@ def test_a_look_at_the_end_of_a_thin_tube_makes_a_face_of_it_and_measures_its_bo
     assert len(drop_poor(graph).faces) == 1
     found = Findings(hollow=True, graph=graph)
     holes = RoundHoles(study := Study(pad, found, AttributionConfig(convex=False)), Reach(pad))
-    rim = RoundRim(20.0 * UP, UP, 15.0 - wall, 1.0, 2 if rolled else 1, outer=16.0)
+    guess = 13.0 - wall if rolled else 15.0 - wall  # cells of the ring are felt up to 3 mm inside its bore
+    rim = RoundRim(20.0 * UP, UP, guess, 1.0, 2 if rolled else 1, outer=16.0)
     assert holes.next([rim])()[1] == "looked at the rim of a round hole"
     (seen,) = study.found.rims
     assert seen.radius == pytest.approx(16.0 - wall, abs=0.05)
