@@ -41,6 +41,7 @@ from primitives.fit import Fit
 __all__ = ["Explorer", "ExplorerConfig", "Findings"]
 
 _UNDER = 1.0  # [mm] that the workspace reaches under a table's top
+_LATELY = 2  # stops of the way that the pad came, from which it came to what stopped it
 
 
 class Explorer:
@@ -123,9 +124,10 @@ class Explorer:
 
     def _by_what_is_told(self, fault: OverPress | Collision) -> bool:
         """Whether what is told may have stopped a move, which says nothing of the object then."""
-        return self.told is not None and (
-            fault.seen is None or self.told.may_have_stopped(fault.seen.world_from_sensor)
-        )
+        if self.told is None or fault.seen is None:
+            return self.told is not None
+        trail = self.pad.way_back
+        return self.told.may_have_stopped(fault.seen.world_from_sensor, trail.since(trail.length - _LATELY))
 
     def _dented(self) -> bool:
         """Whether what was felt of a face proves that the object is not convex, or it bounds no half-space."""

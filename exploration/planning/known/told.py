@@ -6,6 +6,7 @@ the face that it hides is inferred to be on the table's top.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ class ToldConfig:
     near: float = 0.5  # [mm] of a contact from it
     facing: float = 0.9  # least cosine between their normals
     met: float = 6.0  # [mm] of where a stroke was stopped
+    nearer: float = 0.5  # [mm] that an array comes on the way to what stops it
     lies: float = 0.2  # [mm] over it, of the middle of a pad that lies on it: the skin gives
     room: float = 0.3  # [mm] round the housing, where the pad is to lie
     over: float = 1.5  # [mm] over the table, where the search for the object stops
@@ -81,9 +83,19 @@ class Told:
         """[mm] height down to which the object is looked for."""
         return -np.inf if self.table is None else self.table + self._config.over
 
-    def may_have_stopped(self, where: Floats) -> bool:
-        """Whether an array that was stopped at a (4, 4) pose was so near to it that it may have met it."""
-        return not bool(self._tool.clear(where[None], self.points, self._config.met, self._config.met)[0])
+    def may_have_stopped(self, where: Floats, before: Sequence[Floats]) -> bool:
+        """Whether an array that was stopped at a (4, 4) pose may have met it: near it, and coming nearer.
+
+        It came from (4, 4) poses `before`; of one that came from nowhere nothing is known.
+        """
+        if bool(self._tool.clear(where[None], self.points, self._config.met, self._config.met)[0]):
+            return False
+        came_from = max((self._off(pose) for pose in before), default=np.inf)
+        return self._off(where) < came_from - self._config.nearer
+
+    def _off(self, pose: Floats) -> float:
+        """[mm] of the corner of the array's box that is nearest to it, or deepest in it."""
+        return float(self.surface.signed_distance(se3.transform_points(pose, self._tool.corners)).min())
 
     def leads_past(self, start: Floats) -> bool:
         """Whether an approach from a (4, 4) pose begins clear of it, and above the table."""

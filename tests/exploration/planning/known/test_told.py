@@ -54,7 +54,10 @@ def test_the_resting_face_is_on_the_tables_top_and_was_not_felt(told):
     assert (resting.touch == NOT_FELT).all()
 
 
-def test_what_stopped_an_array_well_above_the_table_was_not_the_table(told):
-    down = frame_along(np.array([0.0, 0.0, -1.0]))
-    assert told.may_have_stopped(pose(down, [60.0, 0.0, -7.0]))
-    assert not told.may_have_stopped(pose(down, [60.0, 0.0, 3.0]))
+def test_what_stopped_an_array_well_above_the_table_or_on_its_way_along_it_was_not_the_table(told):
+    down, aside = frame_along(np.array([0.0, 0.0, -1.0])), frame_along(np.array([1.0, 0.0, 0.0]))
+    low, high = [60.0, 0.0, -7.0], [60.0, 0.0, 3.0]
+    assert told.may_have_stopped(pose(down, low), [pose(down, high)])
+    assert told.may_have_stopped(pose(down, low), [])
+    assert not told.may_have_stopped(pose(down, high), [pose(down, [60.0, 0.0, 20.0])])
+    assert not told.may_have_stopped(pose(aside, [45.0, 0.0, 5.0]), [pose(aside, [40.0, 0.0, 4.9])])
