@@ -30,6 +30,7 @@ def test_what_is_raised_high_and_wide_enough_stands_up(high, count, told):
 def test_what_looks_another_way_or_lies_behind_the_face_does_not():
     aside = np.array([1.0, 0.0, 0.0])
     assert not bumpy([FACE], felt(raised(1.5, 24), aside))
+    assert bumpy([FACE], felt(raised(11.0, 24), aside))  # farther than blur lays it
     assert not bumpy([FACE], felt(raised(-5.0, 24)))
     assert not bumpy([], felt(raised(1.5, 24)))
 
