@@ -77,9 +77,10 @@ class Cost:
 class Fault(PalpateError):
     """A limit was passed; the stage has been stopped and backed off."""
 
-    def __init__(self, message: str, seen: Observation | None = None) -> None:
+    def __init__(self, message: str, seen: Observation | None = None, came: Sequence[Floats] = ()) -> None:
         super().__init__(message)
         self.seen = seen  # what was felt at that moment
+        self.came = came  # (4, 4) world_from_sensor where the array had been just before, the last first
         self.kept = Contacts.of([])  # of the stroke that it ended
 
 
@@ -206,14 +207,14 @@ class Guard:
     def _enforce(self, seen: Observation) -> None:
         alarms = self.stage.events()
         if alarms:
-            self._back_off()
+            came = self._back_off()
             kind = Collision if alarms[0].kind == "collision" else OverPress
             by = f" by {alarms[0].amount:.2f} mm" if alarms[0].amount else ""
-            raise kind(f"{alarms[0].kind} of {alarms[0].source}{by}", seen)
+            raise kind(f"{alarms[0].kind} of {alarms[0].source}{by}", seen, came)
         if seen.load.force > self.limits.force or seen.load.peak > self.limits.depth:
             pressed = f"pressed to {seen.load.force:.1f} N, {seen.load.peak:.2f} mm"
-            self._back_off()
-            raise OverPress(f"{pressed}; lower the press or the speed", seen)
+            came = self._back_off()
+            raise OverPress(f"{pressed}; lower the press or the speed", seen, came)
         x, y, z = seen.world_from_sensor[:3, 3].tolist()
         left, front, bottom, right, back, top = self.limits.reach
         if not (left <= x <= right and front <= y <= back and bottom <= z <= top):
@@ -221,8 +222,10 @@ class Guard:
             at = [round(x, 1), round(y, 1), round(z, 1)]
             raise PalpateError(f"the stage would leave its travel at {at} mm; widen reach")
 
-    def _back_off(self, distance: float = 5.0) -> None:
+    def _back_off(self, distance: float = 5.0) -> list[Floats]:
         """Back along the way that the array came, which was free, and then off the surface if there is room.
+
+        Returns the (4, 4) poses of that way, where the array was stopped first.
 
         An array that was on its way off the surface has met something behind it, and stays in front of that.
         """
@@ -234,6 +237,7 @@ class Guard:
             lift = se3.pose(translation=[0.0, 0.0, -distance])
             if not leads_off(leg) and not self._back_to(leg[-1] @ lift):
                 self._back_to(leg[-1], through=True)
+        return leg
 
     def _back_to(self, world_from_sensor: Floats, through: bool = False) -> bool:
         """Straight back, no farther than a housing meets something, unless `through` that; false where it did.

@@ -41,7 +41,6 @@ from primitives.fit import Fit
 __all__ = ["Explorer", "ExplorerConfig", "Findings"]
 
 _UNDER = 1.0  # [mm] that the workspace reaches under a table's top
-_LATELY = 2  # stops of the way that the pad came, from which it came to what stopped it
 
 
 class Explorer:
@@ -126,8 +125,7 @@ class Explorer:
         """Whether what is told may have stopped a move, which says nothing of the object then."""
         if self.told is None or fault.seen is None:
             return self.told is not None
-        trail = self.pad.way_back
-        return self.told.may_have_stopped(fault.seen.world_from_sensor, trail.since(trail.length - _LATELY))
+        return self.told.may_have_stopped(fault.seen.world_from_sensor, fault.came)
 
     def _dented(self) -> bool:
         """Whether what was felt of a face proves that the object is not convex, or it bounds no half-space."""

@@ -133,6 +133,18 @@ def test_frames_read_while_backing_off_are_counted_and_shown():
     assert guard.cost.frames == len(shown)
 
 
+def test_a_fault_tells_the_way_that_the_array_came_as_it_was_and_not_the_way_back():
+    guard = guard_over(se3.pose(np.eye(3), [0.0, 0.0, 80.0]))
+    went = [guard.hold().world_from_sensor[2, 3]]
+    guard.observers = (lambda seen: went.append(seen.world_from_sensor[2, 3]),)
+    with pytest.raises(Collision) as told:
+        keep_moving(guard, -20.0)
+    heights = np.array([pose[2, 3] for pose in told.value.came])
+    assert heights[0] == pytest.approx(min(went), abs=0.5)
+    assert heights[-1] > heights[0] + 5.0
+    assert (np.diff(heights) >= -1e-9).all()
+
+
 def test_nobody_learns_from_a_frame_that_passed_a_limit():
     guard = guard_over(se3.pose(DOWN, [0.0, 0.0, 22.0]))
     shown, learned = [], []

@@ -5,10 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from exploration.devices.guard import Collision, Guard
+from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.devices.simulated import simulate
 from exploration.planning import explorer as module
 from exploration.planning.explorer import Explorer, ExplorerConfig
+from exploration.planning.known.told import Told
+from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models import parts
@@ -179,3 +181,38 @@ def test_an_object_without_a_face_is_come_down_on_again_before_its_faces_are_exp
         pass
     assert looks == [0] * 12
     assert explored == [1]
+
+
+def told_of_a_table(height):
+    x, y = np.meshgrid(np.arange(-150.0, 151.0, 10.0), np.arange(-150.0, 151.0, 10.0))
+    top = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, height)])
+    body = Solid.from_csg(Cube((400.0, 400.0, 20.0)).at(0.0, 0.0, height - 10.0))
+    return Told(body, top, Tool.of_size((18.0, 28.8)), height)
+
+
+def move_on(guard, *velocity):
+    for _ in range(400):
+        guard.move(np.array([*velocity, 0.0, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("begin", "velocity", "tables"),
+    [
+        ([-60.0, 0.0, 3.5], [40.0, 0.0, 0.0], False),  # level, in the air, into the block
+        ([-60.0, 0.0, 30.0], [0.0, 0.0, 40.0], True),  # down, onto the table
+    ],
+)
+def test_what_stops_an_array_on_its_way_along_a_table_is_not_the_table(begin, velocity, tables):
+    down = np.diag([1.0, -1.0, -1.0])
+    scene = Cube((40.0, 40.0, 40.0)).at(0.0, 0.0, 20.0) | Cube((400.0, 400.0, 20.0)).at(0.0, 0.0, -10.0)
+    stage, arrays = simulate(
+        Solid.from_csg(scene),
+        [load_sensor("lts210")],
+        np.random.default_rng(0),
+        start_pose=se3.pose(down, begin),
+    )
+    guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
+    explorer = Explorer(guard, BOX, ExplorerConfig(), told=told_of_a_table(0.0))
+    with pytest.raises((Collision, OverPress)) as fault:
+        move_on(guard, *velocity)
+    assert explorer._by_what_is_told(fault.value) is tables
