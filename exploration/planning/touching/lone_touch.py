@@ -23,7 +23,7 @@ from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting, ends_by_curving, sight
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.planning.known.swept import Swept, behind_skin, over_free_taxels
-from exploration.planning.ways.travel import kept_within
+from exploration.planning.ways.travel import room_behind
 from exploration.sensing.contacts import slid
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
@@ -103,7 +103,8 @@ def touch_once(guard: Guard, approach: Approach, config: LoneTouchConfig | None 
     number, swept = guard.cost.touches, Swept(guard)
     with swept.watching():
         back = _off_what_it_lies_on(guard, config)
-        tare(guard)
+        if not _lies(guard.hold(), config):
+            tare(guard)
         met, why = _come_down(guard, approach.direction, approach.length + back, config)
     if not met:
         return LoneTouch(
@@ -144,15 +145,23 @@ def blocked(number: int, approach: Approach, where: Floats) -> LoneTouch:
 
 
 def _off_what_it_lies_on(guard: Guard, config: LoneTouchConfig) -> float:
-    """[mm] that the pad goes back where it seems to lie on something already: its zero must not be taken there."""
-    image = guard.hold().image
-    deepest = float(np.where(np.isfinite(image.sigma), image.depth, 0.0).max(initial=0.0))
-    if not touched(image) or deepest < config.pressed:
+    """[mm] that the pad goes back where it seems to lie on something: its zero must not be taken there."""
+    seen = guard.hold()
+    if not _lies(seen, config):
         return 0.0
-    back = deepest + config.clear
-    behind = guard.world_from_sensor @ se3.pose(translation=[0.0, 0.0, -back])
-    guard.go_to(kept_within(behind, np.array(guard.limits.reach)))
+    room = room_behind(seen.world_from_sensor, np.array(guard.limits.reach))
+    back = min(_deepest(seen) + config.clear, room)
+    guard.go_to(seen.world_from_sensor @ se3.pose(translation=[0.0, 0.0, -back]))
     return back
+
+
+def _lies(seen: Observation, config: LoneTouchConfig) -> bool:
+    """Whether the pad is pressed farther than its zero drifts."""
+    return touched(seen.image) and _deepest(seen) > config.pressed
+
+
+def _deepest(seen: Observation) -> float:
+    return float(np.where(np.isfinite(seen.image.sigma), seen.image.depth, 0.0).max(initial=0.0))
 
 
 def _come_down(guard: Guard, direction: Floats, length: float, config: LoneTouchConfig) -> tuple[bool, str]:

@@ -5,10 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exploration.devices.guard import Guard
+from exploration.devices.guard import Guard, GuardLimits
 from exploration.devices.simulated import simulate
 from exploration.planning.known.swept import rectangles
 from exploration.planning.touching.lone_touch import Approach, touch_once
+from exploration.planning.ways.travel import EDGE
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models import parts
@@ -16,11 +17,13 @@ from models.solid import Solid
 from primitives import pose as se3
 
 
-def _touch(part: str, place: list[float], toward: list[float], length: float = 80.0, away: float = 50.0):  # type: ignore[no-untyped-def]
+def _touch(
+    part: str, place: list[float], toward: list[float], length: float = 80.0, away: float = 50.0, **limits
+):  # type: ignore[no-untyped-def]
     solid, spec = Solid.from_csg(parts.build(part)), load_sensor("lts210")
     start = se3.pose(se3.frame_along(toward), np.array(place) - away * np.array(toward))
     stage, arrays = simulate(solid, [spec], np.random.default_rng(0), start_pose=start)
-    guard = Guard(stage, arrays, [Calibration.nominal(spec)])
+    guard = Guard(stage, arrays, [Calibration.nominal(spec)], GuardLimits(**limits))
     return solid, guard, touch_once(guard, Approach(start, length))
 
 
@@ -53,6 +56,14 @@ def test_what_a_touch_calls_free_holds_no_material(
         inside = se3.transform_points(pose, rng.uniform(-1.0, 1.0, (300, 3)) * half)
         assert solid.signed_distance(inside).min() > -0.02
     assert len(touch.free.poses)
+
+
+@pytest.mark.parametrize("room", [0.4, 2.2, 40.0])  # [mm] behind a pad that is pressed 1.2 mm deep
+def test_no_zero_is_taken_under_load_where_the_travel_ends_behind_the_pad(room: float) -> None:
+    reach = (-600.0, -600.0, -600.0, 600.0, 600.0, 18.8 + EDGE + room)
+    solid, _, touch = _touch("cube", [0.0, 0.0, 20.0], [0, 0, -1], away=-1.2, length=3.0, reach=reach)
+    assert touch.met
+    assert np.abs(solid.signed_distance(touch.contacts.points)).max() < 0.1
 
 
 def test_no_contact_is_told_where_a_hole_is() -> None:

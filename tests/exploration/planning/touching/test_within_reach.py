@@ -5,7 +5,7 @@ import pytest
 
 from exploration.planning.touching.lone_touch import Approach
 from exploration.planning.touching.within_reach import begun_within
-from exploration.planning.ways.travel import kept_within
+from exploration.planning.ways.travel import kept_within, room_behind
 from primitives.pose import frame_along, pose, random_rotation
 
 REACH = np.array([-600.0, -600.0, -600.0, 600.0, 600.0, 600.0])
@@ -42,3 +42,10 @@ def test_an_approach_that_never_comes_near_stays_as_it_is() -> None:
 def test_a_stop_beyond_the_border_is_moved_to_it() -> None:
     stop = pose(np.eye(3), np.array([10.0, -700.0, 601.0]))
     assert np.allclose(kept_within(stop, REACH)[:3, 3], [10.0, -598.0, 598.0])
+
+
+def test_the_room_behind_an_array_ends_where_its_own_back_leads_out_of_the_travel():
+    level = pose(frame_along(np.array([1.0, 0.0, 0.0])), [-590.0, 0.0, 0.0])
+    down = pose(frame_along(np.array([0.0, 0.0, -1.0])), [0.0, 0.0, 599.0])
+    assert room_behind(level, REACH) == pytest.approx(8.0)
+    assert room_behind(down, REACH) == 0.0  # past what is kept free of the border
