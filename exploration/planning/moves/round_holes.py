@@ -55,7 +55,7 @@ class RoundHolesConfig:
     missing: float = 0.4  # and share of what shows there, that shows inside at most
     closed: float = 4.5  # [rad] round what is missing, over which the face shows at least
     guessed: float = 2.0  # [mm] between edges that one end of a tube was guessed from
-    narrow: float = 9.0  # [mm] of a ring as guessed, which is up to 3 mm too wide, on which no pad can lie
+    narrow: float = 0.5  # of the pad's shorter side, of a ring as guessed: on one no wider no pad can lie
 
 
 class RoundHoles:
@@ -76,9 +76,12 @@ class RoundHoles:
         return partial(self._measure, nearest)
 
     def _on_a_ring(self, rim: RoundRim, openings: Sequence[RoundRim]) -> bool:
-        """Whether another of the openings is a rim's, and tells where the face round it ends."""
+        """Whether another opening, looked at from the same side, is a rim's, and tells where its face ends."""
         return not np.isfinite(rim.outer) and any(
-            np.isfinite(other.outer) and float(np.linalg.norm(rim.center - other.center)) < self.config.beside
+            np.isfinite(other.outer)
+            and float(rim.axis @ other.axis) > 0.0
+            and float(np.linalg.norm(rim.center - other.center)) < self.config.beside
+            and not self._given_up(other)
             for other in openings
         )
 
@@ -98,7 +101,7 @@ class RoundHoles:
         ends = self._ends(rim)
         own = self.study.found.fit_of(rim.face)
         bare = own is not None and own.kind != "plane"  # nobody lay on what is round it
-        slim = rim.outer - rim.radius < (np.inf if bare else self.config.narrow)
+        slim = rim.outer - rim.radius < (np.inf if bare else self.config.narrow * min(pad.size))
         settling = AS_IT_CAME if slim else SettleConfig()
         for give, (way, pose) in product((False, True), self._places(rim, small)):
             if not small and any(way @ other > np.cos(self.config.apart) for other in used):
