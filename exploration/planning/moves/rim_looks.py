@@ -36,6 +36,7 @@ class RimLooksConfig:
     inside: float = 3.0  # [mm] of the pad's middle on the material
     alike: float = 0.85  # least cosine between the ways out of a rim as guessed and as seen
     aslant: float = 0.5  # least cosine between a guess and the straight lines of a round face that it ends
+    steep: float = 0.5  # least sine between a cone's axis and its normals, for it to have straight lines
     behind: tuple[float, float] = (2.0, 12.0)  # [mm] behind an end, where the face was not felt
     across: float = 0.97  # the same, between these and an edge that is such an end
     near: float = 4.0  # [mm] between the two
@@ -97,11 +98,13 @@ class RimLooks:
             if not self.reach.touch(over, give, landing=AS_TOLD):
                 continue
             seen = self._edges(rim, face)
-            if self._rolled(rim) and self.reach.touch(over, give, AS_IT_CAME, AS_TOLD):
-                flush = self._edges(rim, face)
-                seen = flush if flush.made_out else seen
-            found.wall_rims += [(edge, face) for edge in seen.rims]
-            found.glimpsed += [(edge, face) for edge in seen.parts]
+            try:
+                if self._rolled(rim, face) and self.reach.touch(over, give, AS_IT_CAME, AS_TOLD):
+                    flush = self._edges(rim, face)
+                    seen = flush if flush.made_out else seen
+            finally:  # a fault of the second touch leaves what the first one showed
+                found.wall_rims += [(edge, face) for edge in seen.rims]
+                found.glimpsed += [(edge, face) for edge in seen.parts]
             return True, seen.made_out
         return False, False
 
@@ -118,9 +121,12 @@ class RimLooks:
             rims += [edge for edge in whole if edge is not there and self._ends(edge, side)]
         return _Seen(rims, parts, there is not None or self._made_out(rim, parts) is not None)
 
-    def _rolled(self, rim: Sighting) -> bool:
-        """Whether the pad settled off the face that a rim is of, as it does on the narrow top of a wall."""
-        return float(-self.study.pad.guard.world_from_sensor[:3, 2] @ rim.normal) < self.config.flush
+    def _rolled(self, rim: Sighting, face: int) -> bool:
+        """Whether the pad settled off the flat face that a rim is of, as it does on the narrow top of a wall."""
+        return (
+            self._flat(face)
+            and float(-self.study.pad.guard.world_from_sensor[:3, 2] @ rim.normal) < self.config.flush
+        )
 
     def _aside(self, rim: Sighting, attitudes: Sequence[Floats]) -> Iterator[tuple[Floats, bool]]:
         """(4, 4) poses with room from which part of the pad looks at a rim, those nearest to it first."""
@@ -157,9 +163,10 @@ class RimLooks:
         fit = self.study.found.fit_of(face)
         if fit is None or fit.kind not in ("cylinder", "cone"):
             return None
-        line = fit.shape.direction - float(fit.shape.direction @ rim.normal) * rim.normal
+        normal = fit.shape.normals(rim.point[None])[0]
+        line = fit.shape.direction - float(fit.shape.direction @ normal) * normal
         length = float(np.linalg.norm(line))
-        return line / length if length > self.config.aslant else None
+        return line / length if length > self.config.steep else None
 
     def _ends(self, edge: Sighting, side: Floats) -> bool:
         """Whether an edge is across a round face's (3,) straight line, and nothing was felt behind it."""

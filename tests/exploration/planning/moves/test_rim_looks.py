@@ -5,7 +5,7 @@ import pytest
 
 from exploration.control.procedures.tare import tare
 from exploration.control.sighting import Sighting
-from exploration.devices.guard import Guard
+from exploration.devices.guard import Collision, Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.faces.attribution import AttributionConfig
 from exploration.planning.known.told import Told
@@ -108,8 +108,8 @@ def test_a_rim_too_near_a_table_to_lie_over_is_looked_at_from_higher_up():
     assert min(abs(off + 10.0) for off in offs) < 0.3
 
 
-def test_on_the_narrow_top_of_a_wall_the_pad_is_pressed_as_it_came():
-    """It settles off a guess that is 1 mm too far out, and contact that fades with its tilt ends at no edge."""
+def over_a_narrow_top():
+    """A look at a guess 1 mm too far out of the top of a wall 6 mm thick, and what is known then."""
     wall = Solid.from_csg(Cube((6.0, 90.0, 30.0)).at(3.0, 0.0, -15.0))
     spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-Z), [0.0, 0.0, 40.0])
     stage, arrays = simulate(wall, [spec], np.random.default_rng(0), noise=0.05, start_pose=start)
@@ -119,9 +119,30 @@ def test_on_the_narrow_top_of_a_wall_the_pad_is_pressed_as_it_came():
     pad = Pad(guard, box, lambda kind, detail: None)
     top = flat(4, Z, 3.0 * X)
     study = Study(pad, Findings(hollow=True, graph=PatchGraph((top,), ())), AttributionConfig(convex=False))
-    move = RimLooks(study, Reach(pad)).next([(rim([-1.0, 0.0, 0.0], Y, -X, Z), 4)])
-    assert move is not None
+    looks = RimLooks(study, Reach(pad))
+    return looks, looks.next([(rim([-1.0, 0.0, 0.0], Y, -X, Z), 4)]), study.found
+
+
+def test_on_the_narrow_top_of_a_wall_the_pad_is_pressed_as_it_came():
+    """It settles off the guess, and contact that fades with its tilt ends at no edge."""
+    _, move, found = over_a_narrow_top()
     assert move()[1] == "looked at the rim of a wall that nothing has room to face"
-    seen = [edge for edge, face in (*study.found.wall_rims, *study.found.glimpsed) if face == 4]
+    seen = [edge for edge, face in (*found.wall_rims, *found.glimpsed) if face == 4]
     assert min(float(edge.normal @ Z) for edge in seen) > 0.999
     assert min(abs(float(edge.point @ X)) for edge in seen if edge.outward @ -X > 0.99) < 0.1
+
+
+def test_what_a_pad_saw_is_kept_where_pressing_it_again_is_a_fault():
+    looks, move, found = over_a_narrow_top()
+    touch, made = looks.reach.touch, []
+
+    def once(*args, **kwargs):
+        if made:
+            raise Collision("collision of lts210 by 0.10 mm")
+        made.append(touch(*args, **kwargs))
+        return made[-1]
+
+    looks.reach.touch = once
+    with pytest.raises(Collision):
+        move()
+    assert any(edge.outward @ X > 0.9 for edge, _ in (*found.wall_rims, *found.glimpsed))
