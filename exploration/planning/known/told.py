@@ -23,6 +23,7 @@ class ToldConfig:
     """When something felt is what was told."""
 
     near: float = 0.5  # [mm] of a contact from it
+    cell: float = 1.0  # [mm] of a touched taxel from it, which is placed less well
     facing: float = 0.9  # least cosine between their normals
     met: float = 6.0  # [mm] of where a stroke was stopped
     nearer: float = 0.5  # [mm] that an array comes on the way to what stops it
@@ -55,6 +56,10 @@ class Told:
         near = np.abs(self.surface.signed_distance(contacts.points)) < self._config.near
         alike = (self.surface.normals(contacts.points) * contacts.normals).sum(axis=1) > self._config.facing
         return contacts.select(~(near & alike))
+
+    def beside(self, cells: Floats) -> Bools:
+        """(n,) which of (n, 3) touched places are not on it, by which no face is felt."""
+        return np.asarray(self.surface.signed_distance(cells) > self._config.cell)
 
     def under(self, imprint: Imprint) -> bool:
         """Whether any of what dented the skin may be it."""

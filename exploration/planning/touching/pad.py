@@ -211,7 +211,8 @@ class Pad:
         """Note where the pad lies now, and the (n, 3) cells [mm] that it has covered, with their normals."""
         pose = self.guard.world_from_sensor
         told = np.broadcast_to(-pose[:3, 2], cells.shape) if facing is None else facing
-        self.felt.append((cells, told))
+        own = slice(None) if self.told is None or not len(cells) else self.told.beside(cells)
+        self.felt.append((cells[own], told[own]))
         felt = feel(self.guard.hold().image)
         offset = np.array([*(felt.centroid if felt else (0.0, 0.0)), 0.0])
         self.here = Support(pose[:3, :3] @ offset + pose[:3, 3], -pose[:3, 2])

@@ -54,6 +54,10 @@ def test_the_resting_face_is_on_the_tables_top_and_was_not_felt(told):
     assert (resting.touch == NOT_FELT).all()
 
 
+def test_taxels_that_the_table_pressed_are_of_no_face_and_those_low_on_a_side_are(told):
+    assert told.beside(np.array([[50.0, 0.0, -9.3], [30.0, 0.0, -8.5]])).tolist() == [False, True]
+
+
 def test_what_stopped_an_array_well_above_the_table_or_on_its_way_along_it_was_not_the_table(told):
     down, aside = frame_along(np.array([0.0, 0.0, -1.0])), frame_along(np.array([1.0, 0.0, 0.0]))
     low, high = [60.0, 0.0, -7.0], [60.0, 0.0, 3.0]
