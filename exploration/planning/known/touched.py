@@ -28,8 +28,12 @@ class Touched:
 
     def covers(self, points: Floats, within: float) -> Bools:
         """(n,) whether something was touched `within` mm of each of (n, 3) points."""
+        return self.away(points, within) <= within
+
+    def away(self, points: Floats, most: float = np.inf) -> Floats:
+        """(n,) [mm] to what was touched nearest to each of (n, 3) points; inf from `most` on."""
         if not len(self._places) or not len(points):
-            return np.zeros(len(points), dtype=bool)
+            return np.full(len(points), np.inf)
         if self._tree is None:
             self._tree = KDTree(self._places.rows)
-        return np.asarray(self._tree.query(points, distance_upper_bound=within)[0] <= within)
+        return np.asarray(self._tree.query(points, distance_upper_bound=np.nextafter(most, np.inf))[0])

@@ -23,6 +23,7 @@ class Covering:
         self.revisited = Attempts(1, config.overlap)
         self.pressed = Attempts(2, 1.5)  # where the prediction was contradicted
         self._visited = Attempts(config.tries, config.beside)
+        self._missed = False  # whether nothing was where it touched down last
 
     def cover(self, missing: Predicted, face: int | None) -> Done:
         """Stroke from here over what is untouched on this face, or touch down where it is nearest."""
@@ -54,10 +55,12 @@ class Covering:
 
         Faces that go on too far, as a cone to an apex that was cut off, predict points where nothing is.
         The mean of their normals is the way in from outside.  A pad that settles may slip off a place beside an
-        edge: the last try presses there unmoved.
+        edge: the last try presses there unmoved.  Who met nothing goes on next to what was touched, where the face
+        is yet, and not next to where it is not.
         """
         pad = self.study.pad
-        nearest = int(np.argmin(np.linalg.norm(missing.points - pad.here.point, axis=1)))
+        off_pad = np.linalg.norm(missing.points - pad.here.point, axis=1)
+        nearest = int(np.argmin(pad.covered.away(missing.points) if self._missed else off_pad))
         point, normal = missing.points[nearest], missing.normals[nearest]
         standoff, overtravel = 8.0, 10.0
         last = self.tried.count(point) == self.config.tries - 1
@@ -75,7 +78,10 @@ class Covering:
         hint = pad.guard.world_from_sensor[:3, 0]
         target = se3.pose(se3.frame_along(-normal, hint), point)
         pad.travel(target, Support(point, normal), standoff)
-        if not pad.touch(target, standoff, overtravel, settling=SettleConfig(shifts=0) if last else None):
+        self._missed = not pad.touch(
+            target, standoff, overtravel, settling=SettleConfig(shifts=0) if last else None
+        )
+        if self._missed:
             return None, "nothing was where the faces so far predict the surface"
         if last:
             return self.study.take_in(pad.feel()), "pressed on a place that was only predicted"
