@@ -17,7 +17,7 @@ from functools import partial
 import numpy as np
 
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.inferring.concluding import conclude
+from exploration.planning.inferring.concluding import conclude, unexplained
 from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
 from exploration.planning.inferring.inferred_walls import stops_of
 from exploration.planning.moves.climbing import Climbing
@@ -202,7 +202,7 @@ class AnyForm:
         return (
             self._looking.next()
             or looks
-            or self._rim_looks.next(straight)
+            or self._rim_looks.next([*straight, *unexplained(self.found.barred, self.found.graph.faces)])
             or self._wall_tops.next(self.found.wall_rims)
             or self._wall_tops.over(stops_of(self._unexplained(), self.found.graph.faces))
         )

@@ -208,7 +208,7 @@ class Explorer:
         bare = frontier.untouched(self.pad.covered, self.config.feature / 2.0)
         untouched = self._open_to(bare)
         self._hidden = len(bare.points) - len(untouched.points)
-        missing = self._tried.unfinished(untouched)
+        missing = self._crossing.this_side(self._tried.unfinished(untouched))
         edges = frontier.open_edges([t for t, _ in self.found.traces])
         edges = [edge for edge in edges if not self._tried.given_up(edge.point)]
         contradicted = frontier.contradicted(self.pad.free)

@@ -6,6 +6,7 @@ import numpy as np
 
 from exploration.control.procedures.settle import SettleConfig
 from exploration.control.sighting import Sighting
+from exploration.planning.open.frontier import Predicted
 from exploration.planning.touching.findings import Done, ExplorerConfig, outward_normal
 from exploration.planning.touching.study import Study
 from exploration.planning.ways.transit import Support
@@ -15,6 +16,7 @@ from primitives.fit import Fit
 
 _STANDOFF = 10.0  # [mm] before an approach
 _BESIDE_EDGE = 4.0  # [mm] within which two crossings went over the same edge
+_PAST, _ASIDE = 2.0, 20.0  # [mm] past an edge, and along it, where the face that it ends is not
 
 
 class Crossing:
@@ -47,6 +49,7 @@ class Crossing:
         reach = 0.5 * min(pad.size) - self.config.overlap
         target = se3.pose(pad.attitude(normal, sighting.tangent), sighting.point + max(reach, 0.0) * down)
         if self._is_barred(target):
+            self.study.found.barred.append((sighting, own))
             return None, "what lies beside leaves no room over an edge"
         pad.travel(target, Support(sighting.point, sighting.normal), standoff=_STANDOFF)
         if not pad.touch(target, standoff=_STANDOFF, overtravel=16.0):
@@ -55,6 +58,15 @@ class Crossing:
         if face is not None and face != own and self._passes(face, sighting.point):
             self._crossed.extend([sighting.point] * len(self.config.roll))
         return face, "rolled back onto the same face" if face == own else "crossed an edge"
+
+    def this_side(self, predicted: Predicted) -> Predicted:
+        """Those predicted places of a face that are not past an edge of it that there was no room to cross."""
+        past = np.zeros(len(predicted.points), dtype=bool)
+        for edge, own in self.study.found.barred:
+            away = predicted.points - edge.point
+            beside = np.abs(away @ edge.tangent) < _ASIDE
+            past |= (predicted.face == own) & beside & (away @ edge.outward > _PAST)
+        return Predicted(predicted.points[~past], predicted.normals[~past], predicted.face[~past])
 
     def _press_between(self, sighting: Sighting, own: int) -> Done:
         """Press on what may be a face too narrow to roll onto: midway between the two beside it, unmoved."""

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.control.sighting import Sighting
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.lying import lying_places
-from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig
+from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig, SeenRim
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from exploration.planning.ways.box_kernels import in_box
@@ -37,6 +38,7 @@ class OpenSurfaceConfig:
     )
     lain: int = 2  # times that a pad lay over a place, from which another touch tells no more of it
     apart: float = 9.0  # [mm] between such places that are one
+    guessed: float = 1.0  # [mm] 1 sigma of where a face that there is no room on may end
     top: float = 0.6  # [mm] over it, from which a felt place is the top of what stands there
     alike: float = 0.7  # least cosine between the ways that the two look
     off: float = 2.0  # [mm] from a pad that met nothing, within which surface would have been met
@@ -120,7 +122,25 @@ class OpenSurface:
                 note = "what seemed open was not there" if home is None else "came down on what was open"
                 return home, note
         self._tried.note(point)
-        return (self._from_over(places) if places else None) or (None, "the pad has no room on what is open")
+        over = self._from_over(places) if places else None
+        if over is None:
+            self.study.found.barred += self._ends_before(point, left.normals[chosen], face)
+        return over or (None, "the pad has no room on what is open")
+
+    def _ends_before(self, point: Floats, normal: Floats, face: int) -> list[SeenRim]:
+        """A flat face's edge as it may be where it was felt last before an open (3,) place, to be looked at."""
+        fit, felt = self.study.found.fit_of(face), self.reach.felt
+        if fit is None or fit.kind != "plane":
+            return []
+        cells = felt.points[felt.on(fit.shape, 1.0 if fit.convex else -1.0)]
+        away = np.linalg.norm(cells - point, axis=1)
+        if not len(cells) or away.min() > self.feature:
+            return []
+        last = cells[int(np.argmin(away))]
+        out = point - last - float((point - last) @ normal) * normal
+        out = out / max(float(np.linalg.norm(out)), 1e-9)
+        tangent = np.cross(normal, out)
+        return [(Sighting(last, tangent, out, normal, self.config.guessed, self.feature), face)]
 
     def _from_over(self, places: Sequence[Floats]) -> Done | None:
         """Down on what stands on an open place, if its top is not known; None where nobody can come over it."""

@@ -80,6 +80,9 @@ class Findings:
     odd: list[RoundRim] = field(default_factory=list)  # likewise, though something opens there
     stopped: list[Stopped] = field(default_factory=list)  # in holes that narrow
     wall_rims: list[SeenRim] = field(default_factory=list)  # others looked at
+    barred: list[SeenRim] = field(
+        default_factory=list
+    )  # edges that there was no room to roll over, or to lie past
     glimpsed: list[SeenRim] = field(default_factory=list)  # edges that parts of a pad showed
     openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex

@@ -4,9 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.moves.open_surface import OpenSurface, OpenSurfaceConfig
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.touching.findings import ExplorerConfig
+from primitives.shapes import Plane
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -18,7 +20,8 @@ def pad_that_lands_on(faces, contacts):
     """
     faces = list(faces)
     pad = SimpleNamespace(size=(10.0, 10.0), guard=SimpleNamespace(world_from_sensor=np.eye(4)))
-    found = SimpleNamespace(graph=SimpleNamespace(faces=[SimpleNamespace(id=7, contacts=contacts, fit=None)]))
+    faces_found = SimpleNamespace(faces=[SimpleNamespace(id=7, contacts=contacts, fit=None)])
+    found = SimpleNamespace(graph=faces_found, barred=[], fit_of=lambda face: None)
     study = SimpleNamespace(pad=pad, found=found, face_here=lambda: faces.pop(0))
 
     def touch(pose):
@@ -117,3 +120,19 @@ def test_what_stands_on_open_surface_is_come_down_on_from_over_what_is_known_of_
     assert at == []
     surface, at = boss_in_the_way(top=False, met=False)
     assert surface.come_down(opened, 0) == (None, "nothing stands where surface was open")
+
+
+def test_where_there_is_no_room_a_flat_face_may_end_where_it_was_felt_last():
+    x, y = np.meshgrid(np.arange(-10.0, 11.0, 2.0), np.arange(-10.0, 11.0, 2.0))
+    felt = SurfaceMap()
+    felt.add(np.column_stack([x.ravel(), y.ravel(), 0.1 * (x.ravel() > 0)]), np.tile(UP, (x.size, 1)))
+    study, reach = pad_that_lands_on([], ())
+    flat = SimpleNamespace(kind="plane", shape=Plane(np.zeros(3), UP), convex=True)
+    study.found.fit_of = lambda face: flat
+    reach.felt, reach.clear, reach.off = felt, lambda pose: False, lambda pose, most: 0.0
+    opened = Predicted(np.array([[15.0, 2.0, 0.0]]), UP[None], np.array([7]))
+    assert OpenSurface(study, reach, ExplorerConfig()).come_down(opened, 0)[0] is None
+    ((edge, face),) = study.found.barred
+    assert face == 7
+    assert edge.point[0] == 10.0
+    assert edge.outward.tolist() == [1.0, 0.0, 0.0]
