@@ -1,19 +1,22 @@
 """Where a narrow contact ends along a way, as a strip on a cylinder's side does at the cylinder's end.
 
-The strip has some profile across, a_j in each line of taxels along the way, which may rise or fall along it by
-b_j.  With E the blurred step (`response`) and s the distance of a taxel before the end,
+The strip has some profile across, a(t), which may rise or fall along it by b(t).  With s the distance of a taxel
+before the end, t its distance aside, both about the contact's middle, and E the blurred step (`response`),
 
-    depth_ij = (a_j + b_j s_ij) E(s_ij).
+    depth = (a(t) + b(t) s) E(s).
 
-a and b are linear, so only the end is searched for (variable projection, Golub and Pereyra 1973; our derivation).
+a and b are cubic splines across, about as fine as what the blur lets through.  They are linear, so only the end is
+searched for, and the strip's axis, which is the heading but for some degrees (variable projection, Golub and
+Pereyra 1973; our derivation).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import minimize
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.response import Response, response_of
@@ -24,21 +27,24 @@ from primitives.arrays import Floats
 class StripEndConfig:
     """What is an end."""
 
-    step: float = 0.6  # [mm] between the ends that are tried first
+    step: float = 0.8  # [mm] between the ends that are tried first
     least: float = 3.0  # [mm] of the strip, at least, before its end,
     beyond: float = 1.0  # and this much of the pad behind it
     systematic: float = 0.04  # of the deepest taxel: what the model leaves out
     misfit: float = 2.0  # chi2 per degree of freedom, above which it is none
     certain: float = 0.3  # [mm] that it must be known to
     slope: float = 0.05  # 1 sigma of the rise along the strip, of the deepest taxel for each mm
-    lit: float = 0.15  # of the deepest taxel, from which a line of taxels is of the strip
+    lit: float = 0.15  # of the deepest taxel, from which a taxel is of the strip
+    knots: float = 1.5  # [widths of the blur] between the splines that make the profile
+    skew: float = np.deg2rad(4.0)  # [rad] 1 sigma of the strip's axis off the heading,
+    most: float = np.deg2rad(15.0)  # and from where it is another way
 
 
 @dataclass(frozen=True)
 class StripEnd:
     """The end of a strip."""
 
-    offset: float  # [mm] from the pad's middle, along the way
+    offset: float  # [mm] from the pad's middle, along the way, level with the contact's middle
     sigma: float  # [mm]
     misfit: float  # chi2 per degree of freedom
 
@@ -57,31 +63,57 @@ def fit_strip_end(
     tried = np.arange(low, high, config.step)
     if len(tried) < 3:
         return None
-    costs = np.array([strip.cost(float(t)) for t in tried])
-    best = int(np.argmin(costs))
-    if best in (0, len(tried) - 1):
+    skews = np.linspace(-2.0, 2.0, 5) * config.skew
+    costs = np.array([[strip.cost(np.array([end, skew])) for skew in skews] for end in tried])
+    row, column = np.unravel_index(int(np.argmin(costs)), costs.shape)
+    if row in (0, len(tried) - 1):
         return None
-    found = minimize_scalar(
-        strip.cost, bounds=(float(tried[best - 1]), float(tried[best + 1])), method="bounded"
+    start = np.array([tried[row], skews[column]])
+    simplex = start + np.array([[0.0, 0.0], [0.5 * config.step, 0.0], [0.0, 0.5 * config.skew]])
+    found = minimize(
+        strip.cost,
+        start,
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "xatol": 0.002, "fatol": 0.01},
     )
-    end, least, h = float(found.x), float(found.fun), 0.5 * strip.width
-    bend = (strip.cost(end - h) + strip.cost(end + h) - 2.0 * least) / (h * h)
-    misfit = least / strip.freedom
-    if bend <= 0.0 or misfit > config.misfit:
+    (end, skew), misfit = found.x, float(found.fun) / strip.freedom(found.x)
+    if not (low <= end <= high and abs(skew) < config.most and misfit <= config.misfit):
         return None
-    sigma = float(np.sqrt(2.0 * max(misfit, 1.0) / bend))
-    return StripEnd(end, sigma, misfit) if sigma < config.certain else None
+    covariance = _covariance(strip, found.x, max(misfit, 1.0))
+    if covariance is None:
+        return None
+    # The end is a line across the axis, and is met at end / cos(skew) by who goes the way from the middle.
+    slope = np.array([1.0, end * np.tan(skew)]) / np.cos(skew)
+    sigma = float(np.sqrt(slope @ covariance @ slope))
+    offset = float(strip.middle @ heading + end / np.cos(skew))
+    return StripEnd(offset, sigma, misfit) if sigma < config.certain else None
+
+
+def _covariance(strip: _Strip, best: Floats, misfit: float) -> Floats | None:
+    """(2, 2) of end and skew, by differences of the cost over about the blur; None where it is no minimum."""
+    step = np.array([0.5 * strip.response.mean_width, 0.3 * strip.config.skew])
+    near = {k: strip.cost(best + step * k) for k in product((-1, 0, 1), repeat=2)}
+    bend = np.array([near[1, 0] + near[-1, 0], near[0, 1] + near[0, -1]]) - 2.0 * near[0, 0]
+    cross = 0.25 * (near[1, 1] + near[-1, -1] - near[1, -1] - near[-1, 1])
+    hessian = np.array([[bend[0], cross], [cross, bend[1]]]) / np.outer(step, step)
+    if bend.min() <= 0.0 or np.linalg.det(hessian) <= 0.0:
+        return None
+    return np.asarray(2.0 * misfit * np.linalg.inv(hessian))
 
 
 @dataclass(frozen=True)
 class _Strip:
-    """The lines of taxels along a way that see it."""
+    """The taxels that see it."""
 
-    along: Floats  # (l, n) [mm] of each taxel
-    depth: Floats  # (l, n) [mm]
-    weight: Floats  # (l, n) 1 / sigma; 0 where a taxel is dead
-    rise: float  # [mm] for each mm, 1 sigma
-    width: float  # [mm] of the blur
+    config: StripEndConfig
+    middle: Floats  # (2,) [mm] of the contact
+    first: float  # [mm] from there to where the pad begins along the way,
+    last: float  # and to where it ends
+    heading: Floats  # (2,) unit way
+    place: Floats  # (n, 2) [mm] of each taxel from the middle
+    told: Floats  # (n,) depth in sigmas
+    weight: Floats  # (n,) [1/mm] 1 / sigma
+    deepest: float  # [mm]
     response: Response
 
     @staticmethod
@@ -89,45 +121,62 @@ class _Strip:
         image: TactileImage, heading: Floats, config: StripEndConfig, response: Response | None
     ) -> _Strip | None:
         alive = np.isfinite(image.sigma)
-        depth = np.where(alive, image.depth, 0.0)
+        depth, array = image.depth[alive], image.array
         deepest = float(depth.max(initial=0.0))
-        x, y = np.meshgrid(image.array.x, image.array.y)
-        along = x * heading[0] + y * heading[1]
-        sigma = np.hypot(np.where(alive, image.sigma, 1.0), config.systematic * deepest)
-        weight = np.where(alive, 1.0 / np.maximum(sigma, 1e-9), 0.0)
-        if abs(heading[0]) < abs(heading[1]):
-            along, depth, weight = along.T, depth.T, weight.T
-        lit = depth.max(axis=1) > config.lit * deepest
+        lit = depth > config.lit * deepest
         if deepest <= 0.0 or not lit.any():
             return None
-        blur = response_of(image, response)
-        return _Strip(along[lit], depth[lit], weight[lit], config.slope * deepest, blur.width(heading), blur)
+        place = np.stack(np.meshgrid(array.x, array.y), axis=-1)[alive]
+        middle = depth[lit] @ place[lit] / depth[lit].sum()
+        half = np.array([array.x[-1], array.y[-1]])
+        way = np.where(np.abs(heading) < 1e-9, 1e-9, heading)
+        sides = np.stack([(-half - middle) / way, (half - middle) / way])
+        place = place - middle
+        aside = place @ np.array([-heading[1], heading[0]])
+        seen = (aside >= aside[lit].min() - 1e-9) & (aside <= aside[lit].max() + 1e-9)
+        weight = 1.0 / np.hypot(image.sigma[alive], config.systematic * deepest)[seen]
+        return _Strip(
+            config=config,
+            middle=middle,
+            first=float(sides.min(axis=0).max()),
+            last=float(sides.max(axis=0).min()),
+            heading=np.asarray(heading),
+            place=place[seen],
+            told=depth[seen] * weight,
+            weight=weight,
+            deepest=deepest,
+            response=response_of(image, response),
+        )
 
-    @property
-    def first(self) -> float:
-        """[mm] where the pad begins along the way."""
-        return float(self.along.min(axis=1).max())
+    def cost(self, state: Floats) -> float:
+        """Chi2 of an end [mm from the middle] and a skew [rad]."""
+        seen, normal = self._normal(state)
+        side = seen.T @ self.told
+        explained = float(side @ np.linalg.solve(normal, side))
+        return float(self.told @ self.told) - explained + float((state[1] / self.config.skew) ** 2)
 
-    @property
-    def last(self) -> float:
-        """[mm] where it ends."""
-        return float(self.along.max(axis=1).min())
+    def freedom(self, state: Floats) -> float:
+        """Taxels less what is fitted, as far as these tell it."""
+        seen, normal = self._normal(state)
+        return max(len(self.told) - 1.0 - float(np.trace(np.linalg.solve(normal, seen.T @ seen))), 1.0)
 
-    @property
-    def freedom(self) -> int:
-        """Taxels less what is fitted."""
-        return max(int((self.weight > 0.0).sum()) - 2 * len(self.along) - 1, 1)
+    def _normal(self, state: Floats) -> tuple[Floats, Floats]:
+        """(n, 2 k) of each spline in each taxel, in sigmas; and the (2 k, 2 k) normal matrix."""
+        end, skew = state
+        turn = np.array([[np.cos(skew), -np.sin(skew)], [np.sin(skew), np.cos(skew)]])
+        axis = turn @ self.heading
+        before = end - self.place @ axis
+        aside = self.place @ np.array([-axis[1], axis[0]])
+        share = self.response.edge(before, self.response.width(axis)) * self.weight
+        steady = _splines(aside / (self.config.knots * self.response.mean_width)) * share[:, None]
+        seen = np.hstack([steady, steady * before[:, None]])
+        prior = np.array([self.deepest, self.config.slope * self.deepest])
+        return seen, seen.T @ seen + np.diag(np.repeat(prior**-2.0, steady.shape[1]))
 
-    def cost(self, end: float) -> float:
-        """Chi2 with the strip's end there."""
-        before = end - self.along
-        share = self.response.edge(before, self.width) * self.weight
-        steady, rising = share, share * before
-        told = self.depth * self.weight
-        aa, ab = (steady * steady).sum(axis=1), (steady * rising).sum(axis=1)
-        bb = (rising * rising).sum(axis=1) + 1.0 / self.rise**2
-        ya, yb = (steady * told).sum(axis=1), (rising * told).sum(axis=1)
-        over = np.maximum(aa * bb - ab * ab, 1e-12)
-        a, b = (bb * ya - ab * yb) / over, (aa * yb - ab * ya) / over
-        left = told - a[:, None] * steady - b[:, None] * rising
-        return float((left * left).sum() + ((b / self.rise) ** 2).sum())
+
+def _splines(places: Floats) -> Floats:
+    """(n, k) of the cubic splines round each whole number that reach any of (n,) places."""
+    knots = np.arange(np.floor(places.min()) - 1.0, np.ceil(places.max()) + 2.0)
+    off = np.abs(places[:, None] - knots)
+    near, far = np.minimum(off, 1.0), np.clip(off, 1.0, 2.0)
+    return np.where(off < 1.0, (4.0 - 6.0 * near**2 + 3.0 * near**3) / 6.0, (2.0 - far) ** 3 / 6.0)
