@@ -2,9 +2,10 @@
 
 A guess from the contacts alone may be far too wide where few of them share a face: they are looked for too far
 from the surface, and count for too little beside their normals.  What they leave over on the likeliest pose tells
-more: the median of |r| over that of a normal variable.  The pose has the least sum of |r|, which passes through as
-many contacts as a pose has numbers, so that the six least say nothing; and m left over tell sigma but roughly, so
-that it is raised by 1 + 2 / m.  They are matched again with that until it falls no more (our derivation).
+more (`left_over`).  They are matched again with that until it falls no more, and it is theirs then but for the
+factor between Laplace's b and sigma: few would else pass for surer than they are, for their least sum of |r|
+passes through as many as the pose has numbers.  What is left over by more than was guessed may be another
+object's, which would fit all the better: the guess stays then (our derivation).
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from models.library import Entry
 from primitives.arrays import frozen
 from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.belief import UNKNOWN
+from recognition.matching.facing import turned
+from recognition.matching.likelihood import NoiseConfig
 from recognition.matching.match import MatchConfig
+from recognition.recognizing.left_over import Scatter, left_over
 
 MADE = 0.06  # [mm] by which an object differs from its model, whose facets are only so fine
-_MEDIAN = 0.6745  # of |r| of a unit normal
-_POSE = 6  # numbers
-_FEWEST = 2  # contacts left over, below which they tell nothing
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,8 @@ class SettleConfig:
     """How often contacts are matched, and when that is enough."""
 
     rounds: int = 4
-    falls: float = 1.5  # factor by which sigma falls while it is not settled
+    falls: float = 1.2  # factor by which sigma falls while it is not settled
+    loosest: float = 1.2533  # sqrt(pi / 2): factor up to which it may be less or more then
     likely: float = 0.01  # probability of a pose that is tried again
 
 
@@ -39,24 +41,32 @@ def settled(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | Non
             matching: MatchConfig, config: SettleConfig = SettleConfig()) -> tuple[Belief, Evidence]:  # fmt: skip
     """What the evidence says of which object it is, and where; and the evidence with the noise that was taken."""
     belief = match(evidence, library, prior, unknown, config=matching)
-    for _ in range(config.rounds):
-        left = _left_over(belief, evidence, library)
-        if left is None or left > float(np.median(evidence.contacts.sigma)) / config.falls:
+    told = replace(matching, noise=replace(matching.noise, loosest=config.loosest))
+    for again in range(config.rounds):
+        left = _told(belief, evidence, library, matching.noise)
+        most = float(np.median(evidence.contacts.sigma)) * (1.0 / config.falls if again else config.falls)
+        if left is None or left.sigma > most:
             break
-        sigma = np.full(len(evidence.contacts), left)
-        narrow = replace(evidence, contacts=replace(evidence.contacts, sigma=frozen(sigma)))
+        evidence = _with(evidence, left)
         starts = [(h.name, h.pose) for h in belief.hypotheses if h.probability > config.likely]
-        again = match(narrow, library, prior, unknown, starts, matching)
-        belief, evidence = again, narrow
+        belief = match(evidence, library, prior, unknown, starts, told)
     return belief, evidence
 
 
-def _left_over(belief: Belief, evidence: Evidence, library: Mapping[str, Entry]) -> float | None:
-    """[mm] 1 sigma of the contacts from the likeliest pose of what is decided; None where that tells nothing."""
+def _told(
+    belief: Belief, evidence: Evidence, library: Mapping[str, Entry], noise: NoiseConfig
+) -> Scatter | None:
+    """How the contacts scatter about the likeliest pose of what is decided; None where that tells nothing."""
     best = belief.best(belief.decision)
-    count = len(evidence.contacts)
-    if evidence.scale_known or belief.decision == UNKNOWN or best is None or count < _POSE + _FEWEST:
+    if evidence.scale_known or belief.decision == UNKNOWN or best is None:
         return None
-    there = (evidence.contacts.points - best.pose[:3, 3]) @ best.pose[:3, :3]
-    off = np.sort(np.abs(library[best.name].solid.signed_distance(there)))[_POSE:]
-    return max(float(np.median(off)) / _MEDIAN * (1.0 + 2.0 / len(off)), MADE)
+    seen = turned(evidence) if belief.inward > 0.5 else evidence
+    return left_over(seen.checked().contacts, library[best.name], best.pose, MADE, noise)
+
+
+def _with(evidence: Evidence, left: Scatter) -> Evidence:
+    c = evidence.contacts
+    c = replace(c, sigma=frozen(np.full(len(c), left.sigma)))
+    if left.tau is not None and not evidence.normal_scale_known:
+        c = replace(c, normal_sigma=frozen(np.full(len(c), left.tau)))
+    return replace(evidence, contacts=c)
