@@ -43,6 +43,7 @@ class RimWallsConfig:
     most: int = 16  # walls of one rim each
     opposite: float = 0.99  # least cosine between the way that a wall looks and the one back
     likely: float = 0.93  # least cosine between the way out of such a rim and one that the object has
+    straight: float = 20.0  # [mm] of a rim in one look, from which it is of no circle, whichever way it runs
     deep: float = 3.0  # [mm] of such a wall, where nothing tells more
     felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
     rows: tuple[float, ...] = (0.5, 1.2, 2.5)  # [mm] from a rim, where its wall is
@@ -119,9 +120,12 @@ def upright_walls(
     """Contacts of a wall below each rim of a flat face that no other agrees with: upright on it, as most are.
 
     What was only seen `beside` others may be a piece of a round rim; it counts where it runs as the object does.
-    So may one that was looked for: where it runs otherwise another has to look back at it, as in a hexagon.
+    So may one that was looked for: where it runs otherwise it is long, or another has to look back at it, as in a
+    hexagon.
     """
-    ways, turned = _directions(faces), _turned(faces)
+    turned = _turned(faces)
+    long = (rim for rim, face in rims if rim.length > config.straight and face not in turned)
+    ways = _directions(faces) + [rim.outward for rim in long]
     alike = [rim for rim in beside if any(abs(float(way @ rim[0].outward)) > config.likely for way in ways)]
     found, unsure = list[Wall](), list[Wall]()
     flat_rims = [(rim, face) for rim, face in [*rims, *alike] if face not in turned]

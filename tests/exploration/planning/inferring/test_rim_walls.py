@@ -1,5 +1,7 @@
 """Walls that no array can face, from the rims at which two faces end."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from exploration.control.sighting import Sighting
@@ -115,6 +117,14 @@ def test_a_wall_that_runs_as_no_face_does_needs_another_that_looks_back_at_it():
     far = rim(15.0 * Z + 9.0 * way, np.cross(Z, way), -way, Z), 0
     assert upright_walls([near], FACES) == []
     assert len(upright_walls([near, far], FACES)) == 2
+
+
+def test_a_rim_too_long_to_be_of_a_circle_makes_a_wall_whichever_way_it_runs_and_so_do_others_along_it():
+    way = np.array([0.8, 0.6, 0.0])
+    long = replace(rim(15.0 * Z - 9.0 * way, np.cross(Z, way), way, Z), length=28.0), 0
+    seen = rim(15.0 * Z + 9.0 * way, np.cross(Z, way), -way, Z), 0
+    assert [wall.normals[0].tolist() for wall in upright_walls([long], FACES)] == [way.tolist()]
+    assert len(upright_walls([long], FACES, [seen])) == 2
 
 
 def test_an_edge_seen_of_a_round_face_makes_no_upright_wall():
