@@ -42,6 +42,7 @@ _FLAT = 5.0  # times the extent of what was touched, from which a radius is that
 _ARC = 0.05  # [rad] of a land that was felt along its length, up to which it is flat across
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
 _AT_RIM = 0.5  # [mm] from a larger face, within which a contact of a pad that lies on its rim is
+_LEAN = 2.5  # [mm] from it for each radian that the pad leans there, up to that
 _BOWED = 1.0  # [mm] from a ring, within which a band that bends with its crest was read flat
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
 
@@ -84,7 +85,8 @@ def drop_rims(graph: PatchGraph) -> PatchGraph:
         away = np.array([np.abs(_shape(f).signed_distance(felt.points)) for f in larger])
         facing = np.array([(_outward(f, felt) * felt.normals).sum(axis=1) for f in larger])
         ring = np.array([[isinstance(f.fit, Fit) and f.fit.kind == "torus"] for f in larger])
-        near = np.where(ring, _BOWED, np.where(facing < _FACING, _AT_RIM, _SAME))
+        lean = np.arccos(np.clip(facing, -1.0, 1.0))
+        near = np.where(ring, _BOWED, np.clip(_LEAN * lean, _SAME, _AT_RIM))
         if float((away < near).any(axis=0).mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
