@@ -29,13 +29,14 @@ _IRRATIONAL = np.array([0.37, 1.0, 2.399, 4.1])  # [rad] turns that no small num
 class FreeformConfig:
     """What is asked, and how exactly."""
 
-    play: float = 0.1  # [mm] by which points may be off
+    play: float = 0.1  # [mm] by which points may be off, at most,
+    share: float = 0.002  # and of the body's diagonal
     points: int = 3000
     first: int = 150  # that are asked before all of them are
     equal: float = 0.02  # of the moments, by which two that are one may differ
     folds: int = 12  # at most
     smooth: float = np.deg2rad(32.0)  # [rad] between facets of one surface
-    coarse: float = 0.006  # of the body's diagonal, that facets and play may come to
+    coarse: float = 0.004  # of the body's diagonal, that facets may add to it
     across: int = 180  # directions of axes across, that are tried
 
 
@@ -45,7 +46,7 @@ def symmetry_of_solid(solid: Solid, brep: Brep, config: FreeformConfig = Freefor
     if told.continuous or (solid.neighbors < 0).any() or all(face.kind != "freeform" for face in brep.faces):
         return told
     surface = _Surface(solid, config)
-    if surface.limit > config.coarse * float(np.linalg.norm(solid.extent)):
+    if surface.facets > config.coarse * surface.diagonal:
         return told  # so coarse facets would hide what the symmetry lacks
     felt = surface.group()
     return felt if felt.order > told.order else told
@@ -59,7 +60,9 @@ class _Surface:
         self.config, self.solid, self.center = config, solid, np.asarray(mesh.center_mass)
         drawn = trimesh.sample.sample_surface(mesh, config.points, seed=0)[0]
         self.points = np.asarray(drawn) - self.center
-        self.limit = config.play + 2.0 * _sagitta(mesh, config.smooth)
+        self.diagonal = float(np.linalg.norm(solid.extent))
+        self.facets = 2.0 * _sagitta(mesh, config.smooth)
+        self.limit = min(config.play, config.share * self.diagonal) + self.facets
         self.moments, axes = np.linalg.eigh(np.asarray(mesh.moment_inertia))
         self.axes = axes.T
 

@@ -55,10 +55,30 @@ def test_every_rotation_carries_the_surface_onto_itself() -> None:
         assert np.abs(solid.signed_distance(moved)).max() < 0.3
 
 
-def test_facets_that_are_coarse_hide_no_lack_of_symmetry() -> None:
-    for fine in (1, 2, 3):
-        ball = trimesh.creation.icosphere(fine)
-        x, y, z = ball.vertices.T
-        lobes = 1.0 + 0.05 * np.sin(2.0 * x + 1.0) * y + 0.05 * z * x + 0.04 * y * z
-        solid = Solid.from_mesh(ball.vertices * lobes[:, None] * [30.0, 28.0, 26.0], ball.faces)
-        assert Library.of({"egg": solid})["egg"].symmetry.name == "C1"
+@pytest.mark.parametrize(("points", "name"), [
+    (_ball(0.0, 0, 0.0, (30.0, 30.0, 15.0)), "D_inf"),
+    (_ball(0.0, 0, 0.0, (30.0, 29.0, 15.0)), "D2"),
+    (_ball(0.0, 0, 0.3, (20.0, 19.3, 25.0)), "C2"),
+    (_ball(0.2, 3, 0.3, (25.0, 24.0, 15.0)), "C1"),
+])  # fmt: skip
+def test_a_body_of_10_mm_has_the_group_of_a_large_one(points: Floats, name: str) -> None:
+    group, _ = _group(points * (10.0 / np.linalg.norm(np.ptp(points, axis=0))))
+    assert group.name == name
+
+
+def test_a_small_squashed_ring_turns_over_but_not_round() -> None:
+    ring = trimesh.creation.torus(15.0, 5.0, 64, 32)
+    solid = Solid.from_mesh(ring.vertices * [0.18, 0.173, 0.18], ring.faces)
+    assert Library.of({"ring": solid})["ring"].symmetry.name == "D2"
+
+
+@pytest.mark.parametrize("size", [0.1, 1.0])
+@pytest.mark.parametrize("fine", [1, 2, 3])
+@pytest.mark.parametrize("swell", [1.0, 0.6])
+def test_facets_that_are_coarse_hide_no_lack_of_symmetry(size: float, fine: int, swell: float) -> None:
+    ball = trimesh.creation.icosphere(fine)
+    x, y, z = ball.vertices.T
+    lobes = 1.0 + swell * (0.05 * np.sin(2.0 * x + 1.0) * y + 0.05 * z * x + 0.04 * y * z)
+    sizes = size * np.array([30.0, 28.0, 26.0])
+    solid = Solid.from_mesh(ball.vertices * lobes[:, None] * sizes, ball.faces)
+    assert Library.of({"egg": solid})["egg"].symmetry.name == "C1"
