@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from primitives.arrays import Bools, Floats, Ints, frozen
-from primitives.shapes import Shape
+from primitives.shapes import Plane, Shape
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,7 @@ class ArrangementOptions:
     along: float = 0.7  # least cosine between how such a contact looks, and its surface there
     outvoted: int = 3  # felt contacts, against which those that nobody felt count no more than
     hearsay: float = 2.0  # of them
+    unreached: float = 0.1  # of an area nearer to a face that nobody felt than any contact is, which counts
     aside: float = 1e-3  # of the box's diagonal: how far beside a contact its two sides are looked at
 
 
@@ -43,7 +44,7 @@ class Arrangement:
     swept_votes: Floats  # (c,) places in it that something went through
     swept_share: Floats  # (c,) share of its volume beside such places
     pairs: Ints  # (f, 2) the cells inside and outside of a facet's surface
-    area: Floats  # (f,) [mm^2] of the facet
+    area: Floats  # (f,) [mm^2] of the facet, where contacts are to be expected
     touched: Floats  # (m,) contacts that lie on each surface
     facing: Floats  # (2, m) of those, that look to its outside, and to its inside
     inferred: Bools  # (m,) whether nobody felt a surface
@@ -81,7 +82,8 @@ def arrange(
     ]
     surface = np.repeat(np.arange(len(shapes)), [len(rows) for rows in near])
     felt = np.concatenate([points - aside * normals, points + aside * normals, free])
-    beside = _distances(shapes, np.concatenate([np.empty((0, 3)), *on])) > 0
+    places = np.concatenate([np.empty((0, 3)), *on])
+    beside = _distances(shapes, places) > 0
     inner, outer = beside.copy(), beside.copy()
     inner[np.arange(len(surface)), surface] = False
     outer[np.arange(len(surface)), surface] = True
@@ -98,6 +100,8 @@ def arrange(
     keys, which = np.unique(sides[:s] * count + sides[s:], return_inverse=True)
     volume = float(np.prod(span)) / g
     told = np.zeros(n, dtype=bool) if heard is None else heard
+    bare = np.zeros(len(shapes), dtype=bool) if inferred is None else inferred
+    counts = np.where(_unreached(shapes, bare, points[~told], places), options.unreached, 1.0)
     lies = np.abs(_distances(shapes, points)) < options.on * aside
     looks = np.stack([(shape.normals(points) * normals).sum(axis=1) for shape in shapes], axis=1)
     (felt_solid, heard_solid), (felt_free, heard_free) = (
@@ -112,11 +116,25 @@ def arrange(
         frozen(np.bincount(went, minlength=count).astype(float)),
         frozen(seen / np.maximum(held, 1)),
         frozen(np.stack([keys // count, keys % count], axis=1), np.int64),
-        frozen(np.bincount(which, minlength=len(keys)) * volume / slab),
+        frozen(np.bincount(which, counts, minlength=len(keys)) * volume / slab),
         frozen(lies.sum(axis=0).astype(float)),
         frozen([(lies & (way * looks > options.along)).sum(axis=0) for way in (1.0, -1.0)]),
-        frozen(np.zeros(len(shapes)) if inferred is None else inferred, bool),
+        frozen(bare, bool),
     )
+
+
+def _unreached(shapes: Sequence[Shape], bare: Bools, felt: Floats, places: Floats) -> Bools:
+    """(s,) which of (s, 3) places lie nearer to a flat face that nobody felt than any of (n, 3) contacts does.
+
+    All contacts are on its one side, as over a table that an object lies on: no array comes so low.
+    """
+    out = np.zeros(len(places), dtype=bool)
+    for shape in (
+        shape for shape, unfelt in zip(shapes, bare, strict=True) if unfelt and isinstance(shape, Plane)
+    ):
+        if len(felt) and (nearest := float(-shape.signed_distance(felt).max())) > 0.0:
+            out |= shape.signed_distance(places) > -nearest
+    return out
 
 
 def _votes(felt: Ints, heard: Ints, against: Ints, options: ArrangementOptions) -> Floats:

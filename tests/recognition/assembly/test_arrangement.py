@@ -43,3 +43,18 @@ def test_contacts_of_a_surface_are_counted_by_the_side_that_they_look_to():
     points, normals = np.concatenate([top, wall]), np.concatenate(looks)
     found = arrange([TOP, WALL], points, normals, np.empty((0, 3)), ROOM)
     assert found.facing.tolist() == [[10.0, 0.0], [0.0, 4.0]]
+
+
+@pytest.mark.parametrize(("lies", "share"), [(True, 0.6 + 0.1 * 0.4), (False, 1.0)])
+def test_no_contact_is_expected_nearer_to_a_face_that_nobody_felt_than_any_came(lies, share):
+    """Of a wall 10 mm high over a table, whose lower 4 mm no array came to; unless the lower face was felt."""
+    low = Plane([0.0, 0.0, -10.0], [0.0, 0.0, -1.0])
+    y, z = np.meshgrid(np.linspace(-18.0, 18.0, 8), np.linspace(-6.0, 0.0, 5))
+    points = np.column_stack([np.zeros(y.size), y.ravel(), z.ravel()])
+    inferred = np.array([False, False, lies])
+    nowhere, normals = np.empty((0, 3)), np.tile(WALL.normal, (len(points), 1))
+    found = arrange([TOP, WALL, low], points, normals, nowhere, ROOM, inferred=inferred)
+    under = ~found.outside[:, [0, 2]].any(axis=1)
+    own = under[found.pairs].all(axis=1)
+    assert own.sum() == 1
+    assert found.area[own][0] == pytest.approx(share * 400.0, rel=0.05)
