@@ -26,7 +26,8 @@ class ToldConfig:
     cell: float = 1.0  # [mm] of a touched taxel from it, which is placed less well
     facing: float = 0.9  # least cosine between their normals
     met: float = 6.0  # [mm] of where a stroke was stopped
-    nearer: float = 0.5  # [mm] that an array comes on the way to what stops it
+    nearer: float = 0.5  # [mm] that an array comes on the way to what stops it,
+    lately: float = 2.0  # in the last so many mm
     lies: float = 0.2  # [mm] over it, of the middle of a pad that lies on it: the skin gives
     room: float = 0.3  # [mm] round the housing, where the pad is to lie
     over: float = 1.5  # [mm] over the table, where the search for the object stops
@@ -91,12 +92,13 @@ class Told:
     def may_have_stopped(self, where: Floats, before: Sequence[Floats]) -> bool:
         """Whether an array that was stopped at a (4, 4) pose may have met it: near it, and coming nearer.
 
-        It came from (4, 4) poses `before`; of one that came from nowhere nothing is known.
+        It came by (4, 4) poses `before`, the last first; of one that came from nowhere nothing is known.
         """
         if bool(self._tool.clear(where[None], self.points, self._config.met, self._config.met)[0]):
             return False
-        came_from = max((self._off(pose) for pose in before), default=np.inf)
-        return self._off(where) < came_from - self._config.nearer
+        came = (pose for pose in before if se3.apart(pose, where) > self._config.lately)
+        last = next(came, before[-1] if before else None)
+        return last is None or self._off(where) < self._off(last) - self._config.nearer
 
     def _off(self, pose: Floats) -> float:
         """[mm] of the corner of the array's box that is nearest to it, or deepest in it."""

@@ -190,29 +190,31 @@ def told_of_a_table(height):
     return Told(body, top, Tool.of_size((18.0, 28.8)), height)
 
 
-def move_on(guard, *velocity):
-    for _ in range(400):
+def move_on(guard, *velocity, ticks=400):
+    for _ in range(ticks):
         guard.move(np.array([*velocity, 0.0, 0.0, 0.0]))
 
 
 @pytest.mark.parametrize(
-    ("begin", "velocity", "tables"),
+    ("begin", "down", "velocity", "tables"),
     [
-        ([-60.0, 0.0, 3.5], [40.0, 0.0, 0.0], False),  # level, in the air, into the block
-        ([-60.0, 0.0, 30.0], [0.0, 0.0, 40.0], True),  # down, onto the table
+        ([-60.0, 0.0, 3.5], 0.0, [40.0, 0.0, 0.0], False),  # level, in the air, into the block
+        ([-60.0, 0.0, 5.5], 2.0, [40.0, 0.0, 0.0], False),  # down, and level then
+        ([-60.0, 0.0, 30.0], 0.0, [0.0, 0.0, 40.0], True),  # down, onto the table
     ],
 )
-def test_what_stops_an_array_on_its_way_along_a_table_is_not_the_table(begin, velocity, tables):
-    down = np.diag([1.0, -1.0, -1.0])
+def test_what_stops_an_array_on_its_way_along_a_table_is_not_the_table(begin, down, velocity, tables):
+    facing_down = np.diag([1.0, -1.0, -1.0])
     scene = Cube((40.0, 40.0, 40.0)).at(0.0, 0.0, 20.0) | Cube((400.0, 400.0, 20.0)).at(0.0, 0.0, -10.0)
     stage, arrays = simulate(
         Solid.from_csg(scene),
         [load_sensor("lts210")],
         np.random.default_rng(0),
-        start_pose=se3.pose(down, begin),
+        start_pose=se3.pose(facing_down, begin),
     )
     guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
     explorer = Explorer(guard, BOX, ExplorerConfig(), told=told_of_a_table(0.0))
+    move_on(guard, 0.0, 0.0, 20.0, ticks=round(down / (20.0 * guard.period)))
     with pytest.raises((Collision, OverPress)) as fault:
         move_on(guard, *velocity)
     assert explorer._by_what_is_told(fault.value) is tables

@@ -65,3 +65,5 @@ def test_what_stopped_an_array_well_above_the_table_or_on_its_way_along_it_was_n
     assert told.may_have_stopped(pose(down, low), [])
     assert not told.may_have_stopped(pose(down, high), [pose(down, [60.0, 0.0, 20.0])])
     assert not told.may_have_stopped(pose(aside, [45.0, 0.0, 5.0]), [pose(aside, [40.0, 0.0, 4.9])])
+    came = [pose(down, [x, 0.0, -7.0]) for x in np.arange(60.0, 50.0, -0.5)]
+    assert not told.may_have_stopped(came[0], [*came, pose(down, [50.0, 0.0, 3.0])])  # down, and then along
