@@ -41,8 +41,10 @@ _NO_WORSE = 1.3  # times the misfit of a curved face, up to which a plane explai
 _FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
 _ARC = 0.05  # [rad] of a land that was felt along its length, up to which it is flat across
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
+_LEANS = (
+    0.996  # the same, of a pad that leans over its rim: contacts are before it, too, and of a bevel none is
+)
 _AT_RIM = 0.5  # [mm] from a larger face, within which a contact of a pad that lies on its rim is
-_LEAN = 2.5  # [mm] from it for each radian that the pad leans there, up to that
 _BOWED = 1.0  # [mm] from a ring, within which a band that bends with its crest was read flat
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge
 
@@ -82,12 +84,12 @@ def drop_rims(graph: PatchGraph) -> PatchGraph:
         ]
         if not len(felt) or not larger:
             continue
-        away = np.array([np.abs(_shape(f).signed_distance(felt.points)) for f in larger])
         facing = np.array([(_outward(f, felt) * felt.normals).sum(axis=1) for f in larger])
         ring = np.array([[isinstance(f.fit, Fit) and f.fit.kind == "torus"] for f in larger])
-        lean = np.arccos(np.clip(facing, -1.0, 1.0))
-        near = np.where(ring, _BOWED, np.clip(_LEAN * lean, _SAME, _AT_RIM))
-        if float((away < near).any(axis=0).mean()) > _EDGE_SHARE:
+        before = np.array([_before(f, felt.points) for f in larger])
+        over = (before.max(axis=1, keepdims=True) > _SAME) & (facing < _LEANS)
+        near = np.where(ring, _BOWED, np.where((facing < _FACING) | over, _AT_RIM, _SAME))
+        if float((np.abs(before) < near).any(axis=0).mean()) > _EDGE_SHARE:
             graph = _without(graph, face.id)
     return graph
 
@@ -223,6 +225,12 @@ def _outward(face: Face, contacts: Contacts) -> Floats:
     return np.asarray(face.fit.shape.normals(contacts.points) * (1.0 if face.fit.convex else -1.0))
 
 
+def _before(face: Face, points: Floats) -> Floats:
+    """(n,) [mm] that points are before a face."""
+    assert isinstance(face.fit, Fit)
+    return face.fit.shape.signed_distance(points) * (1.0 if face.fit.convex else -1.0)
+
+
 def _shape(face: Face) -> Shape:
     assert isinstance(face.fit, Fit)
     return face.fit.shape
@@ -237,7 +245,7 @@ def _worst(graph: PatchGraph) -> int | None:
         if not others:
             continue
         contacts = Contacts.concatenate(others)
-        before = face.fit.shape.signed_distance(contacts.points) * (1.0 if face.fit.convex else -1.0)
+        before = _before(face, contacts.points)
         facing = np.nan_to_num((_outward(face, contacts) * contacts.normals).sum(axis=1), nan=1.0)
         along = np.sqrt(np.maximum(0.0, 1.0 - facing**2))
         beyond = int((before > _BEYOND + _PAST * along).sum())

@@ -122,14 +122,22 @@ def test_what_a_pad_reads_on_a_rim_is_no_face_of_a_hollow_object(corner):
     assert len(take_in(corner, NONE, farther, hollow).graph.faces) == 3
 
 
-@pytest.mark.parametrize(("lean", "kept"), [(0.19, False), (0.05, True)])
-def test_a_pad_that_leans_over_a_plates_edge_reads_no_face_of_its_own(lean, kept):
-    """Up to 0.3 mm off the plate, which a face that leans by as little as 3 degrees would be a small step of."""
+@pytest.mark.parametrize(
+    ("lean", "before", "kept"),
+    [
+        (0.19, 0.25, False),
+        (0.0, 0.3, True),  # a step
+        (0.19, 0.0, True),  # a bevel, 2.5 mm wide
+        (0.1, 0.0, True),
+    ],
+)
+def test_a_pad_that_leans_over_a_plates_edge_reads_no_face_of_its_own(lean, before, kept):
+    """Its contacts are before the plate, too, by so many mm at most."""
     x, y = np.meshgrid(np.linspace(-20.0, 20.0, 6), np.linspace(-20.0, 20.0, 6))
     top = Contacts.of(np.column_stack([x.ravel(), y.ravel(), np.zeros(36)]), np.eye(3)[[2] * 36], 0.02, 0.01)
     graph, home = PatchGraph(options=CONVEX).add_stroke(top)
     along, across = np.linspace(-12.0, 12.0, 8), np.tile([19.0, 21.5], 4)
-    places = np.column_stack([across, along, 0.25 - 0.19 * (across - 19.0)])
+    places = np.column_stack([across, along, before - np.tan(lean) * (across - 19.0)])
     ways = np.tile([np.sin(lean), 0.0, np.cos(lean)], (8, 1))
     leaning = Contacts.of(places, ways, sigma=0.03, normal_sigma=0.01, touch=5)
     graph = PatchGraph((*graph.faces, Face(9, fit("plane", leaning), leaning)), options=CONVEX)
