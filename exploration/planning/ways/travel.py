@@ -16,8 +16,12 @@ def kept_within(world: Floats, reach: Floats) -> Floats:
 
 
 def room_behind(world: Floats, reach: Floats) -> float:
-    """[mm] that an array at a (4, 4) pose can go straight along its own back, within a (6,) box [mm]."""
-    way = -world[:3, 2]
-    border = np.where(way < 0.0, reach[:3] + EDGE, reach[3:] - EDGE)
+    """[mm] that an array at a (4, 4) pose can go straight along its own back, within a (6,) box [mm].
+
+    Past the part of it that is kept free for overshooting it may go on to the border itself.
+    """
+    way, at = -world[:3, 2], world[:3, 3]
     moving = np.abs(way) > 1e-9
-    return float(max(0.0, ((border - world[:3, 3])[moving] / way[moving]).min()))
+    border, inner = (np.where(way < 0.0, reach[:3] + edge, reach[3:] - edge) for edge in (0.0, EDGE))
+    to_border, to_inner = ((end - at)[moving] / way[moving] for end in (border, inner))
+    return float(max(0.0, np.where(to_inner > 0.0, to_inner, to_border).min()))

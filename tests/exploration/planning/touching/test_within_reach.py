@@ -48,4 +48,7 @@ def test_the_room_behind_an_array_ends_where_its_own_back_leads_out_of_the_trave
     level = pose(frame_along(np.array([1.0, 0.0, 0.0])), [-590.0, 0.0, 0.0])
     down = pose(frame_along(np.array([0.0, 0.0, -1.0])), [0.0, 0.0, 599.0])
     assert room_behind(level, REACH) == pytest.approx(8.0)
-    assert room_behind(down, REACH) == 0.0  # past what is kept free of the border
+    assert room_behind(down, REACH) == pytest.approx(1.0)  # in what is kept free for overshooting
+    aslant = np.array([-1e-6, 0.0, -1.0]) / np.hypot(1.0, 1e-6)
+    beside = pose(frame_along(aslant), [598.5, 0.0, 0.0])
+    assert room_behind(beside, REACH) == pytest.approx(598.0, abs=0.1)
