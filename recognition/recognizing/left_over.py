@@ -33,7 +33,8 @@ from recognition.matching.target import target_of
 _MEDIAN = 1.1774  # of the length of two unit normals
 _ASTRAY = 4.0  # sigmas by which a normal is off, from which on it is not the face's
 _EXACT = 0.002  # [rad]: no normal is surer, for no mesh is
-_TURNS = 3  # numbers of a pose that normals tell
+_TURNS = 3  # numbers of a pose that normals tell,
+_FEWEST = 4  # and normals that it takes to tell their scatter, too
 _ON_FACE = 0.9  # cosine to the face's normal, below which a contact lies beside an edge
 
 
@@ -41,7 +42,8 @@ _ON_FACE = 0.9  # cosine to the face's normal, below which a contact lies beside
 class LeftOverConfig:
     """Which sigmas are asked, and when contacts tell."""
 
-    steps: int = 60  # sigmas
+    steps: int = 60  # sigmas, up to
+    widest: float = 2.0  # times what the contacts say themselves,
     rounds: int = 4  # of the pose for each
     spare: float = 1.9  # contacts to spare, below which they tell nothing
 
@@ -70,7 +72,8 @@ def left_over(contacts: Contacts, entry: Entry, pose: Floats, least: float, nois
     near = _near(contacts, entry, pose, bounds(target))
     broad = noise.broad * target.size
     stray = float(np.log(noise.outliers / (2.0 * broad)))
-    sigmas = np.geomspace(least, max(broad, 10.0 * least), config.steps)
+    widest = max(broad, 10.0 * least, config.widest * float(np.median(contacts.sigma)))
+    sigmas = np.geomspace(least, widest, config.steps)
     logs, spares, x = np.empty(config.steps), np.empty(config.steps), np.zeros(6)
     for k in range(config.steps - 1, -1, -1):  # from wide to narrow, as contacts part
         logs[k], spares[k], x = _log_marginal(near, sigmas[k], noise.outliers, stray, x, config.rounds)
@@ -110,7 +113,7 @@ def _near(contacts: Contacts, entry: Entry, pose: Floats, bound: Floats) -> _Nea
     unit = np.where(on_face[:, None], normals, away / np.where(on_face, 1.0, distances)[:, None])
     slopes = np.hstack([unit, np.cross(found.points - points.mean(axis=0), unit)])
     known, pull, tau = bound.copy(), np.zeros(6), None
-    if felt.sum() >= _TURNS:
+    if felt.sum() >= _FEWEST:
         read = [normals] if is_exact(body) else [normals, _bent(body, found.points, found.triangle)]
         turned = contacts.normals[felt] @ pose[:3, :3]
         tau, information, pull[3:] = min(

@@ -32,7 +32,9 @@ class SettleConfig:
     """How often contacts are matched, and when that is enough."""
 
     rounds: int = 4
-    falls: float = 1.2  # factor by which sigma falls while it is not settled
+    falls: float = (
+        1.2  # factor by which sigma falls while it is not settled, and may rise over the guess at first
+    )
     loosest: float = 1.2533  # sqrt(pi / 2): factor up to which it may be less or more then
     likely: float = 0.01  # probability of a pose that is tried again
 

@@ -31,7 +31,7 @@ class Touched:
         return self.away(points, within) <= within
 
     def away(self, points: Floats, most: float = np.inf) -> Floats:
-        """(n,) [mm] to what was touched nearest to each of (n, 3) points; inf from `most` on."""
+        """(n,) [mm] to what was touched nearest to each of (n, 3) points; inf past `most`."""
         if not len(self._places) or not len(points):
             return np.full(len(points), np.inf)
         if self._tree is None:
