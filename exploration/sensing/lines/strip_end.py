@@ -63,12 +63,11 @@ def fit_strip_end(
     tried = np.arange(low, high, config.step)
     if len(tried) < 3:
         return None
-    skews = np.linspace(-2.0, 2.0, 5) * config.skew
-    costs = np.array([[strip.cost(np.array([end, skew])) for skew in skews] for end in tried])
-    row, column = np.unravel_index(int(np.argmin(costs)), costs.shape)
-    if row in (0, len(tried) - 1):
+    row = int(np.argmin([strip.cost(np.array([end, 0.0])) for end in tried]))
+    near = product(tried[max(row - 1, 0) : row + 2], np.linspace(-2.0, 2.0, 5) * config.skew)
+    start = np.array(min(near, key=lambda state: strip.cost(np.array(state))))
+    if not tried[0] < start[0] < tried[-1]:
         return None
-    start = np.array([tried[row], skews[column]])
     simplex = start + np.array([[0.0, 0.0], [0.5 * config.step, 0.0], [0.0, 0.5 * config.skew]])
     found = minimize(
         strip.cost,
