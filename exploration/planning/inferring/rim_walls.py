@@ -43,7 +43,9 @@ class RimWallsConfig:
     most: int = 16  # walls of one rim each
     opposite: float = 0.99  # least cosine between the way that a wall looks and the one back
     likely: float = 0.93  # least cosine between the way out of such a rim and one that the object has
-    straight: float = 20.0  # [mm] of a rim in one look, from which it is of no circle, whichever way it runs
+    straight: float = 20.0  # [mm] of a rim in one look, from which it is straight, whichever way it runs,
+    bends: tuple[float, float] = (0.9, 0.998)  # unless another, that far turned from it in cosines,
+    bent: float = 45.0  # [mm] from it, shows that it is of a wide circle
     deep: float = 3.0  # [mm] of such a wall, where nothing tells more
     felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
     rows: tuple[float, ...] = (0.5, 1.2, 2.5)  # [mm] from a rim, where its wall is
@@ -124,8 +126,8 @@ def upright_walls(
     hexagon.
     """
     turned = _turned(faces)
-    long = (rim for rim, face in rims if rim.length > config.straight and face not in turned)
-    ways = _directions(faces) + [rim.outward for rim in long]
+    ways = _directions(faces)
+    ways += [rim.outward for rim, face in rims if face not in turned and _straight(rim, face, rims, config)]
     alike = [rim for rim in beside if any(abs(float(way @ rim[0].outward)) > config.likely for way in ways)]
     found, unsure = list[Wall](), list[Wall]()
     flat_rims = [(rim, face) for rim, face in [*rims, *alike] if face not in turned]
@@ -143,6 +145,18 @@ def upright_walls(
         if not any(_one(wall, (points, normal), 2.0 * config.same, config) for wall in found):
             found.append((points, normal))
     return _contacts(found, config)
+
+
+def _straight(rim: Sighting, face: int, rims: Sequence[SeenRim], config: RimWallsConfig) -> bool:
+    """Whether a rim is too long to be of a circle, unless that is wide and others of the face show it bend."""
+    low, high = config.bends
+    bent = (
+        low < float(other.outward @ rim.outward) < high
+        and float(np.linalg.norm(other.point - rim.point)) < config.bent
+        for other, own in rims
+        if own == face and other.length > config.straight
+    )
+    return rim.length > config.straight and not any(bent)
 
 
 def _looked_back_at(wall: Wall, walls: Sequence[Wall], config: RimWallsConfig) -> bool:

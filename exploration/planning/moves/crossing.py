@@ -17,6 +17,7 @@ from primitives.fit import Fit
 _STANDOFF = 10.0  # [mm] before an approach
 _BESIDE_EDGE = 4.0  # [mm] within which two crossings went over the same edge
 _PAST, _ASIDE = 2.0, 20.0  # [mm] past an edge, and along it, where the face that it ends is not
+_ALONG = 0.9  # least cosine between an edge's way out and a round face's straight lines, which it ends square
 
 
 class Crossing:
@@ -63,10 +64,25 @@ class Crossing:
         """Those predicted places of a face that are not past an edge of it that there was no room to cross."""
         past = np.zeros(len(predicted.points), dtype=bool)
         for edge, own in self.study.found.barred:
-            away = predicted.points - edge.point
+            away, way = predicted.points - edge.point, self._way_past(edge, own)
             beside = np.abs(away @ edge.tangent) < _ASIDE
-            past |= (predicted.face == own) & beside & (away @ edge.outward > _PAST)
+            past |= (predicted.face == own) & beside & (away @ way > _PAST)
         return Predicted(predicted.points[~past], predicted.normals[~past], predicted.face[~past])
+
+    def _way_past(self, edge: Sighting, own: int) -> Floats:
+        """(3,) way to where a convex face is not that ends at an edge; zero where that is not so all along it.
+
+        A round face goes on beyond the tangent at an edge along its axis, as of a flat on a bar.
+        """
+        fit = self.study.found.fit_of(own)
+        if fit is None or fit.kind == "plane":
+            return edge.outward
+        if fit.kind not in ("cylinder", "cone"):
+            return np.zeros(3)
+        axis = fit.shape.direction
+        line = axis - float(axis @ edge.normal) * edge.normal
+        along = float(line @ edge.outward) / max(float(np.linalg.norm(line)), 1e-9)
+        return axis * np.sign(along) if abs(along) > _ALONG else np.zeros(3)
 
     def _press_between(self, sighting: Sighting, own: int) -> Done:
         """Press on what may be a face too narrow to roll onto: midway between the two beside it, unmoved."""

@@ -127,6 +127,14 @@ def test_a_rim_too_long_to_be_of_a_circle_makes_a_wall_whichever_way_it_runs_and
     assert len(upright_walls([long], FACES, [seen])) == 2
 
 
+def test_long_rims_that_bend_from_look_to_look_make_no_walls():
+    turns = np.array([0.5, 0.75, 1.0])
+    ways = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(3)])
+    rims = [(replace(rim(15.0 * Z + 100.0 * w, np.cross(Z, w), w, Z), length=25.0), 0) for w in ways]
+    assert upright_walls(rims, FACES) == []
+    assert len(upright_walls(rims[:1], FACES)) == 1
+
+
 def test_an_edge_seen_of_a_round_face_makes_no_upright_wall():
     turn = np.linspace(0.0, 5.0, 20)
     normals = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(20)])
