@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 
 from models import parts
 from models.csg import Csg, Cylinder, Sphere
@@ -92,3 +93,33 @@ def test_normals_tell_their_own_scatter(entries: dict[str, Entry]) -> None:
         found = left_over(contacts, entries[name], world, LEAST, NoiseConfig())
         assert found is not None
         assert found.tau == pytest.approx(TAU, rel=0.35)
+
+
+def test_normals_of_a_freeform_surface_are_those_that_its_facets_stand_for() -> None:
+    """Facets of 6 degrees lie as far off them as poor normals do."""
+    ball, rng = trimesh.creation.icosphere(3), np.random.default_rng(2)
+    sizes = np.array([30.0, 22.0, 15.0])
+    entry = Library.of({"egg": Solid.from_mesh(ball.vertices * sizes, ball.faces)})["egg"]
+    way = rng.standard_normal((60, 3))
+    points = way / np.linalg.norm(way, axis=1, keepdims=True) * sizes
+    normals = points / sizes**2
+    normals = normals / np.linalg.norm(normals, axis=1, keepdims=True) + 0.01 * rng.standard_normal((60, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    noisy = points + 0.05 * rng.standard_normal((60, 3))
+    found = left_over(Contacts.of(noisy, normals, 1.0, 0.037), entry, np.eye(4), LEAST, NoiseConfig())
+    assert found is not None
+    assert 0.007 < found.tau < 0.016
+
+
+@pytest.mark.parametrize("sigma", [3.0, 9.0])
+def test_a_wide_scatter_is_told_as_wide_as_it_is(entries: dict[str, Entry], sigma: float) -> None:
+    """Here up to a seventh of the object's size."""
+    told = []
+    for seed in range(TRIALS):
+        contacts, world = _touched(entries["bracket"], 40, seed, True)
+        wide = contacts.points + sigma * np.random.default_rng(seed).standard_normal((40, 3))
+        felt = Contacts.of(wide, contacts.normals, sigma, 0.037)
+        found = left_over(felt, entries["bracket"], world, LEAST, NoiseConfig())
+        assert found is not None
+        told.append(found.sigma / sigma)
+    assert 0.75 < np.median(told) < 1.35

@@ -101,3 +101,13 @@ def test_few_contacts_are_as_sure_as_they_are(library: Library, count: int) -> N
     assert 0.22 < np.median(sigmas) < 0.4
     assert np.min(sigmas) > 0.1
     assert 0.3 < np.median(off) < 1.5
+
+
+def test_more_left_over_than_was_guessed_widens_nothing(library: Library) -> None:
+    """It is another object's, which would fit all the better."""
+    samples = library["flange"].samples
+    rows = np.random.default_rng(3).choice(len(samples), 12, replace=False)
+    contacts = Contacts.of(samples.points[rows], samples.normals[rows], 0.3, 0.03)
+    untold = Evidence(contacts, scale_known=False, normal_scale_known=False)
+    _, taken = settled(untold, {"block": library["block"]}, None, 0.0, MatchConfig())
+    assert (taken.contacts.sigma == 0.3).all()
