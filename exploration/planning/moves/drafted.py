@@ -97,6 +97,8 @@ class Drafted:
     def _known(self, surface: Predicted) -> Bools:
         """(n,) what of a surface was felt."""
         felt = self.reach.felt
+        if not len(felt.points):
+            return np.zeros(len(surface.points), dtype=bool)
         near = min(self.config.beside, len(felt.points))
         away, which = KDTree(felt.points).query(surface.points, k=[*range(1, near + 1)])
         facing = np.einsum("ijk,ik->ij", felt.facing[which], surface.normals)

@@ -26,11 +26,13 @@ class Finding:
         self.box, self.config, self.told = box, config, told
         self.touches = 0  # until it was found
         self.looked = 0  # times that the object was looked for again
+        self._met: Floats | None = None  # (4, 4) where it was found
 
     def find(self) -> bool:
         """Sweep the workspace until something is met; false where nothing is.
 
-        An object that nothing holds up is near the middle; what lies on a table is at the bottom.
+        An object that nothing holds up is near the middle; what lies on a table is at the bottom, and noise there
+        may let a pad settle onto the table.
         """
         floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
         box = np.array([*self.box[:2], floor, *self.box[3:]])
@@ -45,8 +47,9 @@ class Finding:
                 begun = self.pad.way_back.length
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
                 settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
-                if settled or self.pad.touches():
+                if (settled or self.pad.touches()) and not self.pad.on_told():
                     self.touches = self.guard.cost.touches
+                    self._met = self.guard.world_from_sensor
                     return True
                 place = self.guard.world_from_sensor[:3, 3]
             except (OverPress, Collision) as error:
@@ -72,11 +75,11 @@ class Finding:
         facing = np.concatenate([np.empty((0, 3)), *(normals for _, normals in self.pad.felt)])
         tried = self.looked
         self.looked += 1
-        point, normal = self.pad.here.point, self.pad.here.normal
+        here = self.guard.world_from_sensor if self._met is None else self._met
+        point, normal = here[:3, 3], -here[:3, 2]
         if len(cells):
             one = int(len(cells) * (tried * _GOLDEN % 1.0))
             point, normal = cells[one], facing[one]
-        here = self.guard.world_from_sensor
         level = se3.pose(self.pad.attitude(normal, here[:3, 0]), point)
         turn = se3.turn_about(point, level[:3, tried % 2], 0.35 * (-1.0) ** (tried // 2))
         retreat(self.guard, 15.0)

@@ -56,6 +56,11 @@ def moves_of(study, surface):
     return notes
 
 
+def test_nothing_of_a_draft_is_known_where_nothing_was_felt(study):
+    study.pad.felt.clear()
+    assert moves_of(study, level(0.0))
+
+
 def test_all_of_a_draft_that_is_there_is_felt(study):
     notes = moves_of(study, level(0.0))
     assert set(notes) == {"touched what a draft of the object has"}

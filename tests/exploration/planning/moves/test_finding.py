@@ -5,6 +5,7 @@ import numpy as np
 from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.faces.attribution import AttributionConfig
+from exploration.planning.known.told import Told
 from exploration.planning.moves.finding import Finding
 from exploration.planning.touching.findings import ExplorerConfig, Findings
 from exploration.planning.touching.pad import Pad
@@ -13,6 +14,7 @@ from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models.csg import Cube, Sphere
+from models.scene import Scene, table_under
 from models.solid import Solid
 from primitives import pose as se3
 
@@ -37,3 +39,28 @@ def test_a_bowl_that_lies_aslant_lets_the_array_out_again():
     study = Study(pad, Findings(), AttributionConfig())
     assert Finding(study, box, ExplorerConfig(max_touches=30), None).find()
     assert len(study.found.warnings) < 10
+
+
+def test_a_pad_that_settles_onto_the_table_has_not_found_what_lies_on_it():
+    """As where noise passes for a touch at the end of a way down."""
+    plate = Solid.from_csg(Cube((70.0, 50.0, 7.0)))
+    spec, start = load_sensor("lts210"), se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 90.0])
+    scene, rng = Scene((plate, table_under(plate))), np.random.default_rng(0)
+    stage, arrays = simulate(scene, [spec], rng, noise=0.05, start_pose=start)
+    guard = Guard(stage, arrays, [Calibration.nominal(spec)])
+    box = np.array([-100.0, -100.0, -4.5, 100.0, 100.0, 100.0])
+    told = Told(table_under(plate), np.array([[60.0, 60.0, -3.5]]), Tool.of(spec), -3.5)
+    pad, down = Pad(guard, box, lambda kind, detail: None, told=told), []
+
+    def come_down(*way):
+        down.append(guard.world_from_sensor[:3, 3])
+        if len(down) > 1:
+            return Pad.come_down(pad, *way)
+        guard.go_to(se3.pose(np.diag([1.0, -1.0, -1.0]), [60.0, 60.0, -3.9]))
+        return True
+
+    pad.come_down = come_down
+    assert Finding(Study(pad, Findings(), AttributionConfig()), box, ExplorerConfig(), told).find()
+    assert len(down) > 1
+    assert np.abs(guard.world_from_sensor[:3, 3]).max() < 50.0
+    assert guard.world_from_sensor[2, 3] > 2.5

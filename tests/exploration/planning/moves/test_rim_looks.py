@@ -80,6 +80,7 @@ def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_o
     assert move()[1] == "looked at the rim of a wall that nothing has room to face"
     heights = [float(edge.point @ Z) for edge, face in study.found.wall_rims if face == 4]
     assert min(abs(height - 30.0) for height in heights) < 1.0
+    print("TOUCHES", guard.cost.touches)
 
 
 def test_a_rim_too_near_a_table_to_lie_over_is_looked_at_from_higher_up():
