@@ -85,6 +85,15 @@ class RoundHoles:
             for other in openings
         )
 
+    def _bare(self, rim: RoundRim) -> bool:
+        """Whether nobody lay on what is round a rim, so that it counts to the round face beside it."""
+        own = self.study.found.fit_of(rim.face)
+        return own is not None and own.kind != "plane"
+
+    def _slim(self, rim: RoundRim) -> bool:
+        """Whether the ring round a rim is too narrow for the pad to lie on."""
+        return self._bare(rim) or rim.outer - rim.radius < self.config.narrow * min(self.study.pad.size)
+
     def _given_up(self, rim: RoundRim) -> bool:
         """Whether one was seen there, or none about as wide: a far end is guessed as wide as the near one."""
         return self._seen.given_up(rim.center) or any(
@@ -99,9 +108,7 @@ class RoundHoles:
         looks, led = 1 if small else self.config.looks, 0
         found: RoundHole | None = None
         ends = self._ends(rim)
-        own = self.study.found.fit_of(rim.face)
-        bare = own is not None and own.kind != "plane"  # nobody lay on what is round it
-        slim = rim.outer - rim.radius < (np.inf if bare else self.config.narrow * min(pad.size))
+        bare, slim = self._bare(rim), self._slim(rim)
         settling = AS_IT_CAME if slim else SettleConfig()
         for give, (way, pose) in product((False, True), self._places(rim, small)):
             if not small and any(way @ other > np.cos(self.config.apart) for other in used):

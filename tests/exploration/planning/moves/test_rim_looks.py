@@ -56,12 +56,8 @@ def test_a_look_at_the_end_of_a_groove_remembers_every_edge_that_it_shows():
         assert min(abs(off - there) for off in offs) < 0.3
 
 
-@pytest.mark.parametrize("way", [Z, np.array([0.0, 0.8, 0.6])], ids=["straight", "aslant"])
-def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_on(way):
-    """The contact on a cylinder is a narrow strip, whose end is seen in what is left of it.
-
-    The guess is aslant where strokes have felt the side to end at a slant.
-    """
+def over_a_post(guess):
+    """A look at a guess of the end of a post, 60 mm long, and what is known then."""
     spec, start = load_sensor("lts210"), se3.pose(se3.frame_along(-X), [60.0, 0.0, 0.0])
     post = Solid.from_csg(Cylinder(30.0, 60.0))
     stage, arrays = simulate(post, [spec], np.random.default_rng(0), noise=0.05, start_pose=start)
@@ -75,12 +71,20 @@ def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_o
     side = ranked_face(4, Contacts.of(points, np.tile(ring, (3, 1)), 0.01, 0.01), MergeOptions())
     found = Findings(hollow=True, graph=PatchGraph((side,), ()))
     study = Study(pad, found, AttributionConfig(convex=False))
-    move = RimLooks(study, Reach(pad)).next([(rim([30.0, 0.0, 23.0], np.cross(way, X), way, X), 4)])
+    return RimLooks(study, Reach(pad)).next([(guess, 4)]), study
+
+
+@pytest.mark.parametrize("way", [Z, np.array([0.0, 0.8, 0.6])], ids=["straight", "aslant"])
+def test_the_end_of_a_round_side_is_looked_for_farther_out_where_the_side_goes_on(way):
+    """The contact on a cylinder is a narrow strip, whose end is seen in what is left of it.
+
+    The guess is aslant where strokes have felt the side to end at a slant.
+    """
+    move, study = over_a_post(rim([30.0, 0.0, 23.0], np.cross(way, X), way, X))
     assert move is not None
     assert move()[1] == "looked at the rim of a wall that nothing has room to face"
     heights = [float(edge.point @ Z) for edge, face in study.found.wall_rims if face == 4]
     assert min(abs(height - 30.0) for height in heights) < 1.0
-    print("TOUCHES", guard.cost.touches)
 
 
 def test_a_rim_too_near_a_table_to_lie_over_is_looked_at_from_higher_up():

@@ -66,11 +66,17 @@ def test_a_look_at_the_end_of_a_thin_tube_makes_a_face_of_it_and_measures_its_bo
     assert holes.next([rim]) is None
 
 
-def looking(faces=()):
-    """The looks of an exploration that knows so many faces."""
-    pad = SimpleNamespace(size=(28.8, 18.0), guard=SimpleNamespace(world_from_sensor=np.eye(4)))
-    study = SimpleNamespace(pad=pad, found=SimpleNamespace(graph=PatchGraph(tuple(faces), ())))
+def looking(faces=(), size=(28.8, 18.0)):
+    """The looks of an exploration that knows so many faces, with a pad of a size."""
+    pad = SimpleNamespace(size=size, guard=SimpleNamespace(world_from_sensor=np.eye(4)))
+    study = SimpleNamespace(pad=pad, found=Findings(graph=PatchGraph(tuple(faces), ())))
     return RoundHoles(study, SimpleNamespace())
+
+
+def test_how_narrow_a_ring_is_for_a_pad_depends_on_the_pad():
+    ring = replace(rim(20.0, radius=10.0), outer=17.0)
+    assert looking()._slim(ring)
+    assert not looking(size=(12.0, 12.0))._slim(ring)
 
 
 def test_a_wider_rim_is_looked_for_where_none_of_the_guessed_width_was_seen():
