@@ -127,7 +127,8 @@ def upright_walls(
     """
     turned = _turned(faces)
     ways = _directions(faces)
-    ways += [rim.outward for rim, face in rims if face not in turned and _straight(rim, face, rims, config)]
+    long = [rim.outward for rim, face in rims if face not in turned and _straight(rim, face, rims, config)]
+    ways += [own for own in long if not any(abs(float(way @ own)) > config.likely for way in ways)]
     alike = [rim for rim in beside if any(abs(float(way @ rim[0].outward)) > config.likely for way in ways)]
     found, unsure = list[Wall](), list[Wall]()
     flat_rims = [(rim, face) for rim, face in [*rims, *alike] if face not in turned]

@@ -127,6 +127,13 @@ def test_a_rim_too_long_to_be_of_a_circle_makes_a_wall_whichever_way_it_runs_and
     assert len(upright_walls([long], FACES, [seen])) == 2
 
 
+def test_a_long_rim_that_runs_nearly_as_the_object_does_runs_as_it_does():
+    way = np.array([np.cos(0.025), np.sin(0.025), 0.0])
+    long = replace(rim(15.0 * Z - 9.0 * X, np.cross(Z, way), way, Z), length=28.0), 0
+    (wall,) = upright_walls([long], FACES)
+    assert wall.normals[0].tolist() == X.tolist()
+
+
 def test_long_rims_that_bend_from_look_to_look_make_no_walls():
     turns = np.array([0.5, 0.75, 1.0])
     ways = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(3)])
