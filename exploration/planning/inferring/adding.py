@@ -27,9 +27,9 @@ def add(found: Findings, lot: Contacts, why: str, kind: str = "plane") -> Fit | 
     """Add a face that is known to be of one `kind`, or join it to the one that it turns out to be; its fit."""
     lot = straightened(lot, found.graph.faces) if kind == "plane" else lot
     home = home_of(found.graph.faces, lot, kind)
-    made = fit(kind, lot) if home is None else _widened(home, lot, found.graph.faces)
+    both = lot if home is None else _joined(home, lot, found.graph.faces)
+    made = fit(kind, lot) if home is None else _widened(home, both)
     if home is not None and isinstance(made, Fit):
-        both = Contacts.concatenate([home.contacts, lot])
         change(found, lambda face: Face(face.id, made, both) if face is home else face)
     elif home is None and isinstance(made, Fit):
         number = found.graph.next_id
@@ -105,13 +105,21 @@ def change(found: Findings, other: Callable[[Face], Face]) -> None:
     found.graph = replace(found.graph, faces=tuple(other(face) for face in found.graph.faces))
 
 
-def _widened(home: Face, lot: Contacts, faces: Sequence[Face]) -> Fit | NoFit:
+def _joined(home: Face, lot: Contacts, faces: Sequence[Face]) -> Contacts:
+    """Those of a face and inferred ones; whoever fits them again finds a face that nobody felt as straight."""
+    both = Contacts.concatenate([home.contacts, lot])
+    flat = isinstance(home.fit, Fit) and home.fit.kind == "plane" and not _felt(home)
+    return straightened(both, faces) if flat else both
+
+
+def _widened(home: Face, both: Contacts) -> Fit | NoFit:
     """The fit of a face with inferred contacts: what was felt says where it is, and they only how far it goes."""
     if not isinstance(home.fit, Fit):
         return home.fit
     if not _felt(home):
-        return fit(home.fit.kind, straightened(Contacts.concatenate([home.contacts, lot]), faces))
-    return replace(home.fit, inliers=frozen(np.append(home.fit.inliers, np.zeros(len(lot))), bool))
+        return fit(home.fit.kind, both)
+    more = np.zeros(len(both) - len(home.contacts))
+    return replace(home.fit, inliers=frozen(np.append(home.fit.inliers, more), bool))
 
 
 def _felt(face: Face) -> bool:

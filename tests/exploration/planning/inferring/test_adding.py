@@ -29,6 +29,10 @@ def test_a_wall_of_several_rims_stands_parallel_to_a_felt_face_however_each_of_t
     assert len(found.graph.faces) == 2
     assert abs(float(fit.shape.normal @ X)) == pytest.approx(1.0, abs=1e-9)
     assert float(abs(fit.shape.origin @ X)) == pytest.approx(20.05, abs=0.02)
+    again = ranked_face(
+        1, found.graph.faces[1].contacts, MergeOptions()
+    )  # as whoever reconstructs it fits it
+    assert abs(float(again.fit.shape.direction @ X)) == pytest.approx(1.0, abs=1e-9)
 
 
 def flat(number, normal, at):
