@@ -140,6 +140,7 @@ def upright_walls(
         if abs(float(normal @ rim.normal)) < config.parallel:
             straight = replace(rim, tangent=np.cross(normal, rim.normal))
             down = depth_below(rim.point, rim.normal, face, faces, config) * rim.normal
+            down = down - float(down @ normal) * normal  # the pad leans a little, and the wall does not
             wall = _between(_along(straight), _along(straight) - down), normal
             _join(found if sure else unsure, wall, config)
     for points, normal in [wall for wall in unsure if _looked_back_at(wall, [*found, *unsure], config)]:

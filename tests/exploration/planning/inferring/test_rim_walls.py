@@ -134,6 +134,15 @@ def test_a_long_rim_that_runs_nearly_as_the_object_does_runs_as_it_does():
     assert wall.normals[0].tolist() == X.tolist()
 
 
+def test_a_wall_is_upright_on_its_face_though_the_pad_leaned_that_saw_its_rim():
+    lean = np.array([0.03, 0.0, 1.0]) / np.hypot(1.0, 0.03)
+    seen = rim([-9.0, 0.0, 15.0], Y, np.cross(Y, lean), lean), 0
+    floor = flat(9, Z, -25.0 * Z)
+    (wall,) = upright_walls([seen], [*FACES, floor])
+    assert np.ptp(wall.points[:, 2]) > 30.0
+    assert np.abs(wall.points[:, 0] + 9.0).max() < 1e-9
+
+
 def test_long_rims_that_bend_from_look_to_look_make_no_walls():
     turns = np.array([0.5, 0.75, 1.0])
     ways = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(3)])
