@@ -129,10 +129,14 @@ def _unreached(shapes: Sequence[Shape], bare: Bools, felt: Floats, places: Float
     All contacts are on its one side, as over a table that an object lies on: no array comes so low.
     """
     out = np.zeros(len(places), dtype=bool)
-    for shape in (
-        shape for shape, unfelt in zip(shapes, bare, strict=True) if unfelt and isinstance(shape, Plane)
-    ):
-        if len(felt) and (nearest := float(-shape.signed_distance(felt).max())) > 0.0:
+    if not len(felt):
+        return out
+    for shape, unfelt in zip(shapes, bare, strict=True):
+        if (
+            unfelt
+            and isinstance(shape, Plane)
+            and (nearest := -float(shape.signed_distance(felt).max())) > 0.0
+        ):
             out |= shape.signed_distance(places) > -nearest
     return out
 

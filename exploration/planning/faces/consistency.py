@@ -41,9 +41,7 @@ _NO_WORSE = 1.3  # times the misfit of a curved face, up to which a plane explai
 _FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
 _ARC = 0.05  # [rad] of a land that was felt along its length, up to which it is flat across
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
-_LEANS = (
-    0.996  # the same, of a pad that leans over its rim: contacts are before it, too, and of a bevel none is
-)
+_LEANS = 0.996  # the same, of a pad that leans over its rim: contacts are before it, and of a bevel none is
 _AT_RIM = 0.5  # [mm] from a larger face, within which a contact of a pad that lies on its rim is
 _BOWED = 1.0  # [mm] from a ring, within which a band that bends with its crest was read flat
 _EDGE_SHARE = 0.8  # of a face's contacts, that make it an edge

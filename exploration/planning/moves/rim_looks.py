@@ -123,10 +123,8 @@ class RimLooks:
 
     def _rolled(self, rim: Sighting, face: int) -> bool:
         """Whether the pad settled off the flat face that a rim is of, as it does on the narrow top of a wall."""
-        return (
-            self._flat(face)
-            and float(-self.study.pad.guard.world_from_sensor[:3, 2] @ rim.normal) < self.config.flush
-        )
+        facing = float(-self.study.pad.guard.world_from_sensor[:3, 2] @ rim.normal)
+        return self._flat(face) and facing < self.config.flush
 
     def _aside(self, rim: Sighting, attitudes: Sequence[Floats]) -> Iterator[tuple[Floats, bool]]:
         """(4, 4) poses with room from which part of the pad looks at a rim, those nearest to it first."""
