@@ -19,7 +19,7 @@ from models.formats.intake import DRAWINGS, SUFFIXES
 from models.library.settings import FILE, FileSettings, FolderSettings
 from primitives.errors import PalpateError
 
-VERSION = 3  # of what is made of a file; entries of another one are made again
+VERSION = 4  # of what is made of a file; entries of another one are made again
 _NAMED = {
     **dict.fromkeys(DRAWINGS, re.compile(rb"(?:include|use)\s*<([^>\n]+)>|import\s*\([^)\"]*\"([^\"\n]+)\"")),
     ".gltf": re.compile(rb"\"uri\"\s*:\s*\"([^\"\n]+)\""),
