@@ -23,7 +23,7 @@ from exploration.planning.inferring.inferred_walls import inferred_walls, standi
 from exploration.planning.inferring.lips import no_walls
 from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.parted_ends import parted_ends
-from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
+from exploration.planning.inferring.rim_walls import rim_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.rounded_corners import rounded_corners
@@ -32,6 +32,7 @@ from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.sockets import sockets
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
+from exploration.planning.inferring.upright_walls import upright_walls
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim

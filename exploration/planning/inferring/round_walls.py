@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from exploration.planning.inferring.rim_walls import depth_below
+from exploration.planning.inferring.upright_walls import depth_below
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import around, circle_through
 from exploration.planning.touching.findings import SeenRim

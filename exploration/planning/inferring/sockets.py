@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exploration.planning.inferring.rim_walls import depth_below
+from exploration.planning.inferring.upright_walls import depth_below
 from exploration.planning.touching.findings import SeenRim
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from exploration.control.sighting import Sighting
-from exploration.planning.inferring.rim_walls import rim_walls, upright_walls
+from exploration.planning.inferring.rim_walls import rim_walls
+from exploration.planning.inferring.upright_walls import upright_walls
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 
