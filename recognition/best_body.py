@@ -18,6 +18,7 @@ from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit
+from primitives.plate import Plate
 from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import CutOffConfig, cut_off
 from recognition.hulled import BETTER, MOST, all_on_hull, hulled, off_body
@@ -76,7 +77,12 @@ Make = Callable[[tuple[FeltFace, ...]], Assembly | NotClosed]
 
 
 def best_body(
-    felt: Sequence[FeltFace], box: Floats, free: Floats | None, past: float, loose: Contacts | None = None
+    felt: Sequence[FeltFace],
+    box: Floats,
+    free: Floats | None,
+    past: float,
+    loose: Contacts | None = None,
+    plates: Sequence[Plate] = (),
 ) -> Body:
     """Of faces in a (2, 3) workspace `box` [mm]; one that reaches `past` mm past all contacts is cut off.
 
@@ -85,7 +91,7 @@ def best_body(
     cut it: it is tried without them.  Where that is no better, the contacts' hull is taken instead.
     """
     rest = Contacts.of([]) if loose is None else loose
-    make = partial(_assembled, box=box, free=free, stray=rest.points)
+    make = partial(_assembled, box=box, free=free, stray=rest.points, plates=plates)
     contacts = Contacts.concatenate([*(face.contacts for face in felt), rest])
     places = contacts.points[contacts.touch != NOT_FELT]
     body = _of_faces(felt, make, past, places)
@@ -178,13 +184,13 @@ def _ended(
 
 
 def _assembled(
-    felt: tuple[FeltFace, ...], box: Floats, free: Floats | None, stray: Floats
+    felt: tuple[FeltFace, ...], box: Floats, free: Floats | None, stray: Floats, plates: Sequence[Plate]
 ) -> Assembly | NotClosed:
     """The assembly; surfaces that contradict each other leave no body, and that is an answer too."""
     if not felt:
         return NotClosed("no face was measured")
     try:
-        made = assemble(felt, box, free=free, stray=stray)
+        made = assemble(felt, box, free=free, stray=stray, plates=plates)
     except (PalpateError, ArithmeticError, ValueError, RuntimeError) as error:  # LinAlgError, QhullError
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         return NotClosed(f"the measured faces contradict each other ({reason})")

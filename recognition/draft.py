@@ -27,7 +27,9 @@ def draft(found: Findings, box: Floats) -> Predicted:
     shaped = [FeltFace(face.fit, face.contacts) for face in found.graph.faces if isinstance(face.fit, Fit)]
     loose = [face.contacts for face in found.graph.faces if not isinstance(face.fit, Fit)]
     free = np.concatenate(found.inside) if found.inside else None
-    body = best_body(shaped, box, free, ReconstructOptions().run_on, Contacts.concatenate(loose))
+    body = best_body(
+        shaped, box, free, ReconstructOptions().run_on, Contacts.concatenate(loose), found.plates
+    )
     if isinstance(body.assembly, NotClosed):
         return NOWHERE
     solid = body.assembly.solid

@@ -77,7 +77,8 @@ def _run(
     world.close()
     progress(_stand("reconstructing", guard, findings))
     free = np.concatenate(findings.inside) if findings.inside else None
-    made = reconstruct(findings.graph, [trace for trace, _ in findings.traces], world.box, free=free)
+    traces = [trace for trace, _ in findings.traces]
+    made = reconstruct(findings.graph, traces, world.box, free=free, plates=findings.plates)
     truth = _compared(made, world.solid) if world.known else None
     seconds = time.perf_counter() - began
     summary = summarize(options, world, findings.ended, guard.cost, made, truth, findings.warnings, seconds)

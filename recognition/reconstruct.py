@@ -22,6 +22,7 @@ from primitives.arrays import Floats, Ints
 from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
 from primitives.fit import Fit
 from primitives.patch_graph import PatchGraph
+from primitives.plate import Plate
 from primitives.shapes import parameters
 from recognition.assembly import Assembly, NotClosed
 from recognition.assembly.described import (
@@ -85,12 +86,16 @@ def reconstruct(
     box: Floats,
     options: ReconstructOptions | None = None,
     free: Floats | None = None,
+    plates: Sequence[Plate] = (),
 ) -> Reconstruction:
-    """The body behind the faces of a graph, in the (2, 3) workspace `box` [mm]; (n, 3) `free` places are empty."""
+    """The body behind the faces of a graph, in the (2, 3) workspace `box` [mm].
+
+    (n, 3) `free` places are empty; of `plates` the outlines are known.
+    """
     options = options or ReconstructOptions()
     shaped = [FeltFace(face.fit, face.contacts) for face in graph.faces if isinstance(face.fit, Fit)]
     loose = [face.contacts for face in graph.faces if not isinstance(face.fit, Fit)]
-    body = best_body(shaped, box, free, options.run_on, Contacts.concatenate(loose))
+    body = best_body(shaped, box, free, options.run_on, Contacts.concatenate(loose), plates)
     assembly, felt = body.assembly, body.felt
     loose += [face.contacts for face in body.left_out]
     contacts = Contacts.concatenate([*(face.contacts for face in felt), *loose])

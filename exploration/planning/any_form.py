@@ -117,7 +117,7 @@ class AnyForm:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
         if len(felt := self.reach.felt.points):
             self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0)))
-        conclude(self.found, self._unexplained, self._frontier)
+        conclude(self.found, self._unexplained, self._frontier, self.pad.mosaic)
         if len(self.study.loose):
             graph = self.found.graph
             rest = Face(1 + max((f.id for f in graph.faces), default=-1), _NAMELESS, self.study.loose)

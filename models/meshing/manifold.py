@@ -1,4 +1,4 @@
-"""Bodies from trees and meshes, and booleans of them: the only manifold3d import.
+"""Bodies from trees and meshes, and booleans of them.
 
 A manifold remembers, for every triangle of a boolean's result, which run of triangles it came from; each leaf of a
 tree is such a run, so that every triangle of the result knows which exact surface it stands for.

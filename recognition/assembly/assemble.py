@@ -20,6 +20,7 @@ from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
+from primitives.plate import Plate
 from primitives.shapes import Shape, Torus
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
@@ -28,12 +29,13 @@ from recognition.assembly.hollowed import HOLLOW, hollowed
 from recognition.assembly.joined import JOINED, joined
 from recognition.assembly.limbs import LIMB, with_limbs
 from recognition.assembly.made import Body, Known
+from recognition.assembly.outlined import OUTLINED, outlined
 from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized
 
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
-_BESIDES = {"add": LIMB, "subtract": HOLLOW}  # what is told of pieces that no faces close
+_BESIDES = {"add": LIMB, "subtract": HOLLOW}
 
 
 @dataclass(frozen=True)
@@ -80,13 +82,15 @@ def assemble(
     options: AssemblyOptions | None = None,
     free: Floats | None = None,
     stray: Floats | None = None,
+    plates: Sequence[Plate] = (),
 ) -> Assembly | NotClosed:
     """The body inside all faces, or where they leave the (2, 3) workspace `box` [mm] open.
 
     Nothing is at (n, 3) places `free` [mm], as where an array went in; (m, 3) `stray` ones were felt on no face.
+    Of `plates` the outlines are known.
     """
     options = options or AssemblyOptions()
-    given = Given.of(faces, options.regularity, free, stray)
+    given = Given.of(faces, options.regularity, free, stray, plates)
     fits, regularized, distinct, touched = given.fits, given.regularized, given.distinct, given.touched
     sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
     allowed = max(options.reach_sigmas * sigma, options.least_step)
@@ -157,7 +161,8 @@ def _finished(
     told = (JOINED,) if any(new is not old for new, old in zip(whole, named, strict=True)) else ()
     named = whole
     bare = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
-    body = hollowed(with_limbs(bare, given.free, known), given.free, known)
+    drawn = outlined(bare, given.plates, given.free, known.felt)
+    body = hollowed(with_limbs(drawn, given.free, known), given.free, known)
     more = tuple(_renumbered(piece, given.distinct) for piece in body.pieces[len(named) :])
     on = _surfaces_of(given, body.solid, options.on_body) if kept is None else kept
     on |= {i for piece in more for i in piece.surfaces}
@@ -168,8 +173,13 @@ def _finished(
         (*named, *more),
         tree_of((*named, *more)),
         body.solid,
-        (*told, *(_BESIDES[piece.operation] for piece in more)),
+        (*told, *(_why(piece) for piece in more)),
     )
+
+
+def _why(piece: Piece) -> str:
+    """What is told of a piece that no faces close."""
+    return (OUTLINED if piece.kind == "prism" else _BESIDES)[piece.operation]
 
 
 def _surfaces_of(given: Given, solid: Solid, near: float) -> set[int]:

@@ -11,6 +11,7 @@ import numpy as np
 from primitives.arrays import Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
+from primitives.plate import Plate
 from primitives.shapes import Plane, Shape
 from primitives.shared_error import with_shared_error
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
@@ -44,6 +45,7 @@ class Given:
     touched: Sequence[tuple[Floats, Floats]]  # of each speaker (n, 3) places and (n, 3) normals
     free: Floats | None  # (n, 3) [mm] where nothing is
     stray: Floats  # (n, 3) [mm] felt on no face
+    plates: Sequence[Plate] = ()
 
     @property
     def shapes(self) -> list[Shape]:
@@ -64,7 +66,11 @@ class Given:
 
     @staticmethod
     def of(
-        faces: Sequence[FittedFace], regularity: RegularityOptions, free: Floats | None, stray: Floats | None
+        faces: Sequence[FittedFace],
+        regularity: RegularityOptions,
+        free: Floats | None,
+        stray: Floats | None,
+        plates: Sequence[Plate] = (),
     ) -> Given:
         """Faces with their planes turned outward, regularized together."""
         fits = tuple(outward(with_shared_error(f.fit, f.contacts)) for f in faces)
@@ -73,7 +79,7 @@ class Given:
         distinct = sorted(set(speaker))
         touched = [_touched(regularized.shapes[i], i, speaker, fits, faces) for i in distinct]
         lone = np.empty((0, 3)) if stray is None else stray
-        return Given(faces, fits, regularized, speaker, distinct, touched, free, lone)
+        return Given(faces, fits, regularized, speaker, distinct, touched, free, lone, plates)
 
 
 def outward(fit: Fit) -> Fit:

@@ -18,6 +18,7 @@ from recognition.assembly.piece import Piece
 
 FLUSH = 0.995  # least cosine of directions that are one
 _MOST = 16  # directions, and frames, that are tried: a gear has as many as it has teeth
+_CRUMB = 0.1  # [mm^3]
 _ACROSS = 1e-2  # most cosine of directions across each other
 
 
@@ -29,20 +30,27 @@ class Body:
     solid: Solid
     facet: float  # [mm]
 
-    def less(self, piece: Piece) -> Body | None:
-        """Without what one piece takes away; None where that leaves nothing, or tears it apart."""
+    def less(self, piece: Piece, torn: bool = False) -> Body | None:
+        """Without what one piece takes away; None where that leaves nothing, or tears it apart and may not."""
         assert self.solid.csg is not None
         try:
             solid = Solid.from_csg(self.solid.csg - piece.placed, self.facet)
         except PalpateError:
             return None
-        return None if solid.shells > self.solid.shells else Body((*self.pieces, piece), solid, self.facet)
+        made = Body((*self.pieces, piece), solid, self.facet)
+        return made if torn or made.shells <= self.shells else None
 
     def more(self, piece: Piece) -> Body | None:
         """With one piece more; None where that does not hang together with it."""
         assert self.solid.csg is not None
         solid = Solid.from_csg(self.solid.csg | piece.placed, self.facet)
-        return None if solid.shells > self.solid.shells else Body((*self.pieces, piece), solid, self.facet)
+        made = Body((*self.pieces, piece), solid, self.facet)
+        return made if made.shells <= self.shells else None
+
+    @property
+    def shells(self) -> int:
+        """Closed surfaces that bound it, less crumbs that rounding leaves."""
+        return sum(abs(part.volume()) > _CRUMB for part in self.solid.body.mesh.decompose())
 
 
 @dataclass(frozen=True)

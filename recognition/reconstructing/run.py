@@ -86,7 +86,7 @@ def _with_scatter(source: Source, options: ReconstructSourceOptions) -> Source:
 def _made(source: Source) -> Reconstruction:
     """From what an exploration made of its contacts, where there was one; else from the contacts alone."""
     if (told := source.explored) is not None:
-        return reconstruct(told.graph, told.traces, told.box, free=told.free)
+        return reconstruct(told.graph, told.traces, told.box, free=told.free, plates=told.plates)
     graph, box = surfaces(source.contacts), box_around(source.contacts)
     made = reconstruct(graph, [], box)
     # a scan shows its sides to their ends, so what no face ends is cut off where contacts end, however near

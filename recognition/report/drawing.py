@@ -17,7 +17,7 @@ from models.boundary import labeled_boundary
 from models.brep import Brep
 from models.solid import Solid
 from primitives.arrays import Bools, Floats, Ints
-from recognition.report.traced import simplified, traced
+from primitives.outlines import simplified, traced
 
 COLORS = {
     "plane": "#8fb4d6",

@@ -2,11 +2,12 @@
 
 Frames perceived anew would come out a little otherwise than where a pad could look closer, and nothing in a cloud
 of contacts says which stroke a face came from.  So after every move the recording gets the contacts that are new,
-the faces with the contacts of each, and the places that an array was in, all as numbers that give the same model
-again: from a whole run, and from what a kill has left of one.
+the faces with the contacts of each, and the places that an array was in and the outlines of plates, all as
+numbers that give the same model again: from a whole run, and from what a kill has left of one.
 
     contacts: {"rows": [[x, y, z, nx, ny, nz, sigma, normal_sigma, touch, stroke, sensor], ...]}    what is new
-    faces:    {"faces": [{"id", "shape", ..., "contacts": [[first, last], ...]}], "free_mm": ...}   what now holds
+    faces:    {"faces": [{"id", "shape", ..., "contacts": [[first, last], ...]}], "free_mm": ...,
+               "plates": ...}                                                                       what now holds
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit, NoFit
 from primitives.patch_graph import Face, PatchGraph
+from primitives.plate import Plate
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
 CONTACTS, FACES, TRACE, ENDED = "contacts", "faces", "trace", "ended"
@@ -41,6 +43,7 @@ class Explored:
     traces: tuple[EdgeTrace, ...]
     box: Floats  # (2, 3) the workspace [mm]
     free: Floats | None  # (n, 3) places [mm] that an array was in
+    plates: tuple[Plate, ...]
     ended: str  # why
 
     @property
@@ -76,7 +79,8 @@ class EvidenceLog:
         if fresh:
             self._announce(CONTACTS, {"rows": fresh})
         free = np.concatenate([np.empty((0, 3)), *found.inside]).tolist()
-        self._announce(FACES, {"faces": faces, "free_mm": free, "workspace_mm": self._box})
+        plates = [_told_plate(plate) for plate in found.plates]
+        self._announce(FACES, {"faces": faces, "free_mm": free, "plates": plates, "workspace_mm": self._box})
         self._told, self._places = found.graph.faces, len(found.inside)
 
     def _rows(self, contacts: Contacts, fresh: list[list[float | None]]) -> Ints:
@@ -107,11 +111,12 @@ def explored(path: Path) -> Explored | None:
         faces = tuple(_face(face, contacts) for face in last["faces"])
         traces = tuple(_trace(detail) for detail in told[TRACE])
         free = np.array(last["free_mm"], dtype=float).reshape(-1, 3)
+        plates = tuple(_plate(plate) for plate in last.get("plates", ()))
         box = np.array(last["workspace_mm"], dtype=float).reshape(2, 3)
         ended = str(told[ENDED][-1]["why"]) if told[ENDED] else CUT_SHORT
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise PalpateError(f"{path}: its faces are not as this version writes them ({error})") from None
-    return Explored(PatchGraph(faces), traces, box, free if len(free) else None, ended)
+    return Explored(PatchGraph(faces), traces, box, free if len(free) else None, plates, ended)
 
 
 def _table(c: Contacts) -> Floats:
@@ -160,6 +165,23 @@ def _face(told: Mapping[str, Any], contacts: Contacts) -> Face:
     counts = (float(told["rms_mm"]), float(told["chi2"]), int(told["dof"]))
     fit = Fit(shape, covariance, *counts, inliers, bool(told["converged"]), bool(told["convex"]))
     return Face(int(told["id"]), fit, mine)
+
+
+def _told_plate(plate: Plate) -> dict[str, object]:
+    return {
+        "pose": plate.pose.tolist(),
+        "thick_mm": plate.thick,
+        "there_mm": [rim.tolist() for rim in plate.there],
+        "missing_mm": [rim.tolist() for rim in plate.missing],
+    }
+
+
+def _plate(told: Mapping[str, Any]) -> Plate:
+    there, missing = (
+        tuple(frozen(np.array(rim, dtype=float).reshape(-1, 2)) for rim in told[kind])
+        for kind in ("there_mm", "missing_mm")
+    )
+    return Plate(frozen(np.array(told["pose"], dtype=float)), float(told["thick_mm"]), there, missing)
 
 
 def _runs(rows: Ints) -> Sequence[tuple[int, int]]:

@@ -23,6 +23,7 @@ from exploration.planning.inferring.inferred_walls import inferred_walls, standi
 from exploration.planning.inferring.lips import no_walls
 from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.parted_ends import parted_ends
+from exploration.planning.inferring.plates import denies, freeform, of_it, plates
 from exploration.planning.inferring.rim_walls import rim_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
@@ -33,13 +34,14 @@ from exploration.planning.inferring.sockets import sockets
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
 from exploration.planning.inferring.upright_walls import upright_walls
+from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
 from primitives.arrays import Floats
-from primitives.evidence import NOT_FELT
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 from primitives.shapes import Plane
@@ -73,9 +75,15 @@ _FAR = 12.0  # [mm] from a rim, within which an inferred face is known
 
 
 def conclude(
-    found: Findings, walls: Callable[[], Sequence[Wall]], frontier: Callable[[], LocalFrontier]
+    found: Findings,
+    walls: Callable[[], Sequence[Wall]],
+    frontier: Callable[[], LocalFrontier],
+    mosaic: Mosaic,
 ) -> None:
-    """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment."""
+    """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment.
+
+    The `mosaic` is what the pad's images showed.
+    """
     found.graph = drop_astride(uprighted(drop_poor(flattened(simpler(found.graph)))))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
@@ -102,13 +110,27 @@ def conclude(
     for lot in once(dividers(frontier().known, stopped)):
         add(found, lot, _BY_FLOOR)
     now = frontier()
-    for lot in outline_walls(now.known, now.ends(), found.graph.faces):
-        add(found, lot, _BY_OUTLINE)
+    found.plates = plates(now.known, mosaic)
+    _add_outlines(found, outline_walls(now.known, now.ends(), found.graph.faces))
     for lot, flat in rounded_corners(now.known, found.graph.faces):
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
     found.warnings.extend(rim.told() for rim in found.openings)
     found.warnings.extend(rim.told_odd() for rim in _odd(found))
+
+
+def _add_outlines(found: Findings, lots: Sequence[Contacts]) -> None:
+    """Straight edges of plates, but for plates whose outline they leave unexplained all the same."""
+    lots = [lot for lot in lots if not any(denies(plate, lot.points) for plate in found.plates)]
+    before, told = found.graph, len(found.warnings)
+    for lot in lots:
+        add(found, lot, _BY_OUTLINE)
+    left = [plate for plate in found.plates if freeform(plate, found.graph.faces)]
+    if left and lots:
+        found.graph, found.warnings = before, found.warnings[:told]
+        for lot in lots:
+            if not any(of_it(plate, lot.points) for plate in left):
+                add(found, lot, _BY_OUTLINE)
 
 
 def _odd(found: Findings) -> list[RoundRim]:

@@ -17,6 +17,7 @@ from primitives.arrays import Floats, Ints
 from primitives.evidence import EdgeTrace
 from primitives.fit import Fit
 from primitives.patch_graph import Face, PatchGraph
+from primitives.plate import Plate
 
 Done = tuple[int | None, str]  # the face that a move ended on, and what it did
 SeenRim = tuple[Sighting, int]  # a rim, and the face that ends there
@@ -84,6 +85,7 @@ class Findings:
         default_factory=list
     )  # edges that there was no room to roll over, or to lie past
     glimpsed: list[SeenRim] = field(default_factory=list)  # edges that parts of a pad showed
+    plates: list[Plate] = field(default_factory=list)  # pairs of faces whose outlines are known
     openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex
     ended: str = ""

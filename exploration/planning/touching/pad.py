@@ -25,6 +25,7 @@ from exploration.control.track_surface import Stroke, StrokeConfig, follow_surfa
 from exploration.control.windows import going_on, windows
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
 from exploration.planning.known.felt_free import FeltFree
+from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.known.seen_pits import SeenPits
 from exploration.planning.known.swept_cells import SweptCells
 from exploration.planning.known.told import Told
@@ -75,6 +76,7 @@ class Pad:
         self.guard, self.box, self.announce, self.config, self.told = guard, box, announce, config, told
         self.covered = Touched()
         self.free, self.swept, self.pits = FeltFree(), SweptCells(box), SeenPits()
+        self.mosaic = Mosaic()
         self.way_back = WayBack(guard)
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self.slipped: list[
@@ -284,6 +286,7 @@ class Pad:
             self._watched = here
             self.free.add(free_cells(seen, felt))
             self.pits.look(seen)
+            self.mosaic.look(seen)
 
     def _outside(self) -> list[Support]:
         """The workspace's sides, below which nothing leads where the object lies on a table."""

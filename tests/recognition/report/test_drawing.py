@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from models.csg import Cube, Cylinder, Sphere, Torus
 from models.solid import Solid
+from primitives.outlines import simplified, traced
 from recognition.report.drawing import COLORS, DrawingConfig, drawing_svg
-from recognition.report.traced import simplified, traced
 
 
 def _shoelace(loop: np.ndarray) -> float:

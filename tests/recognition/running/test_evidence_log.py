@@ -9,10 +9,12 @@ from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from primitives.fit import Fit, NoFit
 from primitives.patch_graph import PatchGraph
+from primitives.plate import Plate
 from primitives.shapes import Cone, Cylinder, Sphere
 from recognition.running.evidence_log import EvidenceLog, explored
 
 BOX = np.array([[-300.0] * 3, [300.0] * 3])
+PLATE = Plate(np.eye(4), 8.0, (np.array([[0.0, 0.0], [9.5, 0.0], [0.0, 7.25]]),), ())
 
 
 def touched(shape, stroke, rng):
@@ -44,13 +46,18 @@ def test_faces_come_back_as_they_were_after_every_move(found, tmp_path):
         for count in range(1, len(whole.faces) + 1):
             found.graph = PatchGraph(whole.faces[:count])
             log.note(found)
-        found.inside = [np.array([[1.0, 2.0, 3.0]])]
+        found.inside, found.plates = [np.array([[1.0, 2.0, 3.0]])], [PLATE]
         log.note(found)
     again = explored(path)
     assert again is not None
     assert again.ended == "cut short"
     np.testing.assert_array_equal(again.free, [[1.0, 2.0, 3.0]])
     np.testing.assert_array_equal(again.box, BOX)
+    (plate,) = again.plates
+    assert plate.thick == PLATE.thick
+    np.testing.assert_array_equal(plate.pose, PLATE.pose)
+    np.testing.assert_array_equal(plate.there[0], PLATE.there[0])
+    assert plate.missing == ()
     for old, new in zip(whole.faces, again.graph.faces, strict=True):
         assert old.id == new.id
         np.testing.assert_array_equal(old.contacts.points, new.contacts.points)

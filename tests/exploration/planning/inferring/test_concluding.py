@@ -11,6 +11,7 @@ from exploration.planning.inferring.adding import add
 from exploration.planning.inferring.concluding import conclude, unexplained
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
+from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
 from primitives.evidence import NOT_FELT, Contacts
@@ -128,7 +129,7 @@ def test_a_hole_into_a_hollow_ends_there_though_an_array_went_in_from_the_other_
     found.graph, lid = found.graph.add_stroke(Contacts.of(top, np.tile(Z, (9, 1))))
     found.rims = [RoundRim(35.0 * Z, Z, 6.0, 0.05, lid, True)]
     found.inside = [np.outer(np.arange(0.0, 35.0, 2.0), Z)]
-    conclude(found, list, lambda: frontier)
+    conclude(found, list, lambda: frontier, Mosaic())
     (hole,) = (face for face in found.graph.faces if (face.contacts.touch == NOT_FELT).all())
     assert hole.fit.kind == "cylinder"
     assert hole.contacts.points[:, 2].min() > 29.0
@@ -142,7 +143,9 @@ def test_a_round_hole_between_two_rims_is_known_before_it_is_asked_what_stopped_
         found.rims.append(RoundRim(z * Z, way, 9.0, 0.05, own, True))
     known = []
     frontier = SimpleNamespace(openings=[], round_gaps=[], known=[], placed=list, ends=list)
-    conclude(found, lambda: known.append({f.fit.kind for f in found.graph.faces}) or [], lambda: frontier)
+    conclude(
+        found, lambda: known.append({f.fit.kind for f in found.graph.faces}) or [], lambda: frontier, Mosaic()
+    )
     assert "cylinder" in known[0]
 
 
@@ -160,7 +163,7 @@ def test_two_mouths_in_a_tubes_wall_lead_into_its_bore_and_in_a_bars_through_it(
         found.rims += [RoundRim(way * 20.0 * Z, way * Z, 10.0, 0.05, own, True)] if bored else []
     mouths = [RoundRim(way * 25.0 * x, way * x, 5.0, 0.3, barrel, True, bent=True) for way in (1.0, -1.0)]
     frontier = SimpleNamespace(openings=[], round_gaps=mouths, known=[], placed=list, ends=list)
-    conclude(found, list, lambda: frontier)
+    conclude(found, list, lambda: frontier, Mosaic())
     assert found.openings == []
     inferred = [face for face in found.graph.faces if (face.contacts.touch == NOT_FELT).all()]
     across = [face for face in inferred if abs(float(face.fit.shape.axis @ x)) > 0.99]
@@ -188,7 +191,7 @@ def test_rims_of_faces_that_turned_out_to_be_a_ring_make_no_hole_and_no_wall():
         ring_with_rims(),
         SimpleNamespace(openings=[], round_gaps=[], known=[], placed=list, ends=list),
     )
-    conclude(found, list, lambda: frontier)
+    conclude(found, list, lambda: frontier, Mosaic())
     assert [face.fit.kind for face in found.graph.faces] == ["torus"]
 
 

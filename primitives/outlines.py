@@ -1,8 +1,9 @@
-"""Pixels to polygons: the rims of a mask, and runs of points with those left out that lie almost on a line."""
+"""Outlines in a plane: rims traced round a mask, corners left out that lie almost on a line, places inside."""
 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -52,6 +53,24 @@ def simplified(points: Floats, tolerance: float) -> Floats:
             kept[middle] = True
             stack += [(first, middle), (middle, last)]
     return points[kept]
+
+
+def depth_inside(rims: Sequence[Floats], places: Floats) -> Floats:
+    """(n,) how far (n, 2) places lie inside an odd number of closed rims of (m, 2) corners; negative outside.
+
+    That is the distance to the nearest rim; without rims all lie outside, without end.
+    """
+    away, inside = np.full(len(places), np.inf), np.zeros(len(places), dtype=bool)
+    x, y = places.T
+    for rim in rims:
+        for a, b in zip(rim, np.roll(rim, -1, axis=0), strict=True):
+            along = b - a
+            share = np.clip((places - a) @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
+            away = np.minimum(away, np.linalg.norm(places - a - share[:, None] * along, axis=1))
+            if a[1] != b[1]:
+                spans = (a[1] > y) != (b[1] > y)
+                inside ^= spans & (x < a[0] + (y - a[1]) * (b[0] - a[0]) / (b[1] - a[1]))
+    return np.where(inside, away, -away)
 
 
 _SIDES = {  # towards the neighbor: from and to which corner of the pixel the rim runs

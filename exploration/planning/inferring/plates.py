@@ -1,0 +1,149 @@
+"""Plates: two flat faces that look away from each other, and where both are, or neither is.
+
+What is missing of both goes right through, whatever its outline: notches, the gaps between teeth, sockets, holes
+of any shape.  What both have is solid.  Where the one is and the other is not nothing is said (our derivation;
+that is likely and not measured, so walls that come of it are marked as inferred).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt, zoom
+from scipy.spatial import KDTree
+
+from exploration.planning.known.mosaic import Lattice, Mosaic, Picture
+from exploration.planning.open.known_face import KnownFace
+from primitives.arrays import Bools, Floats
+from primitives.fit import Fit
+from primitives.outlines import depth_inside, simplified, traced
+from primitives.patch_graph import Face
+from primitives.plate import Plate
+from primitives.pose import frame_along, inverse, pose, transform_points
+
+
+@dataclass(frozen=True)
+class PlatesConfig:
+    """What is a plate, and how its outlines are drawn."""
+
+    opposed: float = 0.9998  # least cosine between a side's normal and the reverse of the other's
+    thick: tuple[float, float] = (0.3, 45.0)  # [mm]
+    cells: int = 12  # felt places of either side, at least
+    margin: float = 12.0  # [mm] round both, of the pictures
+    finer: int = 2  # times as fine as the pictures, of the outlines
+    straight: float = 0.25  # [mm] from a straight line, up to which an outline is straight
+    off: float = 1.2  # [mm] from an outline, from which a place is on none
+    denied: float = 0.3  # share of a wall's places, from which it is no part of an outline
+    borders: float = 0.8  # [mm] between an outline and what neither side has, that it was seen as
+    across: float = 0.1  # most cosine between the way of a wall of it and the plate's
+    beside: float = 8.0  # [mm] more than it is thick, from a place of the outline to one of that wall
+    freeform: float = 0.4  # share of an outline that walls leave, from which it is made by none
+    beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
+
+
+def plates(known: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig = PlatesConfig()) -> list[Plate]:
+    """Of all pairs of known faces."""
+    flat = [own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.cells]
+    found: list[Plate] = []
+    for one, other in combinations(flat, 2):
+        up, down = (own.side * own.fit.shape.direction for own in (one, other))
+        thick = float((one.fit.shape.anchor - other.fit.shape.anchor) @ up)
+        if float(up @ down) < -config.opposed and config.thick[0] < thick < config.thick[1]:
+            plate = _plate(one, other, thick, mosaic, config)
+            found += [] if plate is None else [plate]
+    return found
+
+
+def denies(plate: Plate, places: Floats, config: PlatesConfig = PlatesConfig()) -> bool:
+    """Whether (n, 3) places of a wall between the sides of a plate lie where it goes on, or is not at all."""
+    own = _between(plate, places)
+    off = np.maximum(depth_inside(plate.there, own), depth_inside(plate.missing, own)) > config.off
+    return len(own) > 0 and float(off.mean()) > config.denied
+
+
+def of_it(plate: Plate, places: Floats, config: PlatesConfig = PlatesConfig()) -> bool:
+    """Whether (n, 3) places of a wall lie between the sides of a plate and along it."""
+    return bool((depth_inside(plate.there, _between(plate, places)) > -config.beside).any())
+
+
+def freeform(plate: Plate, faces: Sequence[Face], config: PlatesConfig = PlatesConfig()) -> bool:
+    """Whether walls between its two sides make little of the outline of a plate, where that was seen.
+
+    It was seen where what both sides have borders on what neither has.
+    """
+    rims = [_evenly(rim) for rim in plate.there]
+    flat = np.concatenate([np.empty((0, 2)), *rims])
+    flat = flat[np.abs(depth_inside(plate.missing, flat)) < config.borders]
+    if not len(flat):
+        return False
+    places = transform_points(plate.pose, np.column_stack([flat, np.zeros(len(flat))]))
+    told = np.zeros(len(places), dtype=bool)
+    for face in faces:
+        if isinstance(face.fit, Fit) and _stands(face.fit, plate.pose[:3, 2], config):
+            near = np.abs(face.fit.shape.signed_distance(places)) < config.off
+            rows = np.flatnonzero(near & ~told)
+            beside = KDTree(face.contacts.points).query(places[rows])[0] < plate.thick + config.beside
+            told[rows[beside]] = True
+    return float(told.mean()) < 1.0 - config.freeform
+
+
+def _between(plate: Plate, places: Floats) -> Floats:
+    """(k, 2) those of (n, 3) places that lie between the sides of a plate."""
+    own = transform_points(inverse(plate.pose), places)
+    return np.asarray(own[np.abs(own[:, 2]) < 0.5 * plate.thick, :2])
+
+
+def _stands(wall: Fit, up: Floats, config: PlatesConfig) -> bool:
+    """Whether a wall stands upright along a (3,) way."""
+    along = abs(float(wall.shape.direction @ up))
+    return along < config.across if wall.kind == "plane" else along > 1.0 - config.across
+
+
+def _evenly(rim: Floats) -> Floats:
+    """(m, 2) places along a closed rim of (n, 2) corners, about a millimeter apart."""
+    after = np.roll(rim, -1, axis=0)
+    counts = np.maximum(np.ceil(np.linalg.norm(after - rim, axis=1)).astype(int), 1)
+    share = np.concatenate([np.arange(count) / count for count in counts])
+    first, last = (np.repeat(ends, counts, axis=0) for ends in (rim, after))
+    return np.asarray(first + share[:, None] * (last - first))
+
+
+def _plate(
+    one: KnownFace, other: KnownFace, thick: float, mosaic: Mosaic, config: PlatesConfig
+) -> Plate | None:
+    up = one.side * one.fit.shape.direction
+    turn = frame_along(up)
+    cells = np.concatenate([one.cells, other.cells])
+    lattice = Lattice.over(cells, turn[:, :2], mosaic.config.step, config.margin)
+    above, below = (
+        mosaic.picture(own.fit.shape.anchor, own.side * own.fit.shape.direction, lattice)
+        for own in (one, other)
+    )
+    both, neither = _share(above, below, np.minimum), 1.0 - _share(above, below, np.maximum)
+    known = above.known & below.known
+    origin = np.array([*lattice.origin, float(one.fit.shape.anchor @ up) - 0.5 * thick])
+    there = _rims(np.where(known, both, 0.0), lattice.step, config)
+    missing = _rims(_beyond(neither, known, config.beyond / lattice.step), lattice.step, config)
+    return Plate(pose(turn, turn @ origin), thick, there, missing) if there else None
+
+
+def _share(above: Picture, below: Picture, of: np.ufunc) -> Floats:
+    return np.asarray(of(above.share, below.share))
+
+
+def _beyond(share: Floats, known: Bools, reach: float) -> Floats:
+    """A share, where it is not known that of the nearest place where it is, within so many places."""
+    away, nearest = distance_transform_edt(~known, return_indices=True)
+    return np.where(away <= reach, share[tuple(nearest)], 0.0)
+
+
+def _rims(share: Floats, step: float, config: PlatesConfig) -> tuple[Floats, ...]:
+    """Closed rims [mm from the lattice's origin] of where a share is over one half."""
+    fine = zoom(share, config.finer, order=1, grid_mode=True, mode="nearest")
+    return tuple(
+        simplified(((loop - 0.5 * config.finer) / config.finer)[:, ::-1] * step, config.straight)[:-1]
+        for loop in traced(fine > 0.5)
+    )

@@ -1,0 +1,115 @@
+"""A flat face as the pad's images show it, put side by side: where it is under the skin, and where it is not.
+
+A taxel of a pad that lies on a plane is pressed as deep as the plane stands before it where the face is there, and
+not at all past its rim; between the two the rubber's spread makes a soft step, half way at the rim.  So the share
+of that depth which each taxel has, image beside image and weighed by its noise, is a picture of the face, finer
+than the taxels are apart, and its rim is where the share is one half (our derivation).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from exploration.devices.guard import Observation
+from primitives.arrays import Bools, Floats
+
+
+@dataclass(frozen=True)
+class MosaicConfig:
+    """Which images count, and how fine the picture is."""
+
+    flush: float = 0.9985  # least cosine between the pad's normal and the face's
+    pressed: tuple[float, float] = (0.15, 2.5)  # [mm] of the plane before a taxel
+    step: float = 0.5  # [mm] between places of the picture
+    blur: float = 0.8  # [mm] over which images are joined
+    known: float = 20.0  # squared depths over squared noises, from which a place is known
+    most: float = 1.5  # of the share of one taxel, which a higher face may press on
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Of one face, on a lattice in its plane."""
+
+    share: Floats  # (n, m) of the face under the skin: 1 where it is there, 0 where it is not
+    known: Bools  # (n, m)
+
+    @property
+    def there(self) -> Bools:
+        """(n, m)."""
+        return np.asarray(self.known & (self.share > 0.5))
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Places in a plane: origin + step (i, j), along two directions."""
+
+    along: Floats  # (3, 2) columns
+    origin: Floats  # (2,) [mm] along them
+    step: float  # [mm]
+    shape: tuple[int, int]
+
+    @staticmethod
+    def over(places: Floats, along: Floats, step: float, margin: float) -> Lattice:
+        """Of (n, 3) places, and so many mm more all round."""
+        flat = places @ along
+        low = flat.min(axis=0) - margin
+        count = np.ceil((flat.max(axis=0) + margin - low) / step).astype(int) + 1
+        return Lattice(along, low, step, (int(count[0]), int(count[1])))
+
+
+@dataclass(frozen=True)
+class _Image:
+    pose: Floats  # (4, 4) world_from_sensor
+    places: Floats  # (n, 3) [mm] of the taxels in the world, on the skin at rest
+    depth: Floats  # (n,) [mm]
+    sigma: float  # [mm]
+
+
+class Mosaic:
+    """Grows with every image."""
+
+    def __init__(self, config: MosaicConfig = MosaicConfig()) -> None:
+        self.config = config
+        self._images: list[_Image] = []
+
+    def look(self, seen: Observation) -> None:
+        """Remember an image."""
+        array, pose = seen.image.array, seen.world_from_sensor
+        x, y = np.meshgrid(array.x, array.y)
+        depth = seen.image.depth.ravel()
+        whole = np.isfinite(depth)
+        flat = np.column_stack([x.ravel(), y.ravel()])[whole]
+        places = pose[:3, 3] + flat @ pose[:3, :2].T
+        self._images.append(_Image(pose, places, depth[whole], float(np.nanmedian(seen.image.sigma))))
+
+    def picture(self, anchor: Floats, normal: Floats, lattice: Lattice) -> Picture:
+        """Of the plane through a (3,) place, of (3,) outward normal, on a lattice in it."""
+        low, high = self.config.pressed
+        flush = [
+            image
+            for image in self._images
+            if -float(image.pose[:3, 2] @ normal) > self.config.flush
+            and low < float((anchor - image.pose[:3, 3]) @ normal) < high
+        ]
+        if not flush:
+            return Picture(np.zeros(lattice.shape), np.zeros(lattice.shape, dtype=bool))
+        places, depth = (np.concatenate([getattr(i, name) for i in flush]) for name in ("places", "depth"))
+        sigma = np.repeat([image.sigma for image in flush], [len(image.depth) for image in flush])
+        before = (anchor - places) @ normal
+        cell = np.round((places @ lattice.along - lattice.origin) / lattice.step).astype(np.int64)
+        on = (before > low) & (before < high) & ((cell >= 0) & (cell < lattice.shape)).all(axis=1)
+        where, before = cell[on] @ [lattice.shape[1], 1], before[on]
+        share = np.clip(depth[on] / before, -self.config.most, self.config.most)
+        weight = (before / sigma[on]) ** 2
+        sums, weights = (
+            gaussian_filter(
+                np.bincount(where, lot, int(np.prod(lattice.shape))).reshape(lattice.shape),
+                self.config.blur / lattice.step,
+            )
+            for lot in (weight * share, weight)
+        )
+        known = weights > self.config.known
+        return Picture(np.divide(sums, weights, out=np.zeros_like(sums), where=known), known)

@@ -1,0 +1,152 @@
+"""A body held to the outlines of its plates: what both sides of a plate have is added, what neither has goes.
+
+Of notches, gaps between teeth, sockets and holes of any shape, in which no array has room, nothing is there on
+either side of a plate.  Where the body has material between the two, a prism takes it away, unless something was
+felt there; where it has none and both sides were felt, a prism is added, unless an array passed through (our
+derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.csg import Prism
+from models.meshing.flat_regions import Region, section
+from primitives.arrays import Floats
+from primitives.errors import PalpateError
+from primitives.plate import Plate
+from primitives.pose import inverse, pose, transform_points
+from recognition.assembly.made import Body, thinned
+from recognition.assembly.piece import Piece
+
+OUTLINED = {
+    "add": "a part of a plate that no faces close is added where both its sides were felt",
+    "subtract": "what no faces close is taken away where both sides of a plate are not there",
+}
+
+
+@dataclass(frozen=True)
+class OutlinedConfig:
+    """What of an outline counts."""
+
+    levels: tuple[float, ...] = (-0.4, -0.2, 0.0, 0.2, 0.4)  # of the thickness, at which the body is cut
+    narrow: float = 0.8  # [mm] half the width of what is an edge that lies a little off, and no piece
+    least: float = 12.0  # [mm^2] of a piece
+    past: float = 0.5  # [mm] that what takes away reaches out of the plate
+    deep: float = 1.0  # [mm] between the two sides, from which a contact is on neither
+    inside: float = 0.8  # [mm] in a piece, from which a contact or a free place contradicts it
+    apart: float = 2.0  # [mm] between contacts that are told apart
+    each: float = 150.0  # [mm^2] of a piece, for each of which one contact in it may stray
+    beside: float = 4.0  # [mm] round such a contact, where nothing is taken away
+    free: int = 2  # places that an array passed through, that an added piece may hold
+
+
+def outlined(
+    body: Body,
+    plates: Sequence[Plate],
+    free: Floats | None,
+    felt: Floats,
+    config: OutlinedConfig = OutlinedConfig(),
+) -> Body:
+    """A body with the outlines of its plates; (n, 3) places `felt` are on it, `free` ones hold nothing [mm]."""
+    felt = thinned(felt, config.apart)
+    nowhere = np.empty((0, 3)) if free is None else thinned(free, config.apart)
+    for plate in plates:
+        for piece in [*_lacking(body, plate, nowhere, config)]:
+            body = body.more(piece) or body
+        body = _less(body, [*_excess(body, plate, felt, config)])
+    return body
+
+
+def _less(body: Body, pieces: Sequence[Piece]) -> Body:
+    """Without all pieces, or where that tears it apart, without those that do not."""
+    whole: Body | None = body
+    for piece in pieces:
+        whole = None if whole is None else whole.less(piece, torn=True)
+    if whole is not None and whole.shells <= body.shells:
+        return whole
+    for piece in pieces:
+        body = body.less(piece) or body
+    return body
+
+
+def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> Iterator[Piece]:
+    """What both sides of a plate have, and the body at no level between."""
+    for part in (Region.of(plate.there) - _between(body, plate, config)).opened(config.narrow).pieces:
+        within = _within(part, free, plate, config)
+        if part.area > config.least and len(within) <= config.free:
+            yield from _prisms(part, "add", plate)
+
+
+def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> Iterator[Piece]:
+    """What neither side of a plate has, and the body at some level between."""
+    between, gone = _between(body, plate, config), Region()
+    for part in (between & Region.of(plate.missing)).opened(config.narrow).pieces:
+        strays = _within(part, felt, plate, config)
+        if part.area > config.least and len(strays) <= part.area / config.each:
+            gone |= part - Region.disks(strays, config.beside)
+    if gone:
+        gone |= _cut_loose(between - gone, plate, felt, config)
+    for part in gone.opened(config.narrow).pieces:
+        if part.area > config.least:
+            yield from _prisms(part, "subtract", plate, *_past(part, body, plate, felt, config))
+
+
+def _past(
+    part: Region, body: Body, plate: Plate, felt: Floats, config: OutlinedConfig
+) -> tuple[float, float]:
+    """[mm] below and above the plate that a part of it goes on to: out of the body, if nothing was felt there."""
+    own = transform_points(inverse(plate.pose), felt)
+    over = own[part.depth(own[:, :2]) > -config.inside, 2]
+    ends = transform_points(inverse(plate.pose), body.solid.vertices)[:, 2]
+    half = 0.5 * plate.thick
+    below = bool((over < -half - config.deep).any())
+    above = bool((over > half + config.deep).any())
+    return (
+        config.past if below else max(config.past, config.past - half - float(ends.min())),
+        config.past if above else max(config.past, config.past - half + float(ends.max())),
+    )
+
+
+def _cut_loose(rest: Region, plate: Plate, felt: Floats, config: OutlinedConfig) -> Region:
+    """What of the rest of a body hangs in the air then, as beyond where anybody looked: nothing was felt on it."""
+    own = transform_points(inverse(plate.pose), felt)
+    own = own[np.abs(own[:, 2]) < 0.5 * plate.thick + config.deep, :2]
+    loose = Region()
+    for part in sorted(rest.pieces, key=lambda part: part.area)[:-1]:
+        if not part.opened(config.narrow) or not (part.depth(own) > 0.0).any():
+            loose |= part
+    return loose
+
+
+def _between(body: Body, plate: Plate, config: OutlinedConfig) -> Region:
+    """Where the body is, at any level between the two sides."""
+    whole = Region()
+    for level in config.levels:
+        at = plate.pose @ pose(translation=[0.0, 0.0, level * plate.thick])
+        whole |= section(body.solid.body.mesh, at)
+    return whole
+
+
+def _within(part: Region, places: Floats, plate: Plate, config: OutlinedConfig) -> Floats:
+    """(k, 2) those of (n, 3) places that lie well inside a part of a plate."""
+    own = transform_points(inverse(plate.pose), places)
+    own = own[np.abs(own[:, 2]) < 0.5 * plate.thick - config.deep]
+    return np.asarray(own[part.depth(own[:, :2]) > config.inside, :2])
+
+
+def _prisms(
+    part: Region, operation: str, plate: Plate, below: float = 0.0, above: float = 0.0
+) -> Iterator[Piece]:
+    """A part of a plate, and so many mm below and above it."""
+    middle = plate.pose @ pose(translation=[0.0, 0.0, 0.5 * (above - below)])
+    for corners in part.polygons:
+        try:
+            solid = Prism(tuple((float(x), float(y)) for x, y in corners), plate.thick + below + above)
+        except PalpateError:
+            continue
+        open_ends = ((None, None), (None, None), (None, None))
+        yield Piece("prism", operation, solid, middle, None, open_ends, True)

@@ -1,0 +1,82 @@
+"""Outlines of plates, from pictures of both their sides."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from exploration.planning.inferring.plates import denies, plates
+from exploration.planning.known.mosaic import Picture
+from exploration.planning.open.known_face import KnownFace
+from primitives.evidence import Contacts
+from primitives.outlines import depth_inside
+from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.pose import inverse, transform_points
+
+Z = np.array([0.0, 0.0, 1.0])
+NOWHERE = np.empty((0, 3))
+
+
+def side(number, height, up):
+    x, y = np.meshgrid(np.linspace(-18.0, 18.0, 8), np.linspace(-18.0, 18.0, 8))
+    points = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, height)])
+    face = ranked_face(number, Contacts.of(points, np.tile(up * Z, (len(points), 1))), MergeOptions())
+    return KnownFace(face, face.fit, 1.0 if face.fit.convex else -1.0, points, NOWHERE)
+
+
+class Drawn:
+    """A mosaic that knows, of a plane at some height, a share at every place within a radius of 28 mm."""
+
+    config = SimpleNamespace(step=0.5)
+
+    def __init__(self, share_of):
+        self.share_of = share_of
+
+    def picture(self, anchor, normal, lattice):
+        i, j = np.meshgrid(*(np.arange(count) for count in lattice.shape), indexing="ij")
+        flat = lattice.origin + lattice.step * np.stack([i, j], axis=-1)
+        world = flat @ lattice.along.T
+        known = np.hypot(world[..., 0], world[..., 1]) < 28.0
+        return Picture(np.where(known, self.share_of(world, float(anchor[2])), 0.0), known)
+
+
+def soft(depth):
+    return np.clip(0.5 + 0.5 * depth, 0.0, 1.0)
+
+
+def notched(world, height):
+    """A square of 40 mm with a notch 8 mm wide from the right to x = 10; on the upper side a dent as well."""
+    x, y = world[..., 0], world[..., 1]
+    square = 20.0 - np.maximum(np.abs(x), np.abs(y))
+    notch = np.minimum(x - 10.0, 4.0 - np.abs(y))
+    dent = 5.0 - np.hypot(x + 10.0, y)
+    return soft(np.minimum(square, -np.maximum(notch, dent) if height > 0.0 else -notch))
+
+
+TOP, BOTTOM = side(1, 6.0, 1.0), side(2, -6.0, -1.0)
+
+
+def test_what_both_sides_have_and_what_neither_has_are_told_and_nothing_of_the_rest():
+    (plate,) = plates([TOP, BOTTOM], Drawn(notched))
+    assert abs(plate.thick - 12.0) < 1e-6
+    asked = np.array([[0.0, 0.0], [15.0, 0.0], [15.0, 8.0], [-10.0, 0.0], [24.0, 0.0], [22.0, 8.0]])
+    own = transform_points(inverse(plate.pose), np.column_stack([asked, np.zeros(len(asked))]))[:, :2]
+    assert (depth_inside(plate.there, own) > 0.0).tolist() == [True, False, True, False, False, False]
+    assert (depth_inside(plate.missing, own) > 0.0).tolist() == [False, True, False, False, True, True]
+    rim = np.array([[10.0, 0.0, 0.0], [15.0, 4.0, 0.0], [20.0, 10.0, 0.0]])
+    on = transform_points(inverse(plate.pose), rim)[:, :2]
+    assert np.abs(depth_inside(plate.there, on)).max() < 0.4
+
+
+def test_faces_that_look_the_same_way_or_lie_far_apart_are_no_plate():
+    assert plates([TOP, side(2, -6.0, 1.0)], Drawn(notched)) == []
+    assert plates([TOP, side(2, -60.0, -1.0)], Drawn(notched)) == []
+
+
+def test_a_wall_through_what_both_sides_have_is_denied_and_one_along_the_outline_is_not():
+    (plate,) = plates([TOP, BOTTOM], Drawn(notched))
+    along = np.linspace(-16.0, -6.0, 9)
+    inside = np.column_stack([along, np.full(9, 12.0), np.zeros(9)])
+    outline = np.column_stack([along, np.full(9, 20.0), np.zeros(9)])
+    assert denies(plate, inside)
+    assert not denies(plate, outline)
+    assert not denies(plate, outline + 9.0 * Z)

@@ -1,0 +1,68 @@
+"""A picture of a flat face, from images of a pad that lay on it in several places."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.special import erf
+
+from exploration.planning.known.mosaic import Lattice, Mosaic
+from exploration.sensing.frame import TaxelArray
+from primitives.pose import pose, rotation_exp, transform_points
+
+ARRAY = TaxelArray("small", 10, 16, (1.8, 1.8))
+DOWN = rotation_exp([np.pi, 0.0, 0.0])
+NORMAL, ORIGIN = np.array([0.0, 0.0, 1.0]), np.zeros(3)
+ALONG = np.eye(3)[:, :2]
+SIGMA, SPREAD = 0.03, 1.0
+
+
+def image(at, there, turn=0.0, press=0.8, rng=None):
+    """Of a pad pressed into a plane that is `there`, a function of places in the world that gives 0 to 1."""
+    where = pose(rotation_exp([0.0, 0.0, turn]) @ DOWN, [*at, -press])
+    x, y = np.meshgrid(ARRAY.x, ARRAY.y)
+    places = transform_points(where, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
+    depth = press * there(places).reshape(ARRAY.shape)
+    if rng is not None:
+        depth = depth + SIGMA * rng.normal(size=depth.shape)
+    seen = SimpleNamespace(array=ARRAY, depth=depth, sigma=np.full(ARRAY.shape, SIGMA))
+    return SimpleNamespace(image=seen, world_from_sensor=where)
+
+
+def half(places):
+    """The face where x < 3.3, as rubber shows its rim."""
+    return 0.5 * (1.0 - erf((places[:, 0] - 3.3) / (np.sqrt(2.0) * SPREAD)))
+
+
+def test_a_rim_is_where_the_share_is_one_half_however_the_pad_lay():
+    rng, mosaic = np.random.default_rng(0), Mosaic()
+    for k in range(12):
+        mosaic.look(image(rng.uniform(-8.0, 8.0, 2), half, 0.3 * k, rng.uniform(0.4, 1.2), rng))
+    lattice = Lattice.over(np.array([[-6.0, -6.0, 0.0], [8.0, 6.0, 0.0]]), ALONG, mosaic.config.step, 0.0)
+    picture = mosaic.picture(ORIGIN, NORMAL, lattice)
+    assert picture.known.all()
+    x = lattice.origin[0] + lattice.step * np.arange(lattice.shape[0])
+    crossing = [np.interp(-0.5, -row, x) for row in picture.share.T]
+    assert np.abs(np.array(crossing) - 3.3).max() < 0.35
+    assert abs(np.mean(crossing) - 3.3) < 0.1
+
+
+def test_images_of_other_planes_and_of_pads_that_lean_tell_nothing():
+    mosaic = Mosaic()
+    mosaic.look(image((0.0, 0.0), half))
+    lattice = Lattice.over(np.zeros((1, 3)), ALONG, mosaic.config.step, 4.0)
+    assert mosaic.picture(ORIGIN, NORMAL, lattice).known.any()
+    assert not mosaic.picture(ORIGIN - 4.0 * NORMAL, NORMAL, lattice).known.any()
+    assert not mosaic.picture(ORIGIN, -NORMAL, lattice).known.any()
+    lean = np.array([np.sin(0.1), 0.0, np.cos(0.1)])
+    assert not mosaic.picture(ORIGIN, lean, lattice).known.any()
+
+
+def test_where_nobody_pressed_nothing_is_known_and_dead_taxels_say_nothing():
+    mosaic, seen = Mosaic(), image((0.0, 0.0), half)
+    seen.image.depth[:, :8] = np.nan
+    mosaic.look(seen)
+    lattice = Lattice.over(np.array([[-30.0, 0.0, 0.0], [12.0, 0.0, 0.0]]), ALONG, mosaic.config.step, 3.0)
+    known = mosaic.picture(ORIGIN, NORMAL, lattice).known[:, 6]
+    x = lattice.origin[0] + lattice.step * np.arange(lattice.shape[0])
+    assert not known[x < -3.0].any()
+    assert known[(x > 1.0) & (x < 11.0)].all()
