@@ -79,10 +79,11 @@ def conclude(
     walls: Callable[[], Sequence[Wall]],
     frontier: Callable[[], LocalFrontier],
     mosaic: Mosaic,
+    table: float | None = None,
 ) -> None:
     """Add what is inferred; `walls` are what stopped strokes where no face is known at that moment.
 
-    The `mosaic` is what the pad's images showed.
+    The `mosaic` is what the pad's images showed; the object may lie on a `table` of that height [mm].
     """
     found.graph = drop_astride(uprighted(drop_poor(flattened(simpler(found.graph)))))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
@@ -110,7 +111,7 @@ def conclude(
     for lot in once(dividers(frontier().known, stopped)):
         add(found, lot, _BY_FLOOR)
     now = frontier()
-    found.plates = plates(now.known, mosaic)
+    found.plates = plates(now.known, mosaic, table)
     _add_outlines(found, outline_walls(now.known, now.ends(), found.graph.faces))
     for lot, flat in rounded_corners(now.known, found.graph.faces):
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):

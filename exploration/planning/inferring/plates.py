@@ -8,14 +8,14 @@ that is likely and not measured, so walls that come of it are marked as inferred
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, zoom
+from scipy.ndimage import binary_fill_holes, distance_transform_edt, zoom
 from scipy.spatial import KDTree
 
-from exploration.planning.known.mosaic import Lattice, Mosaic, Picture
+from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.planning.open.known_face import KnownFace
 from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
@@ -44,17 +44,33 @@ class PlatesConfig:
     beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
 
 
-def plates(known: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig = PlatesConfig()) -> list[Plate]:
-    """Of all pairs of known faces."""
+def plates(
+    known: Sequence[KnownFace],
+    mosaic: Mosaic,
+    table: float | None = None,
+    config: PlatesConfig = PlatesConfig(),
+) -> list[Plate]:
+    """Of all pairs of known faces; and of those that look up, down to a `table` at that height [mm].
+
+    Of the face that lies on the table nothing was seen: what is missing of the one above is missing down to it,
+    unless that is all round it, as of a pocket.  Nothing more is said.
+    """
     flat = [own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.cells]
     found: list[Plate] = []
     for one, other in combinations(flat, 2):
-        up, down = (own.side * own.fit.shape.direction for own in (one, other))
+        up = _outward(one)
         thick = float((one.fit.shape.anchor - other.fit.shape.anchor) @ up)
-        if float(up @ down) < -config.opposed and config.thick[0] < thick < config.thick[1]:
-            plate = _plate(one, other, thick, mosaic, config)
-            found += [] if plate is None else [plate]
-    return found
+        if float(up @ _outward(other)) < -config.opposed and config.thick[0] < thick < config.thick[1]:
+            found.append(_plate((one, other), thick, mosaic, config))
+    for own in flat:
+        thick = -np.inf if table is None else float(own.fit.shape.anchor[2]) - table
+        if _outward(own)[2] > config.opposed and config.thick[0] < thick < config.thick[1]:
+            found.append(replace(_plate((own,), thick, mosaic, config), there=()))
+    return [plate for plate in found if plate.there or plate.missing]
+
+
+def _outward(own: KnownFace) -> Floats:
+    return own.side * own.fit.shape.direction
 
 
 def denies(plate: Plate, places: Floats, config: PlatesConfig = PlatesConfig()) -> bool:
@@ -111,27 +127,21 @@ def _evenly(rim: Floats) -> Floats:
     return np.asarray(first + share[:, None] * (last - first))
 
 
-def _plate(
-    one: KnownFace, other: KnownFace, thick: float, mosaic: Mosaic, config: PlatesConfig
-) -> Plate | None:
-    up = one.side * one.fit.shape.direction
+def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: PlatesConfig) -> Plate:
+    """Of its upper side and, where there is one, its lower."""
+    up = _outward(sides[0])
     turn = frame_along(up)
-    cells = np.concatenate([one.cells, other.cells])
+    cells = np.concatenate([own.cells for own in sides])
     lattice = Lattice.over(cells, turn[:, :2], mosaic.config.step, config.margin)
-    above, below = (
-        mosaic.picture(own.fit.shape.anchor, own.side * own.fit.shape.direction, lattice)
-        for own in (one, other)
-    )
-    both, neither = _share(above, below, np.minimum), 1.0 - _share(above, below, np.maximum)
-    known = above.known & below.known
-    origin = np.array([*lattice.origin, float(one.fit.shape.anchor @ up) - 0.5 * thick])
-    there = _rims(np.where(known, both, 0.0), lattice.step, config)
-    missing = _rims(_beyond(neither, known, config.beyond / lattice.step), lattice.step, config)
-    return Plate(pose(turn, turn @ origin), thick, there, missing) if there else None
-
-
-def _share(above: Picture, below: Picture, of: np.ufunc) -> Floats:
-    return np.asarray(of(above.share, below.share))
+    seen = [mosaic.picture(own.fit.shape.anchor, _outward(own), lattice) for own in sides]
+    share, known = np.array([own.share for own in seen]), np.all([own.known for own in seen], axis=0)
+    both, neither = np.where(known, share.min(axis=0), 0.0), 1.0 - share.max(axis=0)
+    there = _rims(both, lattice.step, config)
+    gone = _beyond(neither, known, config.beyond / lattice.step)
+    if len(sides) == 1:
+        gone[binary_fill_holes(both > 0.5)] = 0.0
+    origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
+    return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config))
 
 
 def _beyond(share: Floats, known: Bools, reach: float) -> Floats:

@@ -72,6 +72,17 @@ def test_faces_that_look_the_same_way_or_lie_far_apart_are_no_plate():
     assert plates([TOP, side(2, -60.0, -1.0)], Drawn(notched)) == []
 
 
+def test_on_a_table_what_is_missing_of_the_upper_side_is_missing_down_to_it():
+    (plate,) = plates([TOP], Drawn(notched), table=-3.0)
+    assert abs(plate.thick - 9.0) < 1e-6
+    assert plate.there == ()
+    asked = np.array([[15.0, 0.0, -2.0], [-10.0, 0.0, -2.0], [0.0, 12.0, -2.0]])
+    own = transform_points(inverse(plate.pose), asked)
+    assert (np.abs(own[:, 2]) < 4.5).all()
+    assert (depth_inside(plate.missing, own[:, :2]) > 0.0).tolist() == [True, False, False]
+    assert plates([BOTTOM], Drawn(notched), table=-9.0) == []
+
+
 def test_a_wall_through_what_both_sides_have_is_denied_and_one_along_the_outline_is_not():
     (plate,) = plates([TOP, BOTTOM], Drawn(notched))
     along = np.linspace(-16.0, -6.0, 9)
