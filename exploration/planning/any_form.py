@@ -117,7 +117,8 @@ class AnyForm:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
         if len(felt := self.reach.felt.points):
             self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0)))
-        conclude(self.found, self._unexplained, self._frontier, self.pad.mosaic)
+        table = None if self.pad.told is None else self.pad.told.table
+        conclude(self.found, self._unexplained, self._frontier, self.pad.skin.mosaic, table)
         if len(self.study.loose):
             graph = self.found.graph
             rest = Face(1 + max((f.id for f in graph.faces), default=-1), _NAMELESS, self.study.loose)
@@ -138,8 +139,8 @@ class AnyForm:
 
     def _frontier(self) -> LocalFrontier:
         """Of this moment: the last one, where nothing was felt since."""
-        graph, felt, free = self.found.graph, self.reach.felt, self.pad.free.points
-        pits = self.pad.pits.sure
+        graph, felt, free = self.found.graph, self.reach.felt, self.pad.skin.free.points
+        pits = self.pad.skin.pits.sure
         known = (id(graph), len(felt.points), len(free), sum(pit.times for pit in pits))
         if self._last is None or self._last[0] != known:
             last = self._last[-1] if self._last else None
@@ -209,7 +210,7 @@ class AnyForm:
 
     def _free(self) -> Floats:
         """(n, 3) places among what was felt, that the skin found free or an array passed through."""
-        felt, free = self.reach.felt.points, self.pad.free.points
+        felt, free = self.reach.felt.points, self.pad.skin.free.points
         if not len(felt):
             return free
         return np.concatenate([free, self.pad.swept.between(felt.min(axis=0), felt.max(axis=0))])

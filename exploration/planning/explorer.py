@@ -132,9 +132,9 @@ class Explorer:
         if any(isinstance(face.fit, Fit) and face.fit.kind == "torus" for face in self.found.graph.faces):
             return True
         self._felt.take(self.pad.felt)
-        faces, free = self.found.graph.faces, self.pad.free.points
+        faces, free = self.found.graph.faces, self.pad.skin.free.points
         self._frontier = LocalFrontier(
-            faces, self._felt, free, self.config.feature, last=self._frontier, pits=self.pad.pits.sure
+            faces, self._felt, free, self.config.feature, last=self._frontier, pits=self.pad.skin.pits.sure
         )
         return self._frontier.dented()
 
@@ -211,7 +211,7 @@ class Explorer:
         missing = self._crossing.this_side(self._tried.unfinished(untouched))
         edges = frontier.open_edges([t for t, _ in self.found.traces])
         edges = [edge for edge in edges if not self._tried.given_up(edge.point)]
-        contradicted = frontier.contradicted(self.pad.free)
+        contradicted = frontier.contradicted(self.pad.skin.free)
         opened = self._covering.pressed.unfinished(contradicted)
         doubtful = self._covering.worth_revisiting(self._open_to(frontier.doubtful()))
         self.found.open = len(missing.points) + len(edges) + len(opened.points) + len(doubtful.points)

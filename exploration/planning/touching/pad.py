@@ -12,7 +12,6 @@ import numpy as np
 
 from exploration.control.dwell import dwell
 from exploration.control.feel import Felt, feel
-from exploration.control.free_cells import free_cells
 from exploration.control.kept_contacts import keep, touched_cells
 from exploration.control.procedures.approach import ApproachConfig, retreat, touched
 from exploration.control.procedures.curvature import four_direction_curvature
@@ -24,9 +23,7 @@ from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
 from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface
 from exploration.control.windows import going_on, windows
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
-from exploration.planning.known.felt_free import FeltFree
-from exploration.planning.known.mosaic import Mosaic
-from exploration.planning.known.seen_pits import SeenPits
+from exploration.planning.known.skin import Skin
 from exploration.planning.known.swept_cells import SweptCells
 from exploration.planning.known.told import Told
 from exploration.planning.known.touched import Touched
@@ -53,7 +50,6 @@ class PadConfig:
     averaged: int = 8  # frames of a place that is studied
     back: float = 12.0  # [mm] from a touch that met nothing
     lift: float = 8.0  # [mm] before any travel
-    watch: float = 3.0  # [mm] between looks for what the skin leaves free
     alike: float = 0.95  # cosine above which two supporting planes are one
 
 
@@ -75,14 +71,12 @@ class Pad:
     ) -> None:
         self.guard, self.box, self.announce, self.config, self.told = guard, box, announce, config, told
         self.covered = Touched()
-        self.free, self.swept, self.pits = FeltFree(), SweptCells(box), SeenPits()
-        self.mosaic = Mosaic()
+        self.skin, self.swept = Skin(), SweptCells(box)
         self.way_back = WayBack(guard)
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self.slipped: list[
             tuple[Floats, Floats]
         ] = []  # (3,) places met and not lain on, and (3,) the ways there
-        self._watched: Floats | None = None  # (4, 4) where the skin was last looked at for free space
         self.most: int | None = None  # touches that are allowed
         self._tools = tuple(tools) or tuple(Tool.of_size(sensor.array.size) for sensor in guard.sensors)
         guard.learners = (*guard.learners, self._watch)
@@ -275,18 +269,11 @@ class Pad:
         return [line for line in lines if not ends_by_curving(line, felt)]
 
     def _watch(self, seen: Observation) -> None:
-        """Note where the array is, and what the skin leaves free, every few mm of whatever it does in contact."""
+        """Note where the array is, and what the skin shows, whatever it does."""
         here = seen.world_from_sensor
         self.swept.pass_through(here, self.tool.low, self.tool.high)
         self.way_back.note(seen)
-        if self._watched is not None and se3.apart(here, self._watched) < self.config.watch:
-            return
-        felt = feel(seen.image) if touched(seen.image) else None
-        if felt:
-            self._watched = here
-            self.free.add(free_cells(seen, felt))
-            self.pits.look(seen)
-            self.mosaic.look(seen)
+        self.skin.look(seen)
 
     def _outside(self) -> list[Support]:
         """The workspace's sides, below which nothing leads where the object lies on a table."""
