@@ -28,9 +28,9 @@ class Region:
         return Region(manifold3d.CrossSection(loops, manifold3d.FillRule.EvenOdd)) if loops else Region()
 
     @staticmethod
-    def disks(centers: Floats, radius: float) -> Region:
-        """Round (n, 2) centers."""
-        disk = manifold3d.CrossSection.circle(radius, 16)
+    def disks(centers: Floats, radius: float, corners: int = 16) -> Region:
+        """Round (n, 2) centers, of so many corners each."""
+        disk = manifold3d.CrossSection.circle(radius, corners)
         round_each = [disk.translate(tuple(center)) for center in np.asarray(centers, dtype=float)]
         if not round_each:
             return Region()

@@ -25,17 +25,16 @@ from primitives.shapes import Shape, Torus
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
 from recognition.assembly.given import FittedFace, Given
-from recognition.assembly.hollowed import HOLLOW, hollowed
+from recognition.assembly.hollowed import hollowed
 from recognition.assembly.joined import JOINED, joined
-from recognition.assembly.limbs import LIMB, with_limbs
+from recognition.assembly.limbs import with_limbs
 from recognition.assembly.made import Body, Known
-from recognition.assembly.outlined import OUTLINED, outlined
+from recognition.assembly.outlined import outlined
 from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized
 
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
-_BESIDES = {"add": LIMB, "subtract": HOLLOW}
 
 
 @dataclass(frozen=True)
@@ -173,13 +172,8 @@ def _finished(
         (*named, *more),
         tree_of((*named, *more)),
         body.solid,
-        (*told, *(_why(piece) for piece in more)),
+        (*told, *(piece.besides for piece in more)),
     )
-
-
-def _why(piece: Piece) -> str:
-    """What is told of a piece that no faces close."""
-    return (OUTLINED if piece.kind == "prism" else _BESIDES)[piece.operation]
 
 
 def _surfaces_of(given: Given, solid: Solid, near: float) -> set[int]:

@@ -151,7 +151,7 @@ class _Sides:
         size = high - low
         middle = frame @ (0.5 * (low + high))
         ends = tuple((below.wall, above.wall) for below, above in sides)
-        return Piece("cube", "subtract", Cube(tuple(size.tolist())), pose(frame, middle), None, ends, True)
+        return Piece("cube", "subtract", Cube(tuple(size.tolist())), pose(frame, middle), None, ends, HOLLOW)
 
     def bar(self, axis: Floats) -> Piece | None:
         """Round an axis, from an open end: of a known round wall, else of the least circle round the places."""
@@ -175,7 +175,7 @@ class _Sides:
         middle = frame @ np.array([*center, 0.5 * (above.level - below.level)])
         return Piece(
             "cylinder", "subtract", Bar(float(radius), float(tall)), pose(frame, middle), body,
-            ((below.wall, above.wall),), True,
+            ((below.wall, above.wall),), HOLLOW,
         )  # fmt: skip
 
     def _side(self, way: Floats, frame: Floats) -> _Side:

@@ -146,7 +146,7 @@ def _box(frame: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece
     if (size < config.thin).any():
         return None
     middle = frame @ (0.5 * (low + high))
-    return Piece("cube", "add", Cube(tuple(size.tolist())), pose(frame, middle), None, tuple(ends), True)
+    return Piece("cube", "add", Cube(tuple(size.tolist())), pose(frame, middle), None, tuple(ends), LIMB)
 
 
 def _bar(axis: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece | None:
@@ -164,7 +164,7 @@ def _bar(axis: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece 
         return None
     middle = frame @ np.array([*center, 0.5 * (above.level - below.level)])
     ends = ((below.wall, above.wall),)
-    return Piece("cylinder", "add", Bar(float(radius), float(tall)), pose(frame, middle), body, ends, True)
+    return Piece("cylinder", "add", Bar(float(radius), float(tall)), pose(frame, middle), body, ends, LIMB)
 
 
 def _side(way: Floats, limb: Floats, known: Known, config: LimbConfig) -> _Side:

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.csg import Prism
+from models.csg import Cylinder, Prism
 from models.meshing.flat_regions import Region, section
+from primitives.arcs import arcs
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.plate import Plate
@@ -22,6 +23,7 @@ from primitives.pose import inverse, pose, transform_points
 from recognition.assembly.made import Body, thinned
 from recognition.assembly.piece import Piece
 
+_CORNERS = 64  # of what stands for a circle
 OUTLINED = {
     "add": "a part of a plate that no faces close is added where both its sides were felt",
     "subtract": "what no faces close is taken away where both sides of a plate are not there",
@@ -35,6 +37,8 @@ class OutlinedConfig:
     levels: tuple[float, ...] = (-0.4, -0.2, 0.0, 0.2, 0.4)  # of the thickness, at which the body is cut
     narrow: float = 0.8  # [mm] half the width of what is an edge that lies a little off, and no piece
     least: float = 12.0  # [mm^2] of a piece
+    loose: float = 0.4  # [mm] that an outline may lie off a round piece,
+    untold: float = 0.03  # and share of that, which may lie past it
     past: float = 0.5  # [mm] that what takes away reaches out of the plate
     deep: float = 1.0  # [mm] between the two sides, from which a contact is on neither
     inside: float = 0.8  # [mm] in a piece, from which a contact or a free place contradicts it
@@ -55,8 +59,12 @@ def outlined(
     felt = thinned(felt, config.apart)
     nowhere = np.empty((0, 3)) if free is None else thinned(free, config.apart)
     for plate in plates:
+        for piece in [*_disks(body, plate, "add", nowhere, config)]:
+            body = body.more(piece) or body
         for piece in [*_lacking(body, plate, nowhere, config)]:
             body = body.more(piece) or body
+        for piece in [*_disks(body, plate, "subtract", felt, config)]:
+            body = body.less(piece) or body
         body = _less(body, [*_excess(body, plate, felt, config)])
     return body
 
@@ -71,6 +79,31 @@ def _less(body: Body, pieces: Sequence[Piece]) -> Body:
     for piece in pieces:
         body = body.less(piece) or body
     return body
+
+
+def _disks(
+    body: Body, plate: Plate, operation: str, places: Floats, config: OutlinedConfig
+) -> Iterator[Piece]:
+    """Round pieces of a plate that the body lacks, or has too much, by the arcs of its outline.
+
+    None holds (n, 3) `places`: free ones where it is added, felt ones where it is taken away.
+    """
+    adds = operation == "add"
+    rims = plate.there if adds else plate.missing
+    told, between = Region.of(rims).grown(config.loose), _between(body, plate, config)
+    for arc in (arc for rim in rims for arc in arcs(rim)):
+        disk = Region.disks(arc.center[None], arc.radius, _CORNERS)
+        wrong = disk - between if adds else disk & between
+        most = config.free if adds else 0
+        if (
+            wrong.opened(config.narrow).area > config.least
+            and (disk - told).area < config.untold * disk.area
+            and len(_within(disk, places, plate, config)) <= most
+        ):
+            past = 0.0 if adds else config.past
+            placed = plate.pose @ pose(translation=[*arc.center, 0.0])
+            bar = Cylinder(arc.radius, plate.thick + 2.0 * past)
+            yield Piece("cylinder", operation, bar, placed, None, ((None, None),), OUTLINED[operation])
 
 
 def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> Iterator[Piece]:
@@ -149,4 +182,4 @@ def _prisms(
         except PalpateError:
             continue
         open_ends = ((None, None), (None, None), (None, None))
-        yield Piece("prism", operation, solid, middle, None, open_ends, True)
+        yield Piece("prism", operation, solid, middle, None, open_ends, OUTLINED[operation])

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import circle_through
+from primitives.arcs import circle_through
 from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit

@@ -17,6 +17,7 @@ from scipy.spatial import KDTree
 
 from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.planning.open.known_face import KnownFace
+from primitives.arcs import evenly
 from primitives.arrays import Bools, Floats
 from primitives.fit import Fit
 from primitives.outlines import depth_inside, simplified, traced
@@ -34,7 +35,7 @@ class PlatesConfig:
     cells: int = 12  # felt places of either side, at least
     margin: float = 12.0  # [mm] round both, of the pictures
     finer: int = 2  # times as fine as the pictures, of the outlines
-    straight: float = 0.25  # [mm] from a straight line, up to which an outline is straight
+    straight: float = 0.4  # [mm] from a straight line, up to which an outline is straight
     off: float = 1.2  # [mm] from an outline, from which a place is on none
     denied: float = 0.3  # share of a wall's places, from which it is no part of an outline
     borders: float = 0.8  # [mm] between an outline and what neither side has, that it was seen as
@@ -90,7 +91,7 @@ def freeform(plate: Plate, faces: Sequence[Face], config: PlatesConfig = PlatesC
 
     It was seen where what both sides have borders on what neither has.
     """
-    rims = [_evenly(rim) for rim in plate.there]
+    rims = [evenly(rim) for rim in plate.there]
     flat = np.concatenate([np.empty((0, 2)), *rims])
     flat = flat[np.abs(depth_inside(plate.missing, flat)) < config.borders]
     if not len(flat):
@@ -116,15 +117,6 @@ def _stands(wall: Fit, up: Floats, config: PlatesConfig) -> bool:
     """Whether a wall stands upright along a (3,) way."""
     along = abs(float(wall.shape.direction @ up))
     return along < config.across if wall.kind == "plane" else along > 1.0 - config.across
-
-
-def _evenly(rim: Floats) -> Floats:
-    """(m, 2) places along a closed rim of (n, 2) corners, about a millimeter apart."""
-    after = np.roll(rim, -1, axis=0)
-    counts = np.maximum(np.ceil(np.linalg.norm(after - rim, axis=1)).astype(int), 1)
-    share = np.concatenate([np.arange(count) / count for count in counts])
-    first, last = (np.repeat(ends, counts, axis=0) for ends in (rim, after))
-    return np.asarray(first + share[:, None] * (last - first))
 
 
 def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: PlatesConfig) -> Plate:

@@ -24,8 +24,9 @@ from scipy.spatial import ConvexHull
 
 from exploration.planning.inferring.upright_walls import depth_below
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import around, circle_through
+from exploration.planning.open.round_rims import around
 from exploration.planning.touching.findings import SeenRim
+from primitives.arcs import circle_through
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.pose import frame_along

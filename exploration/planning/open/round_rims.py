@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from primitives.arcs import circle_through
 from primitives.arrays import Floats
 from primitives.pose import frame_along
 
@@ -125,15 +126,6 @@ def round_rim(
         return None
     center: Floats = middle + turn @ np.array([cx, cy, float(flat[:, 2].mean())])
     return RoundRim(center, axis, radius, rms / float(np.sqrt(len(points))), face)
-
-
-def circle_through(flat: Floats) -> tuple[Floats, float] | None:
-    """(2,) center and radius of the circle nearest to (n, 2) places round the origin; None where there is none."""
-    x, y = flat[:, 0], flat[:, 1]
-    rows = np.column_stack([2.0 * x, 2.0 * y, np.ones(len(x))])
-    (cx, cy, rest), _, rank, _ = np.linalg.lstsq(rows, x**2 + y**2, rcond=None)
-    squared = float(rest + cx**2 + cy**2)
-    return None if rank < 3 or squared <= 0.0 else (np.array([cx, cy]), float(np.sqrt(squared)))
 
 
 def around(angles: Floats) -> float:

@@ -77,3 +77,13 @@ def test_a_ring_that_neither_side_has_goes_in_pieces_without_holes():
     made = outlined(body(), [plate([box(40, 30)], round_it)], None, NOTHING)
     assert abs(made.solid.volume - 12000.0) < 1.0
     assert all(piece.kind == "prism" for piece in made.pieces[1:])
+
+
+def test_a_round_notch_is_taken_away_as_a_cylinder():
+    turn = np.linspace(0.0, 2.0 * np.pi, 73)[:-1]
+    rim = np.array([30.0, 0.0]) + 9.0 * np.column_stack([np.cos(turn), np.sin(turn)])
+    made = outlined(body(), [plate([], [rim])], None, NOTHING)
+    (piece,) = made.pieces[1:]
+    assert piece.kind == "cylinder"
+    assert abs(piece.solid.radius - 9.0) < 0.05
+    assert abs(made.solid.volume - (24000.0 - 0.5 * np.pi * 81.0 * 10.0)) < 30.0
