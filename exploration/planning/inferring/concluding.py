@@ -23,7 +23,8 @@ from exploration.planning.inferring.inferred_walls import inferred_walls, standi
 from exploration.planning.inferring.lips import no_walls
 from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.parted_ends import parted_ends
-from exploration.planning.inferring.plates import denies, freeform, of_it, plates
+from exploration.planning.inferring.plate_walls import denies, freeform, of_it, plate_walls
+from exploration.planning.inferring.plates import plates
 from exploration.planning.inferring.rim_walls import rim_walls
 from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
@@ -44,6 +45,7 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
+from primitives.plate import Plate
 from primitives.shapes import Plane
 
 _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped"
@@ -120,18 +122,24 @@ def conclude(
     found.warnings.extend(rim.told_odd() for rim in _odd(found))
 
 
-def _add_outlines(found: Findings, lots: Sequence[Contacts]) -> None:
-    """Straight edges of plates, but for plates whose outline they leave unexplained all the same."""
-    lots = [lot for lot in lots if not any(denies(plate, lot.points) for plate in found.plates)]
-    before, told = found.graph, len(found.warnings)
-    for lot in lots:
-        add(found, lot, _BY_OUTLINE)
-    left = [plate for plate in found.plates if freeform(plate, found.graph.faces)]
-    if left and lots:
+def _add_outlines(found: Findings, last_felt: Sequence[Contacts]) -> None:
+    """Walls of plates, as both sides were seen to end or where they were felt last.
+
+    None of a plate whose outline they would leave unexplained for the most part.
+    """
+    before, told, left = found.graph, len(found.warnings), list[Plate]()
+    for _ in range(2):
         found.graph, found.warnings = before, found.warnings[:told]
-        for lot in lots:
-            if not any(of_it(plate, lot.points) for plate in left):
+        for plate in found.plates:
+            for lot, kind in plate_walls(plate, found.graph.faces) if plate not in left else ():
+                add(found, lot, _BY_OUTLINE, kind)
+        for lot in last_felt:
+            denied = any(denies(plate, lot.points) for plate in found.plates)
+            if not denied and not any(of_it(plate, lot.points) for plate in left):
                 add(found, lot, _BY_OUTLINE)
+        left = [plate for plate in found.plates if freeform(plate, found.graph.faces)]
+        if not left:
+            break
 
 
 def _odd(found: Findings) -> list[RoundRim]:

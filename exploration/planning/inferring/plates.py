@@ -13,17 +13,13 @@ from itertools import combinations
 
 import numpy as np
 from scipy.ndimage import binary_fill_holes, distance_transform_edt, zoom
-from scipy.spatial import KDTree
 
 from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.planning.open.known_face import KnownFace
-from primitives.arcs import evenly
 from primitives.arrays import Bools, Floats
-from primitives.fit import Fit
-from primitives.outlines import depth_inside, simplified, traced
-from primitives.patch_graph import Face
+from primitives.outlines import simplified, traced
 from primitives.plate import Plate
-from primitives.pose import frame_along, inverse, pose, transform_points
+from primitives.pose import frame_along, pose
 
 
 @dataclass(frozen=True)
@@ -36,12 +32,6 @@ class PlatesConfig:
     margin: float = 12.0  # [mm] round both, of the pictures
     finer: int = 2  # times as fine as the pictures, of the outlines
     straight: float = 0.4  # [mm] from a straight line, up to which an outline is straight
-    off: float = 1.2  # [mm] from an outline, from which a place is on none
-    denied: float = 0.3  # share of a wall's places, from which it is no part of an outline
-    borders: float = 0.8  # [mm] between an outline and what neither side has, that it was seen as
-    across: float = 0.1  # most cosine between the way of a wall of it and the plate's
-    beside: float = 8.0  # [mm] more than it is thick, from a place of the outline to one of that wall
-    freeform: float = 0.4  # share of an outline that walls leave, from which it is made by none
     beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
 
 
@@ -72,51 +62,6 @@ def plates(
 
 def _outward(own: KnownFace) -> Floats:
     return own.side * own.fit.shape.direction
-
-
-def denies(plate: Plate, places: Floats, config: PlatesConfig = PlatesConfig()) -> bool:
-    """Whether (n, 3) places of a wall between the sides of a plate lie where it goes on, or is not at all."""
-    own = _between(plate, places)
-    off = np.maximum(depth_inside(plate.there, own), depth_inside(plate.missing, own)) > config.off
-    return len(own) > 0 and float(off.mean()) > config.denied
-
-
-def of_it(plate: Plate, places: Floats, config: PlatesConfig = PlatesConfig()) -> bool:
-    """Whether (n, 3) places of a wall lie between the sides of a plate and along it."""
-    return bool((depth_inside(plate.there, _between(plate, places)) > -config.beside).any())
-
-
-def freeform(plate: Plate, faces: Sequence[Face], config: PlatesConfig = PlatesConfig()) -> bool:
-    """Whether walls between its two sides make little of the outline of a plate, where that was seen.
-
-    It was seen where what both sides have borders on what neither has.
-    """
-    rims = [evenly(rim) for rim in plate.there]
-    flat = np.concatenate([np.empty((0, 2)), *rims])
-    flat = flat[np.abs(depth_inside(plate.missing, flat)) < config.borders]
-    if not len(flat):
-        return False
-    places = transform_points(plate.pose, np.column_stack([flat, np.zeros(len(flat))]))
-    told = np.zeros(len(places), dtype=bool)
-    for face in faces:
-        if isinstance(face.fit, Fit) and _stands(face.fit, plate.pose[:3, 2], config):
-            near = np.abs(face.fit.shape.signed_distance(places)) < config.off
-            rows = np.flatnonzero(near & ~told)
-            beside = KDTree(face.contacts.points).query(places[rows])[0] < plate.thick + config.beside
-            told[rows[beside]] = True
-    return float(told.mean()) < 1.0 - config.freeform
-
-
-def _between(plate: Plate, places: Floats) -> Floats:
-    """(k, 2) those of (n, 3) places that lie between the sides of a plate."""
-    own = transform_points(inverse(plate.pose), places)
-    return np.asarray(own[np.abs(own[:, 2]) < 0.5 * plate.thick, :2])
-
-
-def _stands(wall: Fit, up: Floats, config: PlatesConfig) -> bool:
-    """Whether a wall stands upright along a (3,) way."""
-    along = abs(float(wall.shape.direction @ up))
-    return along < config.across if wall.kind == "plane" else along > 1.0 - config.across
 
 
 def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: PlatesConfig) -> Plate:

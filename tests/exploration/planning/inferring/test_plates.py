@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from exploration.planning.inferring.plates import denies, plates
+from exploration.planning.inferring.plate_walls import denies, freeform, of_it, plate_walls
+from exploration.planning.inferring.plates import plates
 from exploration.planning.known.mosaic import Picture
 from exploration.planning.open.known_face import KnownFace
 from primitives.evidence import Contacts
@@ -91,3 +92,55 @@ def test_a_wall_through_what_both_sides_have_is_denied_and_one_along_the_outline
     assert denies(plate, inside)
     assert not denies(plate, outline)
     assert not denies(plate, outline + 9.0 * Z)
+
+
+def wall(number, points, normal):
+    """A felt one."""
+    return ranked_face(number, Contacts.of(points, np.tile(normal, (len(points), 1))), MergeOptions())
+
+
+def side_of_square(number, way):
+    across = np.cross(Z, way)
+    points = [20.0 * way + t * across + h * Z for t in np.linspace(-18.0, 18.0, 9) for h in (-3.0, 3.0)]
+    return wall(number, np.array(points), way)
+
+
+SIDES = [side_of_square(10 + k, way) for k, way in enumerate(np.array([[0.0, 1, 0], [0, -1, 0], [-1, 0, 0]]))]
+
+
+def test_walls_stand_along_straight_pieces_of_an_outline_that_no_face_makes():
+    (plate,) = plates([TOP, BOTTOM], Drawn(notched))
+    found = [lot for lot, kind in plate_walls(plate, SIDES) if kind == "plane"]
+    levels = sorted(
+        (
+            *lot.normals.mean(axis=0).round(2)[:2].tolist(),
+            float((lot.points * lot.normals).sum(axis=1).mean()),
+        )
+        for lot in found
+    )
+    wanted = [(0, -1, -4), (0, 1, -4), (1, 0, 10), (1, 0, 20), (1, 0, 20)]  # the side has two parts
+    np.testing.assert_allclose(levels, wanted, atol=0.3)
+    for lot in found:
+        assert np.ptp(lot.points[:, 2]) > 6.0
+
+
+def test_an_outline_of_which_walls_make_little_is_freeform():
+    (plate,) = plates([TOP, BOTTOM], Drawn(notched))
+    assert freeform(plate, SIDES[:1])
+    assert not freeform(plate, SIDES)
+    assert of_it(plate, np.array([[20.0, 0.0, 0.0]]))
+    assert not of_it(plate, np.array([[20.0, 0.0, 30.0]]))
+
+
+def keyhole(world, height):
+    x, y = world[..., 0], world[..., 1]
+    return soft(np.minimum(np.hypot(x + 4.0, y) - 8.0, 24.0 - np.hypot(x, y)))
+
+
+def test_a_round_piece_is_a_cylinder_that_looks_to_its_axis():
+    (plate,) = plates([TOP, BOTTOM], Drawn(keyhole))
+    lots = [lot for lot, kind in plate_walls(plate, []) if kind == "cylinder"]
+    hole = min(lots, key=lambda lot: np.ptp(lot.points[:, 0]))
+    away = hole.points[:, :2] - [-4.0, 0.0]
+    assert np.abs(np.linalg.norm(away, axis=1) - 8.0).max() < 0.4
+    assert ((hole.normals[:, :2] * away).sum(axis=1) < 0.0).all()
