@@ -26,6 +26,7 @@ from recognition.hulled import BETTER, MOST, all_on_hull, hulled, off_body
 _FEW = 6  # contacts outside the body, that are no strays
 _SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
 _LEFT_OUT = 8  # faces at most
+_ON = 0.01  # [mm] from a surface, of a triangle that is on it
 _OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
 
 
@@ -69,8 +70,8 @@ class Body:
         """The ends that the body has."""
         if isinstance(self.assembly, NotClosed):
             return ()
-        used = self.assembly.surface_of_fit[len(self.felt) :]
-        return tuple(end for end, own in zip(self.ends, used, strict=True) if own is not None)
+        first = len(self.felt)
+        return tuple(end for k, end in enumerate(self.ends) if _bounds(self.assembly, first + k))
 
 
 Make = Callable[[tuple[FeltFace, ...]], Assembly | NotClosed]
@@ -106,6 +107,15 @@ def best_body(
         body = sooner if nearer else body
     hull = hulled(body.felt, contacts, body.assembly, free)
     return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
+
+
+def _bounds(assembly: Assembly, number: int) -> bool:
+    """Whether the surface of a fit is a side of the body; of one inside another limb nothing is left."""
+    if assembly.surface_of_fit[number] is None:
+        return False
+    solid = assembly.solid
+    on = np.abs(assembly.shape(number).signed_distance(solid.vertices)) < _ON
+    return bool(on[solid.triangles].all(axis=1).any())
 
 
 def _of_faces(felt: Sequence[FeltFace], make: Make, past: float, places: Floats) -> Body:

@@ -9,6 +9,7 @@ from models.boundary import labeled_boundary
 from models.csg import Cube, Cylinder, Sphere
 from models.solid import Solid, iou
 from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
+from primitives.fit import fit
 from primitives.patch_graph import PatchGraph
 from primitives.pose import pose, random_rotation
 from recognition import best_body
@@ -142,6 +143,20 @@ def test_a_body_is_cut_off_where_contact_ended_and_nothing_closes_it(missing):
     assert iou(made.assembly.solid, Solid.from_csg(cube, 0.01)) > 0.9
     assert sorted(face["status"] for face in made.faces).count("inferred") == len(missing)
     assert sum("cut off where contact ended" in warning for warning in made.warnings) == len(missing)
+
+
+def test_a_body_is_not_cut_off_by_an_end_that_lies_inside_another_limb():
+    rng = np.random.default_rng(0)
+    flat = np.column_stack([rng.uniform(-8.0, 8.0, (12, 2)), np.zeros(12)])
+    lots = [
+        Contacts.of(flat + np.array([0.0, 0.0, z]), np.tile([0.0, 0.0, z - 30.0], (12, 1)))
+        for z in (0.0, 70.0)
+    ]
+    ends = tuple(best_body.FeltFace(fit("plane", lot), lot) for lot in lots)
+    tree = Sphere(24.0) | Cylinder(8.0, 70.0).at(0, 0, 35)
+    fits = tuple(end.fit for end in ends)
+    made = Assembly(fits, regularize(fits), (0, 1), (), tree, Solid.from_csg(tree), ())
+    assert best_body.Body(made, (), ends).cut == (ends[1],)
 
 
 def test_a_round_body_is_cut_off_along_its_axis_alone():
