@@ -17,7 +17,7 @@ class ArcConfig:
     spans: tuple[float, ...] = (6.0, 10.0, 16.0, 26.0)  # [mm] between places that a circle is laid through
     near: float = 0.35  # [mm] from the circle
     least: float = 14.0  # [mm] of an arc,
-    turn: float = 1.75  # [rad] of it
+    turn: float = 2.4  # [rad] of it
     widest: float = 80.0  # [mm] of a radius
     most: int = 8  # arcs of one outline
 

@@ -38,6 +38,7 @@ class OutlinedConfig:
     narrow: float = 0.8  # [mm] half the width of what is an edge that lies a little off, and no piece
     least: float = 12.0  # [mm^2] of a piece
     loose: float = 0.4  # [mm] that an outline may lie off a round piece,
+    most: float = 0.7  # share of what is amiss there, that the round piece mends,
     untold: float = 0.03  # and share of that, which may lie past it
     past: float = 0.5  # [mm] that what takes away reaches out of the plate
     deep: float = 1.0  # [mm] between the two sides, from which a contact is on neither
@@ -91,12 +92,13 @@ def _disks(
     adds = operation == "add"
     rims = plate.there if adds else plate.missing
     told, between = Region.of(rims).grown(config.loose), _between(body, plate, config)
+    wrong = (Region.of(rims) - between if adds else Region.of(rims) & between).opened(config.narrow).pieces
+    wrong = [part for part in wrong if part.area > config.least]
     for arc in (arc for rim in rims for arc in arcs(rim)):
         disk = Region.disks(arc.center[None], arc.radius, _CORNERS)
-        wrong = disk - between if adds else disk & between
         most = config.free if adds else 0
         if (
-            wrong.opened(config.narrow).area > config.least
+            any((part & disk).area > config.most * part.area for part in wrong if part & disk)
             and (disk - told).area < config.untold * disk.area
             and len(_within(disk, places, plate, config)) <= most
         ):
