@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,10 @@ def arcs(rim: Floats, config: ArcConfig = ArcConfig()) -> list[Arc]:
     one of them is an arc (our derivation).
     """
     places = evenly(rim, config.step)
+    on, middles = _circles(places, config)
     left, found = np.ones(len(places), dtype=bool), list[Arc]()
-    while len(found) < config.most:
-        run = _longest(places, left, config)
-        if run is None:
+    while len(found) < config.most and (run := _longest(on & left, middles)) is not None:
+        if run.sum() * config.step < config.least:
             break
         left &= ~run
         if (arc := _fitted(places[run], config)) is not None:
@@ -67,35 +67,44 @@ def arcs(rim: Floats, config: ArcConfig = ArcConfig()) -> list[Arc]:
     return found
 
 
-def _longest(places: Floats, left: Bools, config: ArcConfig) -> Bools | None:
-    """(n,) the longest run of the places that are left, all near one circle through three of them."""
-    best, found = config.least / config.step, None
+def _circles(places: Floats, config: ArcConfig) -> tuple[Bools, Ints]:
+    """(k, n) which of n places lie on each of k circles, and (k,) the middle one that each was laid through."""
+    n, on, middles = len(places), [np.empty((0, len(places)), dtype=bool)], [np.empty(0, dtype=np.int64)]
     for span in config.spans:
         k = round(span / config.step)
-        if 3 * k > len(places):
-            continue
-        for i in np.flatnonzero(left)[:: max(1, k // 3)]:
-            three = places[[i, (i + k) % len(places), (i + 2 * k) % len(places)]]
-            made = circle_through(three - three.mean(axis=0))
-            if made is None or made[1] > config.widest:
-                continue
-            away = np.linalg.norm(places - three.mean(axis=0) - made[0], axis=1)
-            on = left & (np.abs(away - made[1]) < config.near)
-            run = _run_of(on, int(i))
-            if run.sum() > best:
-                best, found = float(run.sum()), run
-    return found
+        if 3 * k <= n:
+            at = np.arange(0, n, max(1, k // 3))
+            center, radius = _through(*(places[(at + shift) % n] for shift in (-k, 0, k)))
+            away = np.linalg.norm(places[None] - center[:, None], axis=2)
+            on.append((np.abs(away - radius[:, None]) < config.near) & (radius[:, None] < config.widest))
+            middles.append(at)
+    return np.concatenate(on), np.concatenate(middles)
 
 
-def _run_of(on: Bools, i: int) -> Bools:
-    """(n,) those `on` that hang together with place i, round the end of the row."""
-    n = len(on)
-    turned = np.roll(on, -i)
-    gaps = np.flatnonzero(~turned)
-    out = np.ones(n, dtype=bool)
-    if len(gaps):
-        out[gaps[0] : gaps[-1] + 1] = False
-    return np.roll(out & turned, i)
+def _through(a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
+    """(k, 2) centers and (k,) radii of circles through three (k, 2) places each; without end on a line."""
+    ab, ac = b - a, c - a
+    twice = 2.0 * (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])
+    twice = np.where(np.abs(twice) < 1e-9, 1e-9, twice)
+    b2, c2 = (ab**2).sum(axis=1), (ac**2).sum(axis=1)
+    off = np.column_stack([ac[:, 1] * b2 - ab[:, 1] * c2, ab[:, 0] * c2 - ac[:, 0] * b2]) / twice[:, None]
+    return a + off, np.linalg.norm(off, axis=1)
+
+
+def _longest(on: Bools, middles: Ints) -> Bools | None:
+    """(n,) the longest run of places that hang together, round the end of the row, of those on one circle."""
+    if not len(on):
+        return None
+    n = on.shape[1]
+    turned = np.take_along_axis(on, (middles[:, None] + np.arange(n)) % n, axis=1)
+    ahead = np.where(turned.all(axis=1), n, np.argmin(turned, axis=1))
+    behind = np.where(ahead == n, 0, np.argmin(turned[:, ::-1], axis=1))
+    best = int(np.argmax(np.where(turned[:, 0], ahead + behind, 0)))
+    if not turned[best, 0]:
+        return None
+    run = np.zeros(n, dtype=bool)
+    run[(middles[best] + np.arange(-behind[best], ahead[best])) % n] = True
+    return run
 
 
 def _fitted(places: Floats, config: ArcConfig) -> Arc | None:
