@@ -10,7 +10,7 @@ A run that a fault ended keeps what was felt before it, and says so in `ended`; 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -21,6 +21,7 @@ import numpy as np
 from exploration.control.latency import measure_latency
 from exploration.devices.guard import Guard
 from exploration.planning.explorer import Explorer, ExplorerConfig, Findings
+from exploration.planning.known.mosaic import FacePicture, face_pictures
 from exploration.recordings.mcap import Recorder
 from models.solid import Solid
 from primitives.errors import NotWritten, PalpateError
@@ -34,10 +35,13 @@ from recognition.report.against import drawn_truth, off_truth
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
+from recognition.report.skin_pictures import of_faces
 from recognition.running.evidence_log import EvidenceLog
 from recognition.running.folder import RunFolder
 from recognition.running.logbook import Logbook
 from recognition.running.patience import Patience
+from recognition.running.picture_log import PICTURE
+from recognition.running.picture_log import told as told_picture
 from recognition.running.progress import Progress
 from recognition.running.simulation import World, beside, guarded, load_world, tools
 from recognition.running.summary import FAULT, summarize
@@ -73,7 +77,7 @@ def _run(
         guard = guarded(world, options, logbook.observe)
         if not world.known:
             guard.pending.latency = measure_latency(guard).seconds
-        findings = _explored(guard, options, world, logbook, folder, progress)
+        findings, pictures = _explored(guard, options, world, logbook, folder, progress)
     world.close()
     progress(_stand("reconstructing", guard, findings))
     free = np.concatenate(findings.inside) if findings.inside else None
@@ -85,7 +89,7 @@ def _run(
     progress(_stand("writing", guard, findings))
     summary["files"], unwritten = write_model(folder, made)
     summary["warnings"] = [*summary["warnings"], *unwritten]
-    report = _report(summary, options, world, made, findings, logbook.frames())
+    report = _report(summary, options, world, made, findings, pictures, logbook.frames())
     with folder.writing("report.html") as path:
         write_report(path, report)
     folder.finish(summary)
@@ -112,7 +116,7 @@ def _explored(
     logbook: Logbook,
     folder: RunFolder,
     progress: Watcher,
-) -> Findings:
+) -> tuple[Findings, list[FacePicture]]:
     """What exploration found until it ended, by itself or by a fault, which costs only the rest of it."""
     config = ExplorerConfig(
         feature=options.feature,
@@ -147,8 +151,11 @@ def _explored(
         found.warnings.append(f"the fault is a bug in palpate; {bugs.BUG} has its details")
         folder.write_text(bugs.BUG, bugs.report_text(error))
     evidence.note(found)
+    pictures = face_pictures(found.graph.faces, explorer.pad.skin.mosaic)
+    for each in pictures:
+        logbook.announce(PICTURE, told_picture(each))
     logbook.announce("ended", {"why": found.ended})
-    return found
+    return found, pictures
 
 
 def _stand(phase: str, guard: Guard, findings: Findings) -> Progress:
@@ -178,6 +185,7 @@ def _report(
     world: World,
     made: Reconstruction,
     findings: Findings,
+    pictures: Sequence[FacePicture],
     frames: ReportFrames,
 ) -> RunReport:
     assembly, boundary = made.assembly, made.boundary
@@ -197,4 +205,5 @@ def _report(
         frames=frames,
         pad_size=world.spec.array.size,
         housing_size=world.spec.housing.size,
+        pictures=of_faces(pictures, made.faces),
     )

@@ -12,6 +12,7 @@ from recognition.report.payload import left_out, payload
 from recognition.report.run_report import EMPTY_FRAMES, RunReport
 from recognition.report.run_words import figures, words
 from recognition.report.shell import filled, shell, view
+from recognition.report.skin_pictures import skin_pictures
 
 _SCRIPTS = ("gl.js", "scene.js", "panels.js", "belief.js", "theme.js", "main.js")
 _LAYERS = (
@@ -65,6 +66,7 @@ def report_html(report: RunReport) -> str:
         lede=told.lede(summary),
         figures=figures(summary),
         main=_stage(report, layers, tables.legend(summary, present["traces"]))
+        + tables.section("Flat faces, as the skin saw them", skin_pictures(report.pictures))
         + tables.sections(summary, report.settings, left_out(report), told.sections(summary)),
         footer=escape(footer),
         scripts=_SCRIPTS,

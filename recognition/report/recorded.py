@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from exploration.planning.known.mosaic import FacePicture
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, read
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.lines.hough import sure_lines
@@ -19,6 +20,7 @@ from primitives.toml_text import toml_lines
 from recognition.report.one_grid import laid
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 from recognition.running.logbook import APPROACH
+from recognition.running.picture_log import PICTURE, picture
 
 _CONTACT, _FREE = 400, 150  # frames that are shown
 _SHARE = 0.02  # of the largest force, above which a frame is in contact
@@ -32,6 +34,7 @@ class Recorded:
     traces: Sequence[Floats] = ()  # each (n, 3) [mm]
     pad: tuple[float, float] = (0.0, 0.0)
     housing: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    pictures: Sequence[FacePicture] = ()  # of flat faces
 
 
 def recorded(path: Path, specs: Sequence[SensorSpec] = ()) -> Recorded:
@@ -40,10 +43,13 @@ def recorded(path: Path, specs: Sequence[SensorSpec] = ()) -> Recorded:
     Of several arrays those are shown of which more is known than the name; of one that is not known, the frames.
     """
     first, forces, begun, traces = "", list[float](), list[int](), list[Floats]()
+    pictures = list[FacePicture]()
     touches, known = 0, {spec.name: spec for spec in specs}
     for item in read(path):
         if isinstance(item, RecordedEvent):
             traces += _trace(item)
+            seen = picture(item.detail) if item.kind == PICTURE else None
+            pictures += [] if seen is None else [seen]
             touches = _begun(item, touches)
             continue
         first = first or item.sensor
@@ -55,7 +61,7 @@ def recorded(path: Path, specs: Sequence[SensorSpec] = ()) -> Recorded:
     spec = known.get(first)
     pad, housing = ((0.0, 0.0), (0.0, 0.0, 0.0)) if spec is None else (spec.array.size, spec.housing.size)
     if not forces:
-        return Recorded(EMPTY_FRAMES, traces, pad, housing)
+        return Recorded(EMPTY_FRAMES, traces, pad, housing, pictures)
     force = np.array(forces)
     pressed = force > _SHARE * max(float(force.max()), 1e-9)
     touch = np.where(pressed, np.maximum(begun, 1) - 1, -1)
@@ -70,7 +76,7 @@ def recorded(path: Path, specs: Sequence[SensorSpec] = ()) -> Recorded:
         touch=touch[chosen],
         lines=_lines(kept, pressed[chosen].tolist(), known),
     )
-    return Recorded(frames, traces, pad, housing)
+    return Recorded(frames, traces, pad, housing, pictures)
 
 
 def _begun(event: RecordedEvent, before: int) -> int:

@@ -24,6 +24,7 @@ from recognition.report.page import write_report
 from recognition.report.recorded import Recorded, recorded, resolved_specs
 from recognition.report.relabeled import labeled_mesh
 from recognition.report.run_report import ReportMesh, RunReport
+from recognition.report.skin_pictures import of_faces
 from recognition.report.suite_page import suite_html
 from recognition.running.folder import RECORDING, SUMMARY, RunFolder
 from recognition.truth import LabeledFaces
@@ -103,6 +104,7 @@ def _report(run: Path, summary: dict[str, Any]) -> RunReport:
         truth=None if part is None else drawn_truth(part, part.solid),
         off=None if part is None else off_truth(model, part.solid),
         traces=[*told.traces, *([trace] if len(trace) > 1 else [])],
+        pictures=of_faces(told.pictures, summary.get("faces") or []),
     )
 
 

@@ -41,6 +41,15 @@ class ReportFrames:
 
 
 @dataclass(frozen=True)
+class SkinPicture:
+    """A flat face as the images of a pad that lay on it show it, side by side."""
+
+    face: int | None  # id in the summary, where it is there
+    share: Floats  # (n, m) of the face under the skin, along x and y: 1 there, 0 not, nan where nobody looked
+    step: float  # [mm]
+
+
+@dataclass(frozen=True)
 class RunReport:
     """Everything the page shows."""
 
@@ -55,6 +64,7 @@ class RunReport:
     truth: ReportMesh | None = None
     off: Deviation | None = None  # of the model from the truth
     traces: Sequence[Floats] = field(default_factory=tuple)  # each (n, 3) [mm]
+    pictures: Sequence[SkinPicture] = ()
 
     def __post_init__(self) -> None:
         frames = self.frames

@@ -25,7 +25,7 @@ def shell(
     asks: bool = False,
 ) -> str:
     """A page; texts are HTML already.  Only one that `asks` its server for more may connect to it."""
-    policy = ["default-src 'none'", "style-src 'unsafe-inline'"]
+    policy = ["default-src 'none'", "style-src 'unsafe-inline'", "img-src data:"]
     policy += ["connect-src 'self'"] if asks else []
     policy += ["script-src 'unsafe-inline'"] if scripts else []
     return filled(

@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 from scipy.special import erf
 
-from exploration.planning.known.mosaic import Lattice, Mosaic
+from exploration.planning.known.mosaic import Lattice, Mosaic, face_pictures
 from exploration.sensing.frame import TaxelArray
+from primitives.evidence import Contacts
+from primitives.patch_graph import MergeOptions, ranked_face
 from primitives.pose import pose, rotation_exp, transform_points
 
 ARRAY = TaxelArray("small", 10, 16, (1.8, 1.8))
@@ -66,3 +68,20 @@ def test_where_nobody_pressed_nothing_is_known_and_dead_taxels_say_nothing():
     x = lattice.origin[0] + lattice.step * np.arange(lattice.shape[0])
     assert not known[x < -3.0].any()
     assert known[(x > 1.0) & (x < 11.0)].all()
+
+
+def test_the_picture_of_a_face_lies_along_its_longer_side_and_knows_where_nobody_looked():
+    way = np.array([np.cos(0.4), np.sin(0.4), 0.0])
+    across = np.cross(NORMAL, way)
+    points = np.array([a * way + b * across for a in (-14.0, -5.0, 5.0, 14.0) for b in (-4.0, 0.0, 4.0)])
+    face = ranked_face(0, Contacts.of(points, np.tile(NORMAL, (12, 1))), MergeOptions())
+    mosaic = Mosaic()
+    mosaic.look(image((0.0, 0.0), lambda places: (np.abs(places @ across) < 5.0).astype(float), 0.4))
+    (picture,) = face_pictures([face], mosaic)
+    wide, high = (count * picture.step for count in picture.share.shape)
+    assert abs(wide - (28.0 + 16.0)) < 2.0
+    assert abs(high - (8.0 + 16.0)) < 2.0
+    assert np.isnan(picture.share[0, 0])
+    middle = picture.share[picture.share.shape[0] // 2]
+    assert middle[len(middle) // 2] > 0.8
+    assert middle[np.flatnonzero(~np.isnan(middle))[0]] < 0.2
