@@ -19,3 +19,4 @@ class Plate:
     thick: float  # [mm] from the one face to the other
     there: tuple[Floats, ...]  # rims of where both were felt
     missing: tuple[Floats, ...]  # rims of where neither is
+    lies: bool = False  # on a table, so that nobody saw the lower face: what is told is told of the upper one

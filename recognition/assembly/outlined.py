@@ -40,6 +40,7 @@ class OutlinedConfig:
     loose: float = 0.4  # [mm] that an outline may lie off a round piece,
     most: float = 0.7  # share of what is amiss there, that the round piece mends,
     untold: float = 0.03  # and share of that, which may lie past it
+    under: float = 0.5  # share of what is below an upper side, from which a body has ended there
     past: float = 0.5  # [mm] that what takes away reaches out of the plate
     deep: float = 1.0  # [mm] between the two sides, from which a contact is on neither
     inside: float = 0.8  # [mm] in a piece, from which a contact or a free place contradicts it
@@ -90,6 +91,7 @@ def _disks(
     None holds (n, 3) `places`: free ones where it is added, felt ones where it is taken away.
     """
     adds = operation == "add"
+    short = _under(body, plate, config) if adds and plate.lies else 0.0
     rims = plate.there if adds else plate.missing
     told, between = Region.of(rims).grown(config.loose), _between(body, plate, config)
     wrong = (Region.of(rims) - between if adds else Region.of(rims) & between).opened(config.narrow).pieces
@@ -103,17 +105,30 @@ def _disks(
             and len(_within(disk, places, plate, config)) <= most
         ):
             past = 0.0 if adds else config.past
-            placed = plate.pose @ pose(translation=[*arc.center, 0.0])
-            bar = Cylinder(arc.radius, plate.thick + 2.0 * past)
+            low, high = short - 0.5 * plate.thick - past, 0.5 * plate.thick + past
+            placed = plate.pose @ pose(translation=[*arc.center, 0.5 * (low + high)])
+            bar = Cylinder(arc.radius, high - low)
             yield Piece("cylinder", operation, bar, placed, None, ((None, None),), OUTLINED[operation])
 
 
 def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> Iterator[Piece]:
     """What both sides of a plate have, and the body at no level between."""
+    short = _under(body, plate, config) if plate.lies else 0.0
     for part in (Region.of(plate.there) - _between(body, plate, config)).opened(config.narrow).pieces:
         within = _within(part, free, plate, config)
         if part.area > config.least and len(within) <= config.free:
-            yield from _prisms(part, "add", plate)
+            yield from _prisms(part, "add", plate, -short)
+
+
+def _under(body: Body, plate: Plate, config: OutlinedConfig) -> float:
+    """[mm] over the table that a body ends, below what was seen of its upper side."""
+    there, seen = Region.of(plate.there), 0.0
+    for level in sorted(config.levels, reverse=True):
+        own = (_section(body, plate, level) & there).area
+        if own < config.under * seen:
+            return (level + 0.5) * plate.thick
+        seen = max(seen, own)
+    return 0.0
 
 
 def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> Iterator[Piece]:
@@ -161,9 +176,14 @@ def _between(body: Body, plate: Plate, config: OutlinedConfig) -> Region:
     """Where the body is, at any level between the two sides."""
     whole = Region()
     for level in config.levels:
-        at = plate.pose @ pose(translation=[0.0, 0.0, level * plate.thick])
-        whole |= section(body.solid.body.mesh, at)
+        whole |= _section(body, plate, level)
     return whole
+
+
+def _section(body: Body, plate: Plate, level: float) -> Region:
+    """Of a body, at a level that is a share of the plate's thickness from its middle."""
+    at = plate.pose @ pose(translation=[0.0, 0.0, level * plate.thick])
+    return section(body.solid.body.mesh, at)
 
 
 def _within(part: Region, places: Floats, plate: Plate, config: OutlinedConfig) -> Floats:

@@ -173,6 +173,7 @@ def _told_plate(plate: Plate) -> dict[str, object]:
         "thick_mm": plate.thick,
         "there_mm": [rim.tolist() for rim in plate.there],
         "missing_mm": [rim.tolist() for rim in plate.missing],
+        "lies": plate.lies,
     }
 
 
@@ -181,7 +182,8 @@ def _plate(told: Mapping[str, Any]) -> Plate:
         tuple(frozen(np.array(rim, dtype=float).reshape(-1, 2)) for rim in told[kind])
         for kind in ("there_mm", "missing_mm")
     )
-    return Plate(frozen(np.array(told["pose"], dtype=float)), float(told["thick_mm"]), there, missing)
+    placed, thick = frozen(np.array(told["pose"], dtype=float)), float(told["thick_mm"])
+    return Plate(placed, thick, there, missing, bool(told["lies"]))
 
 
 def _runs(rows: Ints) -> Sequence[tuple[int, int]]:

@@ -39,7 +39,8 @@ class PlateWallsConfig:
     bends: float = 0.15  # [mm] of its sagitta at most
     told: float = 0.5  # share of a piece that known walls make, from which it is theirs
     near: float = 0.5  # [mm] of an arc's places from its circle
-    rows: tuple[float, ...] = (-0.3, 0.0, 0.3)  # of the thickness, where contacts of a wall are
+    rows: tuple[float, ...] = (-0.3, 0.0, 0.3)  # of the thickness, where contacts of a wall are,
+    below: tuple[float, ...] = (0.5, 1.2, 2.5)  # and [mm] below the upper side, where nobody saw the lower
     apart: int = 4  # places from one of them to the next
     sigma: float = 0.2  # [mm]
     normal_sigma: float = 0.03  # [rad]
@@ -93,7 +94,10 @@ def _wall(plate: Plate, flat: Floats, ways: Floats, config: PlateWallsConfig) ->
     flat, ways = flat[:: config.apart], ways[:: config.apart]
     inside = depth_inside(plate.there, flat + ways) > depth_inside(plate.there, flat - ways)
     ways = -ways if inside.mean() > 0.5 else ways
-    rows = [np.column_stack([flat, np.full(len(flat), row * plate.thick)]) for row in config.rows]
+    half = 0.5 * plate.thick
+    under = [max(half - deep, -half) for deep in config.below]
+    levels = under if plate.lies else [row * plate.thick for row in config.rows]
+    rows = [np.column_stack([flat, np.full(len(flat), level)]) for level in levels]
     points = transform_points(plate.pose, np.concatenate(rows))
     normals = np.tile(ways @ plate.pose[:3, :2].T, (len(rows), 1))
     return Contacts.of(points, normals, config.sigma, config.normal_sigma, touch=NOT_FELT)

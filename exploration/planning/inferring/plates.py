@@ -8,7 +8,7 @@ that is likely and not measured, so walls that come of it are marked as inferred
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -44,7 +44,7 @@ def plates(
     """Of all pairs of known faces; and of those that look up, down to a `table` at that height [mm].
 
     Of the face that lies on the table nothing was seen: what is missing of the one above is missing down to it,
-    unless that is all round it, as of a pocket.  Nothing more is said.
+    unless that is all round it, as of a pocket.
     """
     flat = [own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.cells]
     found: list[Plate] = []
@@ -56,8 +56,8 @@ def plates(
     for own in flat:
         thick = -np.inf if table is None else float(own.fit.shape.anchor[2]) - table
         if _outward(own)[2] > config.opposed and config.thick[0] < thick < config.thick[1]:
-            found.append(replace(_plate((own,), thick, mosaic, config), there=()))
-    return [plate for plate in found if plate.there or plate.missing]
+            found.append(_plate((own,), thick, mosaic, config))
+    return [plate for plate in found if plate.there]
 
 
 def _outward(own: KnownFace) -> Floats:
@@ -78,7 +78,7 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     if len(sides) == 1:
         gone[binary_fill_holes(both > 0.5)] = 0.0
     origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
-    return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config))
+    return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
 
 
 def _beyond(share: Floats, known: Bools, reach: float) -> Floats:

@@ -87,3 +87,22 @@ def test_a_round_notch_is_taken_away_as_a_cylinder():
     assert piece.kind == "cylinder"
     assert abs(piece.solid.radius - 9.0) < 0.05
     assert abs(made.solid.volume - (24000.0 - 0.5 * np.pi * 81.0 * 10.0)) < 30.0
+
+
+def lying(there, missing, thick):
+    """Seen from above alone, its upper side level with the body's, so many mm over the table."""
+    return Plate(
+        WORLD @ pose(translation=[0, 0, 5.0 - 0.5 * thick]), thick, tuple(there), tuple(missing), True
+    )
+
+
+def test_on_a_table_a_lobe_goes_down_as_far_as_the_body_beside_it():
+    lobe = box(34.0, 20.0, 24.0, 0.0)  # from x = 7 to 41, of which 11 mm are missing of the body
+    on_it, over_it = (
+        outlined(body(), [lying([box(60, 40), lobe], [], t)], None, NOTHING) for t in (10.0, 20.0)
+    )
+    for made in (on_it, over_it):
+        assert made.solid.volume > 24000.0
+        low = ((made.solid.vertices - WORLD[:3, 3]) @ WORLD[:3, 2]).min()
+        assert low > -7.1
+    assert abs(on_it.solid.volume - (24000.0 + 11.0 * 20.0 * 10.0)) < 1.0

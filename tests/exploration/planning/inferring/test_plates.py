@@ -76,7 +76,7 @@ def test_faces_that_look_the_same_way_or_lie_far_apart_are_no_plate():
 def test_on_a_table_what_is_missing_of_the_upper_side_is_missing_down_to_it():
     (plate,) = plates([TOP], Drawn(notched), table=-3.0)
     assert abs(plate.thick - 9.0) < 1e-6
-    assert plate.there == ()
+    assert plate.lies
     asked = np.array([[15.0, 0.0, -2.0], [-10.0, 0.0, -2.0], [0.0, 12.0, -2.0]])
     own = transform_points(inverse(plate.pose), asked)
     assert (np.abs(own[:, 2]) < 4.5).all()
