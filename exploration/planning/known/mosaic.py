@@ -72,7 +72,7 @@ class _Image:
     pose: Floats  # (4, 4) world_from_sensor
     places: Floats  # (n, 3) [mm] of the taxels in the world, on the skin at rest
     depth: Floats  # (n,) [mm]
-    sigma: float  # [mm]
+    sigma: Floats  # (n,) [mm]
 
 
 @dataclass(frozen=True)
@@ -96,11 +96,11 @@ class Mosaic:
         """Remember an image."""
         array, pose = seen.image.array, seen.world_from_sensor
         x, y = np.meshgrid(array.x, array.y)
-        depth = seen.image.depth.ravel()
-        whole = np.isfinite(depth)
+        depth, sigma = seen.image.depth.ravel(), seen.image.sigma.ravel()
+        whole = np.isfinite(depth) & np.isfinite(sigma)  # not of dead taxels
         flat = np.column_stack([x.ravel(), y.ravel()])[whole]
         places = pose[:3, 3] + flat @ pose[:3, :2].T
-        self._images.append(_Image(pose, places, depth[whole], float(np.nanmedian(seen.image.sigma))))
+        self._images.append(_Image(pose, places, depth[whole], sigma[whole]))
 
     def picture(self, anchor: Floats, normal: Floats, lattice: Lattice) -> Picture:
         """Of the plane through a (3,) place, of (3,) outward normal, on a lattice in it."""
@@ -113,8 +113,9 @@ class Mosaic:
         ]
         if not flush:
             return Picture(np.zeros(lattice.shape), np.zeros(lattice.shape, dtype=bool))
-        places, depth = (np.concatenate([getattr(i, name) for i in flush]) for name in ("places", "depth"))
-        sigma = np.repeat([image.sigma for image in flush], [len(image.depth) for image in flush])
+        places, depth, sigma = (
+            np.concatenate([getattr(image, name) for image in flush]) for name in ("places", "depth", "sigma")
+        )
         before = (anchor - places) @ normal
         cell = np.round((places @ lattice.along - lattice.origin) / lattice.step).astype(np.int64)
         on = (before > low) & (before < high) & ((cell >= 0) & (cell < lattice.shape)).all(axis=1)

@@ -14,6 +14,7 @@ from exploration.devices.guard import Observation
 from exploration.planning.known.felt_free import FeltFree
 from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.known.seen_pits import SeenPits
+from exploration.planning.known.told import Told
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -26,10 +27,10 @@ class SkinConfig:
 
 
 class Skin:
-    """Grows with every look."""
+    """Grows with every look; what lies on what is `told` to stand beside the object makes no picture of it."""
 
-    def __init__(self, config: SkinConfig = SkinConfig()) -> None:
-        self.config = config
+    def __init__(self, told: Told | None = None, config: SkinConfig = SkinConfig()) -> None:
+        self.config, self._told = config, told
         self.free, self.pits, self.mosaic = FeltFree(), SeenPits(), Mosaic()
         self._last: Floats | None = None  # (4, 4) where it was looked at last
 
@@ -43,4 +44,5 @@ class Skin:
             self._last = here
             self.free.add(free_cells(seen, felt))
             self.pits.look(seen)
-            self.mosaic.look(seen)
+            if self._told is None or not self._told.holds(here[:3, 3]):
+                self.mosaic.look(seen)

@@ -71,7 +71,7 @@ class Pad:
     ) -> None:
         self.guard, self.box, self.announce, self.config, self.told = guard, box, announce, config, told
         self.covered = Touched()
-        self.skin, self.swept = Skin(), SweptCells(box)
+        self.skin, self.swept = Skin(told), SweptCells(box)
         self.way_back = WayBack(guard)
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
         self.slipped: list[

@@ -61,7 +61,7 @@ def test_images_of_other_planes_and_of_pads_that_lean_tell_nothing():
 
 def test_where_nobody_pressed_nothing_is_known_and_dead_taxels_say_nothing():
     mosaic, seen = Mosaic(), image((0.0, 0.0), half)
-    seen.image.depth[:, :8] = np.nan
+    seen.image.sigma[:, :8] = np.inf
     mosaic.look(seen)
     lattice = Lattice.over(np.array([[-30.0, 0.0, 0.0], [12.0, 0.0, 0.0]]), ALONG, mosaic.config.step, 3.0)
     known = mosaic.picture(ORIGIN, NORMAL, lattice).known[:, 6]
