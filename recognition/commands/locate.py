@@ -36,7 +36,7 @@ def locate(
 ) -> None:
     """Find the pose of one known model from contacts.
 
-    Every pose that explains them is told, with its probability.
+    Every pose that explains them is told, with its probability.  A contact that a file repeats counts once.
     """
     with one_line_errors(exit_code=2):
         with interrupts.held():

@@ -37,7 +37,7 @@ def recognize(
 ) -> None:
     """Say which object of a library was touched, and where it is.
 
-    From evidence that exists: nothing is touched.
+    From evidence that exists: nothing is touched.  A contact that a file repeats counts once.
     """
     with one_line_errors(exit_code=2):
         with interrupts.held():

@@ -34,7 +34,7 @@ def reconstruct(
 ) -> None:
     """Reconstruct an object as CSG from evidence that exists.
 
-    A run, a recording, or any cloud of contacts.
+    A run, a recording, or any cloud of contacts, of which those read at one place count once.
 
     Exit code 0: the model is written, or the summary says why there is none. 1: the source could not be read.
     """

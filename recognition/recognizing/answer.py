@@ -9,7 +9,7 @@ import numpy as np
 
 from models.library import Entry, Library
 from models.symmetry import pose_error
-from primitives.arrays import Floats
+from primitives.arrays import Floats, Ints
 from primitives.pose import quaternion_wxyz
 from recognition.matching import Belief, Evidence, Hypothesis
 from recognition.matching.belief import UNKNOWN
@@ -87,8 +87,11 @@ def modes(belief: Belief, entry: Entry, most: int = 32) -> list[dict[str, Any]]:
     return [candidate(h, entry, float(p)) for h, p in pairs]
 
 
-def why(belief: Belief, separate: Choice | None = None) -> dict[str, Any]:
-    """The runner-up, the contacts that speak against it, and the touch that would settle what is left."""
+def why(belief: Belief, separate: Choice | None = None, rows: Ints | None = None) -> dict[str, Any]:
+    """The runner-up, the contacts that speak against it, and the touch that would settle what is left.
+
+    Of the contacts (n,) `rows` are told in their place, where they are other than those in the evidence.
+    """
     ranked = sorted(belief.probabilities.items(), key=lambda item: -item[1])
     if len(ranked) < 2:
         return {"runner_up": None, "separating_contacts": []}
@@ -96,7 +99,10 @@ def why(belief: Belief, separate: Choice | None = None) -> dict[str, Any]:
     named = [name for name, _ in ranked if name != UNKNOWN]
     rival = second if second != UNKNOWN else (named[1] if len(named) > 1 else None)
     contacts: Sequence[int] = belief.separating(first, rival) if rival and first != UNKNOWN else ()
-    told: dict[str, Any] = {"runner_up": second, "separating_contacts": list(contacts)}
+    told: dict[str, Any] = {
+        "runner_up": second,
+        "separating_contacts": [i if rows is None else int(rows[i]) for i in contacts],
+    }
     if separate is not None:
         told["separating_touch"] = {
             "start": pose_json(separate.approach.start),

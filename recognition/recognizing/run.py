@@ -149,7 +149,7 @@ def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> 
         "wall_seconds": seconds,
         "candidates": objects(belief, library),
         "history": [],
-        "why": why(belief, _would_tell(belief, evidence, library, asked.seed)),
+        "why": why(belief, _would_tell(belief, evidence, library, asked.seed), source.rows),
         "truth": truth_of(asked.source, belief, library),
         "warnings": [*source.warnings, *library.warnings, *noted],
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 
@@ -29,6 +30,7 @@ from recognition.running.progress import Progress
 from recognition.running.summary import counted
 from recognition.running.writing import write_model
 from recognition.sources import Source, read_source
+from recognition.sources.places import one_a_place
 
 _LEAST = 4  # contacts, without which nothing has a volume
 _ROOM = 0.5  # of the contacts' extent, by which the body may reach past them
@@ -58,7 +60,7 @@ def run(options: ReconstructSourceOptions, watch: Watcher) -> dict[str, Any]:
 def _run(
     options: ReconstructSourceOptions, source: Source, folder: RunFolder, watch: Watcher, began: float
 ) -> dict[str, Any]:
-    felt = facing_out(_with_scatter(source, options))
+    felt = facing_out(_with_scatter(_by_place(source), options))
     sigma = _typical(felt)
     head = toml_lines({"version": version("palpate"), "command": "reconstruct"})
     settings = [*head, "", "[settings]", *toml_lines(options.as_settings())]
@@ -74,6 +76,17 @@ def _run(
         write_report(path, _report(options, summary, made))
     folder.finish(summary)
     return summary
+
+
+def _by_place(source: Source) -> Source:
+    """With one contact a place, where nothing but contacts is known: faces are told by how dense these lie."""
+    if source.kind != "contacts":
+        return source
+    placed, read = one_a_place(source.contacts), len(source.contacts)
+    if placed is source.contacts:
+        return source
+    told = f"{read - len(placed)} of {read} contacts were read where another was, and count once with it"
+    return replace(source, contacts=placed, warnings=(*source.warnings, told))
 
 
 def _with_scatter(source: Source, options: ReconstructSourceOptions) -> Source:

@@ -17,7 +17,8 @@ from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.segment import segment
 from primitives.segmentation.scatter import likeliest_sigma
-from recognition.sources.noise import estimated_sigma
+from recognition.sources.noise import sigma_of_places
+from recognition.sources.places import one_a_place
 
 _AMONG = 20_000  # contacts from which neighbors are taken where no normal was felt
 _MEDIAN = 0.6745  # of |r| of a unit normal
@@ -39,7 +40,8 @@ class CloudScatterOptions:
 def scatter(contacts: Contacts, options: CloudScatterOptions | None = None) -> float:
     """[mm] one standard deviation along the normal."""
     options = options or CloudScatterOptions()
-    near = estimated_sigma(contacts)
+    contacts = one_a_place(contacts)
+    near = sigma_of_places(contacts)
     extent = float(np.linalg.norm(np.ptp(contacts.points, axis=0))) if len(contacts) else 0.0
     if extent <= 0.0:
         return near

@@ -2,7 +2,8 @@
 
 Semicolons, commas, tabs or blanks part the columns; between semicolons a comma is a decimal point; lines that
 begin with # are remarks; a field left empty is not known.  With a header the columns may stand in any order, and
-those with other names are passed over; it may say cm or m, as in `x [m]`.
+those with other names are passed over; it may say cm or m, as in `x [m]`.  A line that repeats another to the last
+digit is the same reading, for no two scatter alike, and counts once (`places`).
 """
 
 from __future__ import annotations

@@ -3,7 +3,8 @@
 Every contact is compared with the plane through its nearest neighbors (weighted least squares; where normals were
 felt, the plane across the mean normal).  With m neighbors fitted by three parameters the residual at the contact
 has variance sigma^2 (1 + h), h its leverage, and edges and bends only add to it.  So its lower part is looked at:
-the quartile of |r| over that of a normal variable, 0.3186 (our derivation).
+the quartile of |r| over that of a normal variable, 0.3186 (our derivation).  Readings of one place tell how far
+the reading shakes, and nothing of the face: they are one neighbor.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
+from recognition.sources.places import one_a_place
 
 _NEIGHBORS = 8
 _MOST = 4000  # contacts that are looked at
@@ -22,6 +24,11 @@ _LEAST = 1e-5  # of the contacts' extent, and below it no sigma is believed
 
 def estimated_sigma(contacts: Contacts) -> float:
     """[mm] one standard deviation of the contacts along the normal."""
+    return sigma_of_places(one_a_place(contacts))
+
+
+def sigma_of_places(contacts: Contacts) -> float:
+    """[mm] the same of contacts of which no two are of one place."""
     points = contacts.points
     extent = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 1.0
     floor = max(_LEAST * extent, 1e-6)

@@ -19,6 +19,7 @@ from recognition.running.folder import RECORDING, SUMMARY
 from recognition.sources.columns import Columns
 from recognition.sources.contact_ply import read_ply
 from recognition.sources.contact_table import read_table
+from recognition.sources.places import written_once
 from recognition.sources.source import Felt, Source
 
 _TABLES: dict[str, Callable[[Path], Columns]] = {
@@ -61,7 +62,17 @@ def read_source(path: str | Path, least: int = 0) -> Source:
 def _of_table(file: Path, read: Callable[[Path], Columns]) -> Source:
     columns = read(file)
     contacts, measured = contacts_of(columns, file.name)
-    return Source(file, "contacts", file.stem, contacts, measured)
+    once = contacts.select(written_once(contacts))
+    return Source(file, "contacts", file.stem, once, measured, warnings=_told_of(len(contacts), len(once)))
+
+
+def _told_of(written: int, once: int) -> tuple[str, ...]:
+    """A warning where a table says the same again."""
+    if once == written:
+        return ()
+    repeat = "1 contact repeats" if written - once == 1 else f"{written - once} contacts repeat"
+    count = "counts" if written - once == 1 else "count"
+    return (f"of {written} that were written, {repeat} another to the last digit and {count} once with it",)
 
 
 def contacts_of(columns: Columns, name: str) -> tuple[Contacts, bool]:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from primitives.arrays import Ints
 from primitives.evidence import Contacts, FreeSpace
 from recognition.running.evidence_log import Explored
 from recognition.sources.noise import estimated_sigma
@@ -36,6 +37,11 @@ class Source:
     warnings: tuple[str, ...] = ()
     sweep: Callable[[], FreeSpace] | None = None  # what pad and housing swept, where poses were recorded
     explored: Explored | None = None  # what an exploration made of these contacts
+
+    @property
+    def rows(self) -> Ints | None:
+        """(n,) the row of each contact in a file that repeats some; None where it is the contact's own."""
+        return self.contacts.touch if self.kind == "contacts" else None
 
     def with_sigma(self, sigma: float | None) -> Source:
         """With the contacts' sigma [mm] as given; None: as measured, else as the contacts' own scatter says."""

@@ -47,6 +47,19 @@ def test_exact_contacts_on_faces_along_the_axes_have_a_sigma(normals):
     assert 0.0 < scatter(rounded) < 0.02
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("shake", [0.0, 0.002])
+@pytest.mark.parametrize("normals", [True, False])
+def test_places_that_are_read_ten_times_over_scatter_as_if_read_once(shake, normals):
+    rng = np.random.default_rng(4)
+    once = on_a_block(200, 0.05, rng, normals)
+    again = once.select(np.repeat(np.arange(200), 10))
+    points = again.points + shake * rng.standard_normal((2000, 3))
+    read = Contacts.of(points, again.normals if normals else None, 0.1, 0.05)
+    assert estimated_sigma(read) == pytest.approx(estimated_sigma(once), rel=0.05)
+    assert scatter(read) == pytest.approx(scatter(once), rel=0.2)
+
+
 def test_a_handful_and_contacts_at_one_place_have_a_sigma():
     assert scatter(on_a_block(5, 0.05, np.random.default_rng(2))) > 0.0
     assert scatter(Contacts.of(np.zeros((50, 3)))) > 0.0

@@ -57,6 +57,21 @@ def test_a_cloud_becomes_a_run_folder_with_one_cube(tmp_path):
 
 
 @pytest.mark.slow
+def test_places_that_were_read_often_are_one_contact_each(tmp_path):
+    points, normals = on_a_block(200)
+    rng = np.random.default_rng(2)
+    points += 0.03 * rng.standard_normal((200, 1)) * normals
+    table = np.repeat(np.hstack([points, normals]), 8, axis=0)
+    table[:, :3] += 0.002 * rng.standard_normal((1600, 3))
+    np.savetxt(tmp_path / "c.csv", table, delimiter=",")
+    told = run(ReconstructSourceOptions(tmp_path / "c.csv", out=tmp_path / "run"), lambda _: None)
+    assert told["closed"]
+    assert len(told["faces"]) == 6
+    assert told["contacts"] == 200
+    assert "1400 of 1600 contacts were read where another was, and count once with it" in told["warnings"]
+
+
+@pytest.mark.slow
 def test_a_step_of_which_nobody_felt_the_bottom_ends_where_contacts_do(tmp_path):
     # an L of 60 x 40 x 12 with an upright leg of 20 x 40 x 28: corner, two sides, and the way each face looks
     faces = [

@@ -52,6 +52,15 @@ def test_normals_are_made_unit_and_one_of_no_length_is_none(tmp_path):
     assert np.linalg.norm(found.contacts.normals[0]) == pytest.approx(1.0)
 
 
+def test_a_reading_that_a_file_repeats_counts_once_and_keeps_its_row(tmp_path):
+    found = read_source(written(tmp_path, rows(np.repeat(np.hstack([POINTS, NORMALS]), 3, axis=0))))
+    assert np.array_equal(found.contacts.points, POINTS)
+    assert found.rows.tolist() == [0, 3, 6, 9]
+    assert found.warnings == (
+        "of 12 that were written, 8 contacts repeat another to the last digit and count once with it",
+    )
+
+
 def test_named_columns_stand_in_any_order_and_empty_normals_are_not_felt(tmp_path):
     text = "sigma,z,y,x,nx,ny,nz,other\n0.1,3,2,1,,,,7\n0.2,6,5,4,0,0,1,7\n"
     found = read_source(written(tmp_path, text))
