@@ -38,7 +38,10 @@ Watcher = Callable[[Progress], None]
 
 
 def run(options: ReconstructSourceOptions, watch: Watcher) -> dict[str, Any]:
-    """Leave a run folder; returns what `summary.json` holds."""
+    """Leave a run folder; returns what `summary.json` holds.
+
+    An interrupt ends it at once, but for files that are being written: these are made whole.
+    """
     began = time.perf_counter()
     watch(Progress("reading", note=str(options.source)))
     source = read_source(options.source)
@@ -49,8 +52,7 @@ def run(options: ReconstructSourceOptions, watch: Watcher) -> dict[str, Any]:
         )
     folder = RunFolder.create(options.out, source.name, options.overwrite)
     try:
-        with interrupts.held():
-            return _run(options, source, folder, watch, began)
+        return _run(options, source, folder, watch, began)
     except Exception as error:
         if interrupt := interrupts.behind(error):
             raise interrupt from None
@@ -65,16 +67,20 @@ def _run(
     head = toml_lines({"version": version("palpate"), "command": "reconstruct"})
     settings = [*head, "", "[settings]", *toml_lines(options.as_settings())]
     resolved = ["", "[resolved]", *toml_lines({"contact_sigma_mm": sigma, "contacts": len(felt.contacts)})]
-    folder.write_text("config.toml", "\n".join([*settings, *resolved]) + "\n")
+    with interrupts.held():
+        folder.write_text("config.toml", "\n".join([*settings, *resolved]) + "\n")
     watch(Progress("reconstructing", note=f"{len(felt.contacts)} contacts", folder=folder.path))
     made = _made(felt)
     summary = _summary(options, felt, made, time.perf_counter() - began)
     watch(Progress("writing", folder=folder.path))
-    summary["files"], unwritten = write_model(folder, made)
-    summary["warnings"] = [*summary["warnings"], *unwritten]
-    with folder.writing("report.html") as path:
-        write_report(path, _report(options, summary, made))
-    folder.finish(summary)
+    with interrupts.held():
+        summary["files"], unwritten = write_model(folder, made)
+        summary["warnings"] = [*summary["warnings"], *unwritten]
+        interrupts.checkpoint()
+        with folder.writing("report.html") as path:
+            write_report(path, _report(options, summary, made))
+        interrupts.checkpoint()
+        folder.finish(summary)
     return summary
 
 

@@ -1,9 +1,13 @@
-"""A made-up run to report."""
+"""A made-up run to report, and signals that are heeded as on the command line."""
+
+import signal
+import sys
 
 import numpy as np
 import pytest
 
 from primitives.pose import frame_along, pose
+from recognition.console import interrupts
 from recognition.report.run_report import Deviation, ReportFrames, ReportMesh, RunReport
 
 
@@ -155,3 +159,17 @@ def made_up_report(frame_count=2000, rows=10, columns=16):
 @pytest.fixture(scope="session")
 def report():
     return made_up_report()
+
+
+@pytest.fixture
+def heeded():
+    names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {name: signal.getsignal(getattr(signal, name)) for name in names}
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
+    interrupts.heed()
+    hook = sys.unraisablehook
+    yield
+    interrupts.heed()  # forgets
+    sys.unraisablehook = hook
+    for name, handler in before.items():
+        signal.signal(getattr(signal, name), handler)

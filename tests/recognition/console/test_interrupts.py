@@ -10,19 +10,7 @@ import pytest
 
 from recognition.console import interrupts
 
-
-@pytest.fixture(autouse=True)
-def heeded():
-    names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {name: signal.getsignal(getattr(signal, name)) for name in names}
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
-    interrupts.heed()
-    hook = sys.unraisablehook
-    yield
-    interrupts.heed()  # forgets
-    sys.unraisablehook = hook
-    for name, handler in before.items():
-        signal.signal(getattr(signal, name), handler)
+pytestmark = pytest.mark.usefixtures("heeded")
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
