@@ -26,7 +26,7 @@ from recognition.console.interrupts import checkpoint
 from recognition.report.one_grid import laid
 from recognition.report.run_report import EMPTY_FRAMES, ReportFrames
 
-APPROACH = "approach"  # the event with which a touch begins
+APPROACH, STROKE = "approach", "stroke"  # the events with which a touch and a stroke begin
 
 
 @dataclass(frozen=True)
@@ -60,15 +60,16 @@ class Logbook:
         self._config = config or LogConfig()
         self._contact = Thinned(self._config.contact_frames)
         self._free = Thinned(self._config.free_frames)
-        self._time, self._touches = 0.0, 0
+        self._time, self._begun = 0.0, {APPROACH: 0, STROKE: 0}
         self._drawn: set[str] = set()  # arrays whose size is recorded
 
     def observe(self, guard: Guard, seen: Observation) -> None:
         """Write one observation down; whoever wants to end the run does so after it."""
         self._time = seen.time
-        if guard.cost.touches > self._touches:
-            self._touches = guard.cost.touches
-            self.announce(APPROACH, {"number": self._touches})
+        for kind, count in ((APPROACH, guard.cost.touches), (STROKE, guard.cost.strokes)):
+            if count > self._begun[kind]:
+                self._begun[kind] = count
+                self.announce(kind, {"number": count})
         array = seen.image.array
         if array.name not in self._drawn:
             self._recorder.pad(array.name, array.size, seen.time)

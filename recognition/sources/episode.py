@@ -7,14 +7,14 @@ that a kill cut short gives what is whole of it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from exploration.recordings.episode import read_episode
 from exploration.recordings.intake import opened
-from exploration.recordings.mcap import RecordedFrame, read
+from exploration.recordings.mcap import RecordedFrame, events, read
 from exploration.recordings.recording import Pad, PadFrame
 from exploration.sensing.calibration import correct
 from exploration.sensing.contacts import contacts_of
@@ -23,7 +23,7 @@ from primitives.arrays import Floats, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, FreeSpace
 from recognition.frames.felt import Feeler, unreadable
-from recognition.running.logbook import force_sigma
+from recognition.running.logbook import APPROACH, STROKE, force_sigma
 from recognition.sources.source import Felt
 
 
@@ -63,6 +63,7 @@ def felt_contacts(
         raise PalpateError(f"{path} carries no poses; give the episode.mcap of a run")
     feeler = Feeler.of(recording)
     chosen, felt = _chosen(feeler, options)
+    felt = _counted(path, felt)
     if known is not None:
         return Replayed(known, felt, recording.warnings)
     stride = -(-len(chosen) // options.most) if chosen else 1
@@ -75,6 +76,18 @@ def felt_contacts(
         if good.any():
             tables.append(rows.select(good))
     return Replayed(Contacts.concatenate(tables), felt, recording.warnings)
+
+
+def _counted(path: Path, felt: Felt) -> Felt:
+    """With touches and strokes as a recording says that they began, where it does: contact breaks within one."""
+    begun: dict[str, int] = {}
+    for event in events(path):
+        number = event.detail.get("number")
+        if event.kind in (APPROACH, STROKE) and isinstance(number, int):
+            begun[event.kind] = number
+    if APPROACH not in begun:
+        return felt
+    return replace(felt, touches=begun[APPROACH], strokes=begun.get(STROKE, 0))
 
 
 def _chosen(feeler: Feeler, options: ReplayOptions) -> tuple[list[tuple[PadFrame, int]], Felt]:

@@ -147,8 +147,10 @@ def _of_episode(file: Path) -> Source:
 
     made = explored(file)
     found = felt_contacts(file, None if made is None else made.contacts)
+    told = _summary(file.parent) if file.name == RECORDING else {}
+    felt = _cost(told) if "touches" in told else found.felt  # in its folder it cost what the run says
     return Source(
-        file, "episode", file.resolve().parent.name, found.contacts, True, found.felt, found.warnings,
+        file, "episode", file.resolve().parent.name, found.contacts, True, felt, found.warnings,
         lambda: swept(file), made,
     )  # fmt: skip
 

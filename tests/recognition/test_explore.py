@@ -121,6 +121,18 @@ def test_run_and_recording_give_the_explorations_own_model_again(sphere, tmp_pat
 
 
 @pytest.mark.slow
+def test_run_and_recording_cost_the_same_wherever_the_recording_lies(sphere, tmp_path):
+    folder, summary, _ = sphere
+    (tmp_path / "alone.mcap").write_bytes((folder / "episode.mcap").read_bytes())
+    for source in (folder, folder / "episode.mcap", tmp_path / "alone.mcap"):
+        cost = read_source(source).felt
+        assert (cost.touches, cost.strokes) == (summary["touches"], summary["strokes"])
+        assert cost.frames == summary["frames"]
+        assert cost.travel == pytest.approx(summary["travel_mm"])
+        assert cost.seconds == pytest.approx(summary["device_seconds"])
+
+
+@pytest.mark.slow
 def test_the_config_repeats_the_run(sphere, tmp_path):
     folder, summary, _ = sphere
     resolved = tomllib.loads((folder / "config.toml").read_text())["resolved"]

@@ -24,7 +24,7 @@ def observation(index, pressed):
 
 
 def test_touches_are_those_that_the_run_counted_however_long_the_pad_was_off(tmp_path):
-    cost = SimpleNamespace(touches=0)
+    cost = SimpleNamespace(touches=0, strokes=0)
     with Recorder(tmp_path / "episode.mcap") as recorder:
         logbook = Logbook(recorder)
         begins = {0: 1, 20: 2, 30: 3}  # the first leaves its surface for long, the others come soon after it

@@ -52,7 +52,7 @@ def test_a_dead_taxel_pushes_nothing():
 
 
 def test_every_frame_is_recorded_and_those_in_contact_are_preferred(tmp_path):
-    guard = SimpleNamespace(cost=SimpleNamespace(touches=3))
+    guard = SimpleNamespace(cost=SimpleNamespace(touches=3, strokes=5))
     with Recorder(tmp_path / "episode.mcap") as recorder:
         logbook = Logbook(recorder, LogConfig(contact_frames=40, free_frames=10))
         for k in range(200):
@@ -60,7 +60,7 @@ def test_every_frame_is_recorded_and_those_in_contact_are_preferred(tmp_path):
         logbook.announce("move", {"note": "here"})
     items = list(read(tmp_path / "episode.mcap"))
     assert [item.frame.index for item in items if isinstance(item, RecordedFrame)] == list(range(200))
-    assert [item.kind for item in items if isinstance(item, RecordedEvent)] == ["approach", "move"]
+    assert [item.kind for item in items if isinstance(item, RecordedEvent)] == ["approach", "stroke", "move"]
     frames = logbook.frames()
     assert (frames.touch == 2).sum() == 30
     assert (frames.touch == -1).sum() <= 10
