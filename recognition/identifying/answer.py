@@ -13,11 +13,12 @@ from models.symmetry import pose_error
 from recognition.matching import Belief
 from recognition.matching.belief import UNKNOWN
 from recognition.recognizing.answer import pose_json
+from recognition.recognizing.truth import right_name
 
 
 def truth_json(belief: Belief | None, library: Library, name: str, solid: Solid) -> dict[str, Any]:
     """Whether the decision is right, and how far the pose is off, up to symmetry."""
-    wanted = name if name in library else UNKNOWN
+    wanted = right_name(name, solid.extent, library)
     decision = None if belief is None else belief.decision
     told: dict[str, Any] = {
         "name": wanted,

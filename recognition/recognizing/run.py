@@ -117,7 +117,7 @@ def locate(
         "candidates": told,
         "history": [],
         "why": {"runner_up": entry.name if len(told) > 1 else None, "separating_contacts": []},
-        "truth": truth_of(asked.source, belief, library),
+        "truth": truth_of(asked.source, belief, library, scale),
         "warnings": [
             *source.warnings,
             *noted,
@@ -150,7 +150,7 @@ def recognize(asked: Asked, folder: Path | None, units: Units, scale: float) -> 
         "candidates": objects(belief, library),
         "history": [],
         "why": why(belief, _would_tell(belief, evidence, library, asked.seed), source.rows),
-        "truth": truth_of(asked.source, belief, library),
+        "truth": truth_of(asked.source, belief, library, scale),
         "warnings": [*source.warnings, *library.warnings, *noted],
     }
 

@@ -102,7 +102,10 @@ class World:
             told["flange_from_sensor"] = {
                 spec.name: _pose_told(mount) for spec, mount in zip(self.specs, self.mounts, strict=True)
             }
-        return {"world_from_part": _pose_told(self.solid.pose), **told} if self.known else told
+        if not self.known:
+            return told
+        size = {"part_extent_mm": self.solid.extent.tolist()}
+        return {"world_from_part": _pose_told(self.solid.pose), **size, **told}
 
 
 def load_world(

@@ -7,9 +7,11 @@ import pytest
 
 from models import parts
 from models.library import Library
+from models.part import load_part
 from models.solid import Solid
 from primitives.arrays import frozen
 from primitives.pose import pose, quaternion_wxyz, rotation_exp
+from recognition.identifying.answer import truth_json
 from recognition.matching import Belief, Hypothesis
 from recognition.recognizing.truth import truth_of
 
@@ -51,6 +53,32 @@ def test_a_wrong_name_has_no_pose_error_and_a_stranger_is_unknown(library, tmp_p
     assert (told["correct"], told["translation_error_mm"]) == (False, None)
     strange = Belief((), {"block": 0.2, "wedge": 0.1, "unknown": 0.7})
     assert truth_of(_run(tmp_path, "teapot"), strange, library)["correct"]
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        "[settings]\nscale = 1.2\n[resolved]\npart_extent_mm = [84.0, 48.0, 35.88]",
+        "[settings]\nscale = 1.2",  # of a run that told no extent
+    ],
+)
+def test_a_part_of_another_size_is_another_object(library, tmp_path, config):
+    source = _run(tmp_path, "wedge")
+    (tmp_path / "config.toml").write_text(config)
+    strange = Belief((), {"block": 0.2, "wedge": 0.1, "unknown": 0.7})
+    told = truth_of(source, strange, library)
+    assert (told["name"], told["correct"]) == ("unknown", True)
+    assert not truth_of(source, _believed("wedge", WORLD), library)["correct"]
+    larger = Library.of({"wedge": load_part("wedge", scale=1.2).solid})
+    assert truth_of(source, _believed("wedge", WORLD), larger, scale=1.2)["correct"]
+
+
+def test_identify_and_recognize_judge_sizes_alike(library):
+    larger = load_part("wedge", scale=1.2).solid.placed(WORLD)
+    told = truth_json(Belief((), {"wedge": 0.1, "unknown": 0.9}), library, "wedge", larger)
+    assert (told["name"], told["correct"]) == ("unknown", True)
+    same = truth_json(_believed("wedge", WORLD), library, "wedge", library["wedge"].solid.placed(WORLD))
+    assert (same["name"], same["correct"]) == ("wedge", True)
 
 
 def test_a_source_that_knows_no_truth_has_none(library, tmp_path):
