@@ -18,6 +18,7 @@ from recognition.assembly import NotClosed
 from recognition.best_body import open_ended
 from recognition.console import bugs, interrupts
 from recognition.reconstruct import Reconstruction, ReconstructOptions, reconstruct
+from recognition.reconstructing.facing_alike import facing_alike
 from recognition.reconstructing.facing_out import facing_out
 from recognition.reconstructing.options import ReconstructSourceOptions
 from recognition.reconstructing.scatter import scatter
@@ -62,7 +63,7 @@ def run(options: ReconstructSourceOptions, watch: Watcher) -> dict[str, Any]:
 def _run(
     options: ReconstructSourceOptions, source: Source, folder: RunFolder, watch: Watcher, began: float
 ) -> dict[str, Any]:
-    felt = facing_out(_with_scatter(_by_place(source), options))
+    felt = facing_out(_with_scatter(facing_alike(_by_place(source)), options))
     sigma = _typical(felt)
     head = toml_lines({"version": version("palpate"), "command": "reconstruct"})
     settings = [*head, "", "[settings]", *toml_lines(options.as_settings())]
