@@ -34,7 +34,7 @@ class Built:
     kept: tuple[str, ...]
     removed: tuple[str, ...]
     failed: dict[str, str]  # file -> why
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  # files that are none of its objects, and what was mended in those that are
     rows: tuple[Row, ...]
     bytes: int  # of all objects
 
@@ -80,7 +80,7 @@ def build(
         tuple(kept),
         tuple(sorted(row.name for row in before.values() if row.name not in rows and not row.failed)),
         {row.file: row.failed for row in final if row.failed},
-        strays(home, settings),
+        (*strays(home, settings), *(text for row in good for text in _warnings(row))),
         final,
         sum(store.entry(key).stat().st_size for key in {row.key for row in good}),
     )
@@ -166,6 +166,11 @@ def _row(
 ) -> Row:
     settings = file.settings.as_json() | {"material": file.settings.material}
     return Row(file.name, file.path.name, key, stamps, settings, about, why)
+
+
+def _warnings(row: Row) -> list[str]:
+    """What a person should know of an object, each with its file's name."""
+    return [text if row.file in text else f"{row.file}: {text}" for text in row.about["warnings"]]
 
 
 def _ordered(files: Sequence[ModelFile], rows: dict[str, Row]) -> tuple[Row, ...]:

@@ -19,6 +19,7 @@ from recognition.report.terminal import table_text
 MADE_MM = 0.05
 """[mm] 1 sigma by which a made object leaves its CAD file, and a simulated contact its surface."""
 
+_MOST_WARNINGS = 20  # that a person is told of a build
 _Watch = Callable[[int, int, str], object]
 
 
@@ -89,7 +90,9 @@ def built_text(built: Built) -> str:
     size = f", {built.bytes / max(objects, 1) / 1000:.0f} kB each" if objects else ""
     lines = [f"{objects} objects ({', '.join(counts) or 'nothing to do'}){size}"]
     lines += [f"left out: {_about(file, why)}" for file, why in built.failed.items()]
-    return "\n".join([*lines, *(f"warning: {text}" for text in built.warnings)])
+    more = len(built.warnings) - _MOST_WARNINGS
+    lines += [f"warning: {text}" for text in built.warnings[:_MOST_WARNINGS]]
+    return "\n".join([*lines, *([f"and {more} warnings more (--json has all)"] if more > 0 else [])])
 
 
 def list_rows(library: Library) -> list[dict[str, Any]]:

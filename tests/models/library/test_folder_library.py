@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from models.csg import Csg, Cube, Cylinder
 from models.formats.openscad.writer import write
@@ -208,3 +209,18 @@ def test_two_builders_and_a_killed_one_leave_a_whole_library(tmp_path: Path) -> 
     assert len(told["rows"]) == 5
     assert build(tmp_path).made == ()
     assert not list((tmp_path / ".palpate").glob(".*partial"))
+
+
+def test_what_was_mended_in_a_file_is_told_by_the_build_that_makes_it_and_by_later_ones(folder: Path) -> None:
+    box = trimesh.creation.box((30.0, 20.0, 10.0))
+    box.invert()
+    box.export(folder / "inward.stl")
+    box.invert()
+    box.update_faces(np.arange(len(box.faces)) > 0)
+    box.export(folder / "open.stl")
+    first, second = build(folder), build(folder)
+    assert first.made == ("inward", "open")
+    assert [text for text in first.warnings if "faced inward" in text and "inward.stl" in text]
+    assert [text for text in first.warnings if "had 1 hole" in text and "open.stl" in text]
+    assert len(first.warnings) == 2
+    assert second.warnings == first.warnings
