@@ -56,7 +56,7 @@ def _surface(felt: FeltRun, options: TrackOptions, view: View) -> dict[str, Any]
         contacts.normals,
         None,
         "closed" in track.ended,
-        "lost" in track.ended or not track.ended,
+        track.lost,
         track.forces,
         track.found(),
         surface_truth(felt.world.solid, contacts) if felt.world.known else None,

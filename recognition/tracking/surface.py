@@ -26,6 +26,7 @@ from recognition.running.felt_run import FeltRun
 
 Say = Callable[[str], None]
 LONGEST = 400.0  # [mm] of one stroke
+_AT = {"edge": "an edge", "concavity": "a concavity", "wall": "a wall", "workspace": "the workspace's end"}
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,22 @@ class SurfaceTrack:
             best = self.fits[0]
             out["shape"], out["probability"] = best.fit.shape.kind, best.probability
             out["parameters"] = parameters(best.fit.shape)
+        if not len(self.contacts):
+            out["why"] = self.why
         return out
+
+    @property
+    def lost(self) -> bool:
+        """Whether contact was, before a stroke had ended."""
+        return "lost" in self.ended or not self.ended
+
+    @property
+    def why(self) -> str:
+        """What kept strokes from feeling anything, where they did not."""
+        if self.lost:
+            return "contact was lost"
+        met = " and ".join(_AT[end] for end in dict.fromkeys(self.ended) if end in _AT) or "nothing"
+        return f"strokes met {met} where the pad came down; touch it elsewhere (another --seed)"
 
 
 def track_surface(run: FeltRun, speed: float, say: Say) -> SurfaceTrack:

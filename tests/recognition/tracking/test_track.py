@@ -11,9 +11,12 @@ from tracking.outlines import disc, prism
 from tracking.plant import Start, guard_over
 from typer.testing import CliRunner
 
+from primitives.evidence import Contacts
 from recognition.cli import app
 from recognition.tracking.options import TrackOptions
 from recognition.tracking.run import run
+from recognition.tracking.surface import SurfaceTrack
+from recognition.tracking.text import nothing_followed
 from recognition.tracking.view import View
 
 UPRIGHT = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)  # mm, and a quaternion that turns nothing
@@ -91,6 +94,25 @@ def test_the_surface_of_a_ball_is_followed_and_is_round(tmp_path):
     assert told["found"]["order"]["name"] == "sphere"
     assert told["truth"]["rms_mm"] < 0.1
     assert len(told["normals"]) == len(told["trace"])
+
+
+@pytest.mark.parametrize(
+    ("ended", "lost", "why"),
+    [
+        (
+            ("concavity", "edge", "concavity"),
+            False,
+            "strokes met a concavity and an edge where the pad came down",
+        ),
+        (("wall", "lost"), True, "contact was lost"),
+        ((), True, "contact was lost"),
+    ],
+)
+def test_a_surface_that_was_not_followed_is_lost_where_it_says_so_and_nowhere_else(ended, lost, why):
+    track = SurfaceTrack(Contacts.of([]), None, (), ended)
+    told = nothing_followed({"what": "surface", "trace": [], "found": track.found()})
+    assert track.lost == lost
+    assert told.startswith(f"no surface was followed: {why}")
 
 
 @pytest.mark.parametrize(
