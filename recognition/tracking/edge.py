@@ -210,14 +210,19 @@ def _felt_behind(
         if angle is not None:
             trace = set_back(trace, outward, angle, press, response, response.mean_width)
         traces.append(trace)
+    roundings = [
+        _rounding(run, profile, angle) for profile, angle in zip(outline.profiles, angles, strict=True)
+    ]
+    if poor := sum(rounding is not None and not rounding for rounding in roundings):
+        run.warnings.append(
+            f"no rounding is told of {poor} of the edges: none explains the depth across them"
+        )
     came_round = outline.ended != "closed" or comes_round(outline.traces)
     return EdgeTrack(
         tuple(traces),
         outline.ended if came_round else "lost",
         dihedrals=tuple(angles),
-        roundings=tuple(
-            _rounding(run, profile, angle) for profile, angle in zip(outline.profiles, angles, strict=True)
-        ),
+        roundings=tuple(rounding or None for rounding in roundings),
         forces=outline.forces,
         set_points=outline.set_points,
         travel=outline.travel,

@@ -11,6 +11,9 @@ and falls along the second face beyond it; it ends where it comes out of the ski
 upright.  The skin shows its integral against the response: sum of d depth(s_k) edge((t - s_k) / w).  Unknown
 are r, z0, b and where the edge as it was fitted lies from the faces' meeting (our derivation).
 
+A narrow face ends opposite, too, and what is missing there looks like a long arc here.  It is taken off as that of
+a sharp edge, z0 edge((t - f) / w), f unknown as well, where that explains the profile clearly better.
+
 A rounding widens the response by little (0.4 % at 0.5 mm): one frame cannot tell it, a track's profile can, as
 well as the response's own width is known.  The radius enters by its square, so that of a nearly sharp edge the
 likeliest is 0 as often as not.  What is told is the mean over all radii that the profile allows, every one before
@@ -21,7 +24,7 @@ among them, p(r) ~ exp(-C(r) / 2) (our derivation).
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from exploration.sensing.response import REACH, Response
 from primitives.arrays import Floats
@@ -32,17 +35,23 @@ SHIFT = 12.0  # [mm] at most, of the edge as it was fitted from the faces' meeti
 FLOOR = 0.04  # share of the greatest depth, below which readings may be cut off at the converter's zero
 AROUND, RADII = 1.5, 31  # [mm] about the likeliest radius, either way, and how many radii are weighed there
 MODEL = 0.004  # [mm] of the width, as well as its table knows the response
+FAR = (-2.0, 1.0, 5.0)  # [mm] past the profile's end: where a face ends opposite at least, likely and at most
+BETTER = 9.0  # chi2 by which such an end must better the fit
+POOR = 50.0  # misfit beyond which no rounding explains the profile
 STEP = 0.05  # [mm] of the profile before it is spread
 FROM, TO = -10.0, 16.0  # [mm] of it
 
 
 @dataclass(frozen=True)
 class Rounding:
-    """How an edge is rounded."""
+    """How an edge is rounded; false where no rounding explains what was felt of it."""
 
     radius: float  # [mm]
     sigma: float  # [mm]
     misfit: float  # chi2 per degree of freedom
+
+    def __bool__(self) -> bool:
+        return self.misfit < POOR
 
 
 def rounding_of(
@@ -63,20 +72,34 @@ def rounding_of(
     doubt = float(np.hypot(known, MODEL))
 
     def missed(p: Floats) -> Floats:
-        """Of radius, press, slope, shift and width: of every place, and of the width."""
+        """Of radius, press, slope, shift, width and, if told, the opposite end: of all places, and the width."""
         shown = spread(place - p[3], p[0], p[1], p[2], p[4], response, dihedral)
+        if len(p) > 5:
+            shown = shown - p[1] * response.edge(place - p[5], p[4])
         return np.append((shown - depth) / sigma, (p[4] - width) / doubt)
 
-    deepest = float(depth[-len(depth) // 4 :].mean())
-    low = np.array([0.0, 0.1 * deepest, -0.3, -SHIFT, 0.5 * width])
-    high = np.array([GREATEST, 3.0 * deepest, 0.3, SHIFT, 2.0 * width])
-    scale = np.array([1.0, 0.1, 0.01, 0.5, 0.01])
-    fits = []
-    for r in STARTS:
-        start = np.array([r, deepest, 0.0, -half_height(r, deepest, np.pi - dihedral), width])
-        fits.append(least_squares(missed, start, bounds=(low, high), x_scale=scale))
-    best = min(fits, key=lambda fit: float(fit.cost))
-    misfit = 2.0 * float(best.cost) / max(1, len(depth) - 4)
+    deepest = float(np.quantile(depth, 0.9))
+    ends = place.max() + np.array(FAR)
+    low = np.array([0.0, 0.1 * deepest, -0.3, -SHIFT, 0.5 * width, ends[0]])
+    high = np.array([GREATEST, 3.0 * deepest, 0.3, SHIFT, 2.0 * width, ends[2]])
+    scale = np.array([1.0, 0.1, 0.01, 0.5, 0.01, 0.5])
+
+    def fitted(count: int) -> OptimizeResult:
+        """The best fit of that many unknowns."""
+        fits = []
+        for r in STARTS:
+            start = [r, deepest, 0.0, -half_height(r, deepest, np.pi - dihedral), width, ends[1]][:count]
+            fits.append(
+                least_squares(missed, start, bounds=(low[:count], high[:count]), x_scale=scale[:count])
+            )
+        return min(fits, key=lambda fit: float(fit.cost))
+
+    best, narrow = fitted(5), fitted(6)
+    free = max(1, len(depth) - 4)
+    if 2.0 * float(best.cost - narrow.cost) > BETTER * max(1.0, 2.0 * float(narrow.cost) / free):
+        best = narrow
+    misfit = 2.0 * float(best.cost) / free
+    count = len(best.x)
     radii = np.linspace(max(0.0, best.x[0] - AROUND), min(GREATEST, best.x[0] + AROUND), RADII)
     left, chi2 = best.x[1:], np.empty(RADII)
     for k, r in enumerate(radii.tolist()):
@@ -84,7 +107,7 @@ def rounding_of(
         def elsewhere(q: Floats, r: float = r) -> Floats:
             return missed(np.append(r, q))
 
-        fit = least_squares(elsewhere, left, bounds=(low[1:], high[1:]), x_scale=scale[1:])
+        fit = least_squares(elsewhere, left, bounds=(low[1:count], high[1:count]), x_scale=scale[1:count])
         left, chi2[k] = fit.x, 2.0 * float(fit.cost) / max(1.0, misfit)
     share = np.exp(-0.5 * (chi2 - chi2.min()))
     share /= share.sum()

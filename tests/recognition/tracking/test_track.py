@@ -69,6 +69,20 @@ def test_an_edge_shorter_than_a_third_of_the_pad_is_drawn_between_its_corners(tm
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("size", "told_of"), [((90.0, 60.0, 10.0), 2), ((90.0, 60.0, 6.0), 0)])
+def test_sharp_edges_of_narrow_faces_are_not_rounded(size, told_of, tmp_path):
+    bar = tmp_path / "bar.csg"
+    bar.write_text(f"cube({list(size)}, center = true);")
+    pose = (0.0, 0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)  # a narrow face up
+    told = run(TrackOptions(str(bar), seed=2, pose=pose, out=tmp_path / "run"), View())
+    roundings = [edge["rounding_mm"] for edge in told["found"]["edges"]]
+    felt = [rounding for rounding in roundings if rounding is not None]
+    assert len(felt) >= told_of
+    assert all(rounding < 1.2 for rounding in felt)
+    assert (told_of > 0) or any("no rounding is told" in warning for warning in told["warnings"])
+
+
+@pytest.mark.slow
 def test_what_was_followed_before_a_wall_is_kept(tmp_path):
     told = run(TrackOptions("bracket", seed=1, out=tmp_path / "run"), View())
     assert told["found"]["ended"] == "blocked"

@@ -30,6 +30,22 @@ def test_a_sharp_edge_has_hardly_a_rounding():
     assert found.radius < 0.4
 
 
+@pytest.mark.parametrize("wide", [8.5, 10.0, 12.0])
+@pytest.mark.parametrize("radius", [0.0, 2.0])
+def test_where_a_narrow_face_ends_opposite_is_no_part_of_the_rounding(radius, wide):
+    shown = spread(PLACES, radius, 0.5, 0.0, WIDTH, RESPONSE, 0.5 * np.pi)
+    shown = shown - 0.5 * RESPONSE.edge(PLACES - wide, WIDTH)
+    noisy = shown + 3e-4 * np.random.default_rng(2).standard_normal(len(PLACES))
+    found = rounding_of(PLACES, noisy, np.full(len(PLACES), 3e-4), WIDTH, RESPONSE, 0.5 * np.pi, 0.0)
+    assert found
+    assert found.radius == pytest.approx(radius, abs=0.7)
+
+
+def test_what_no_arc_explains_is_no_rounding():
+    shown = spread(PLACES, 0.0, 0.5, 0.0, WIDTH, RESPONSE, 0.5 * np.pi) * (1.0 + 0.03 * np.sin(3.0 * PLACES))
+    assert not rounding_of(PLACES, shown, np.full(len(PLACES), 3e-4), WIDTH, RESPONSE, 0.5 * np.pi, 0.0)
+
+
 def test_a_response_that_is_less_well_known_leaves_the_rounding_less_well_known():
     shown = spread(PLACES, 1.0, 0.5, 0.0, WIDTH, RESPONSE, 0.5 * np.pi)
     sure, doubtful = (
