@@ -31,6 +31,7 @@ class CornerConfig:
     turned: float = 0.06  # [rad] by which their angles may
     reach: float = 1.0  # [mm] from a corner, within which its edges end, and are seen to meet once more
     turning: float = 0.15  # [rad] by which they may turn otherwise then
+    far: float = 8.0  # [mm] from a corner, beyond which a line that ends there is no edge of it
     aside: float = 0.5  # [rad] from the followed edge, beyond which another is preferred
 
 
@@ -58,7 +59,11 @@ def meeting(
         if outline.arcs or not outline.explains(config.sure):
             return None
         lines = outline.lines
-    pairs = [pair for pair in _pairs(lines, edge, config) if pair.come @ edge.direction > FORWARD]
+    pairs = [
+        pair
+        for pair in _pairs(lines, edge, config)
+        if pair.come @ edge.direction > FORWARD and pair.short < config.far
+    ]
     found = [_in_world(seen, pair, edge) for pair in pairs]
     return min(found, key=lambda met: (met.aside > config.aside, abs(met.ahead)), default=None)
 

@@ -18,7 +18,8 @@ from exploration.control.edge_profile import EdgeProfile
 from exploration.control.hybrid import PRESS
 from exploration.control.run_on import leading_from, leading_to
 from exploration.control.track_edge import EdgeConfig, Tracked, follow_edge
-from exploration.devices.guard import Collision, Fault, Guard, OverPress
+from exploration.control.windows import window_about
+from exploration.devices.guard import Collision, Fault, Guard, Observation, OverPress
 from exploration.sensing.lines.followed import Followed
 from exploration.sensing.lines.hough import sure_lines
 from primitives import pose as se3
@@ -32,6 +33,7 @@ FRAMES = 16  # that a corner is seen in
 SAME = 1.0  # [mm] between two corners that are one
 SEEN = 0.2  # [mm] standard deviation of a corner seen in one place
 LOOKS = 3  # places that a corner is looked for from,
+PART = 7.0  # [mm] about a corner, either way, in which it is looked for at last
 STEP = 1.0  # [mm] one beyond the other: a hole's rim may hide it from one of them
 
 
@@ -179,6 +181,7 @@ def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
         seen = dwell(guard, FRAMES)
         corner = meeting(seen, last, config.corners)
         corner = corner or meeting(seen, last, config.corners, sure_lines(seen.image, 3))
+        corner = corner or _in_part(seen, begun, last, config)
     if corner is None:
         guard.go_to(begun)
         return None
@@ -188,6 +191,20 @@ def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
     lift = float((place - here[:3, 3]) @ here[:3, 2])
     guard.go_to(se3.pose(here[:3, :3], place - lift * here[:3, 2]))
     return corner
+
+
+def _in_part(seen: Observation, begun: Floats, last: Followed, config: EdgeConfig) -> Meeting | None:
+    """The meeting in the part of the pad about where the last edge ended, which farther edges do not cross.
+
+    `begun` (4, 4) is where the pad lay when it was last seen.
+    """
+    onward = min(last.ahead, last.opens)
+    if not np.isfinite(onward):
+        return None
+    end = begun[:3, :2] @ (last.foot + onward * last.direction) + begun[:3, 3]
+    place = (end - seen.world_from_sensor[:3, 3]) @ seen.world_from_sensor[:3, :2]
+    part = window_about(seen, place, PART)
+    return None if part is None else meeting(part, last, config.corners)
 
 
 def _again(first: Meeting, met: Meeting, config: EdgeConfig) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from exploration.control.sighting import Sighting
 from exploration.devices.guard import Observation
 from primitives import pose as se3
+from primitives.arrays import Floats
 
 LEAST = 4  # taxels either way, that a part is worth looking at from
 ALIKE = 0.998  # least cosine between the directions of an edge in two parts
@@ -32,15 +33,19 @@ def windows(seen: Observation, length: float) -> Iterator[Observation]:
         for left, right in columns:
             if (bottom - top, right - left) == image.array.shape:
                 continue
-            x, y = image.array.x[left:right].mean(), image.array.y[top:bottom].mean()
-            part = replace(
-                image,
-                array=replace(image.array, rows=bottom - top, columns=right - left),
-                depth=image.depth[top:bottom, left:right],
-                sigma=image.sigma[top:bottom, left:right],
-            )
-            shifted = seen.world_from_sensor @ se3.pose(np.eye(3), [x, y, 0.0])
-            yield replace(seen, image=part, world_from_sensor=shifted)
+            yield _part(seen, slice(top, bottom), slice(left, right))
+
+
+def window_about(seen: Observation, place: Floats, half: float) -> Observation | None:
+    """The part within `half` mm, either way, of a (2,) place on the pad; None where that is hardly a part."""
+    array = seen.image.array
+    spans = []
+    for axis, at in ((array.y, place[1]), (array.x, place[0])):
+        (near,) = np.nonzero(np.abs(axis - at) < half)
+        if len(near) < LEAST:
+            return None
+        spans.append(slice(int(near[0]), int(near[-1]) + 1))
+    return _part(seen, *spans)
 
 
 def going_on(edges: Sequence[Sighting]) -> list[Sighting]:
@@ -55,6 +60,21 @@ def going_on(edges: Sequence[Sighting]) -> list[Sighting]:
             for other in edges
         )
     ]
+
+
+def _part(seen: Observation, rows: slice, columns: slice) -> Observation:
+    """Some taxels, about whose middle the part has its own frame."""
+    image = seen.image
+    part = replace(
+        image,
+        array=replace(image.array, rows=rows.stop - rows.start, columns=columns.stop - columns.start),
+        depth=image.depth[rows, columns],
+        sigma=image.sigma[rows, columns],
+    )
+    x, y = image.array.x[columns].mean(), image.array.y[rows].mean()
+    return replace(
+        seen, image=part, world_from_sensor=seen.world_from_sensor @ se3.pose(np.eye(3), [x, y, 0.0])
+    )
 
 
 def _spans(count: int, most: float) -> list[tuple[int, int]]:

@@ -33,7 +33,8 @@ def test_a_corner_that_is_hidden_from_one_place_is_looked_for_from_a_little_beyo
         "dwell",
         lambda guard, frames: SimpleNamespace(image=None, world_from_sensor=guard.world_from_sensor),
     )
-    edge = SimpleNamespace(last=SimpleNamespace(direction=np.array([1.0, 0.0])), corner=None)
+    last = SimpleNamespace(direction=np.array([1.0, 0.0]), ahead=np.inf, opens=np.inf)
+    edge = SimpleNamespace(last=last, corner=None)
     for seen_from[0], looked in ((10.0, [10.0]), (12.0, [10.0, 10.0, 11.0, 11.0, 12.0])):
         guard = Guard()
         places.clear()

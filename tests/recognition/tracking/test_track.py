@@ -83,6 +83,20 @@ def test_sharp_edges_of_narrow_faces_are_not_rounded(size, told_of, tmp_path):
 
 
 @pytest.mark.slow
+def test_the_outline_of_a_window_is_followed_though_the_plate_ends_beside_it(tmp_path):
+    part = tmp_path / "window.csg"
+    part.write_text(
+        "difference() { cube([90, 60, 10], center = true);"
+        " multmatrix([[1, 0, 0, -8], [0, 1, 0, 4], [0, 0, 1, 0], [0, 0, 0, 1]])"
+        " cube([50, 30, 20], center = true); }"
+    )
+    told = run(TrackOptions(str(part), seed=8, out=tmp_path / "run"), View())
+    assert told["closed"]
+    lengths = sorted(edge["length_mm"] for edge in told["found"]["edges"])
+    assert np.allclose(lengths, [30.0, 30.0, 50.0, 50.0], atol=0.2)
+
+
+@pytest.mark.slow
 def test_what_was_followed_before_a_wall_is_kept(tmp_path):
     told = run(TrackOptions("bracket", seed=1, out=tmp_path / "run"), View())
     assert told["found"]["ended"] == "blocked"
