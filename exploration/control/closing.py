@@ -26,15 +26,19 @@ class ClosingConfig:
 
 @dataclass(frozen=True)
 class Home:
-    """Where an outline began."""
+    """Where an outline, or one of its edges, began."""
 
     point: Floats  # (3,) [mm]
     tangent: Floats  # (3,) unit direction of travel
+    after: float = 0.0  # [mm] along the edge that may come by there, from which it does
 
 
-def comes_by(home: Home, tick: EdgeTick, config: ClosingConfig) -> bool:
-    """Whether the edge runs by there now, a little way past it."""
-    return _runs_by(home.point, home.tangent, tick, config)
+def comes_by(homes: Sequence[Home], tick: EdgeTick, travel: float, config: ClosingConfig) -> int | None:
+    """Which of some places the edge, followed for `travel` [mm], runs by now, a little way past it; or None."""
+    for k, home in enumerate(homes):
+        if travel >= home.after and _runs_by(home.point, home.tangent, tick, config):
+            return k
+    return None
 
 
 def came_round(ticks: Sequence[EdgeTick], second: int, travel: float, config: ClosingConfig) -> int | None:

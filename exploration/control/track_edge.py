@@ -4,7 +4,7 @@ Tracking ends at a corner (the face ends ahead, or material begins outside), whe
 a length, where it is lost and not found again a little way back, or where the pad runs into something beside it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import dist
@@ -78,6 +78,7 @@ class Tracked:
     corner: Meeting | None = None  # that ended it, where it was seen coming
     fault: Fault | None = None  # that blocked it
     ticks: tuple[EdgeTick, ...] = ()  # that the trace is drawn from
+    home: int | None = None  # the one that it closed at; None: it did at its own start, if at all
 
     def __bool__(self) -> bool:
         return self.trace is not None
@@ -105,6 +106,7 @@ class _Run:
     misfit: float = 20.0  # chi2 per degree of freedom, as is usual
     second: int = 0  # the tick that is a start as well
     start: int = 0  # the tick that a closed edge came back to
+    home: int | None = None  # or the place that it came by
 
 
 def follow_edge(
@@ -115,11 +117,11 @@ def follow_edge(
     stroke: int,
     press: float = PRESS,
     config: EdgeConfig = EdgeConfig(),
-    home: Home | None = None,
+    homes: Sequence[Home] = (),
 ) -> Tracked:
     """Track the edge under the pad, the way of the (3,) world direction `along`, up to `length` [mm].
 
-    The edge is closed where it comes by `home`, or else by its own start.
+    The edge is closed where it comes by one of `homes`, or by its own start.
     """
     response = rubber(guard.calibrations[guard.active].spread, guard.sensor.array.pitch)
     run, missed, retries = _Run(), 0, 0
@@ -158,7 +160,7 @@ def follow_edge(
         run.ticks.append(EdgeTick(edge, image, seen.world_from_sensor, seen.force))
         run.misfit += (edge.misfit - run.misfit) / min(len(run.ticks), 100)
         servo.want(seen, edge)
-        if (why := _over(run, edge, config, home)) is not None:
+        if (why := _over(run, edge, config, homes)) is not None:
             ended = why
             break
         before = seen.world_from_sensor
@@ -180,11 +182,13 @@ def follow_edge(
     clear = hearing(_clear(run.ticks[run.start :], corner, config), response, again)
     told = (touch, stroke, response, config.reach, config.bend_drift)
     draw = partial(smoothed, clear, ended == "closed", *told)
-    if ended == "closed" and home is None and clear:
+    if ended == "closed" and run.home is None and clear:
         draw = partial(draw, leading_to(clear, clear[0]), leading_from(clear, clear[-1]))
     average = partial(profile_of, clear, response)
     forces, wanted = tuple(t.force for t in run.ticks), tuple(servo.wanted)
-    return Tracked(draw, average, ended, run.travel, forces, wanted, last, corner, fault, ticks=tuple(clear))
+    return Tracked(
+        draw, average, ended, run.travel, forces, wanted, last, corner, fault, tuple(clear), run.home
+    )
 
 
 def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) -> list[EdgeTick]:
@@ -195,13 +199,14 @@ def _clear(ticks: list[EdgeTick], corner: Meeting | None, config: EdgeConfig) ->
     return [t for t in clear if dist(t.point, corner.point) > config.bent]
 
 
-def _over(run: _Run, edge: Followed, config: EdgeConfig, home: Home | None) -> Ended | None:
+def _over(run: _Run, edge: Followed, config: EdgeConfig, homes: Sequence[Home]) -> Ended | None:
     """Whether the edge is at a corner, or has come round."""
     run.cornering = run.cornering + 1 if min(edge.ahead, edge.opens) < config.corner else 0
     if run.cornering >= config.confirm:
         return "corner"
-    if home is not None:
-        return "closed" if comes_by(home, run.ticks[-1], config.closing) else None
+    run.home = comes_by(homes, run.ticks[-1], run.travel, config.closing)
+    if run.home is not None:
+        return "closed"
     if not run.second and run.travel > config.closing.second:
         run.second = len(run.ticks) - 1
     start = came_round(run.ticks, run.second, run.travel, config.closing)

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from exploration.control.closing import Home
+from exploration.control.coming_back import MetCorner, Start, lead_of, met_again
 from exploration.control.corners import Meeting, meeting
 from exploration.control.dwell import dwell
 from exploration.control.edge_profile import EdgeProfile
@@ -49,6 +49,7 @@ class TrackedOutline:
     set_points: tuple[float, ...]  # [N] that were wanted
     profiles: tuple[EdgeProfile | None, ...] = ()  # across each edge
     fault: Fault | None = None  # that blocked it
+    lead: int = 0  # of the traces, that come before the loop
 
     def __bool__(self) -> bool:
         return bool(self.traces)
@@ -63,25 +64,29 @@ def follow_outline(
     press: float = PRESS,
     config: EdgeConfig = DEFAULT,
 ) -> TrackedOutline:
-    """Track the outline under the pad, the way of the (3,) world direction `along`, up to `length` [mm]."""
+    """Track the outline under the pad, the way of the (3,) world direction `along`, up to `length` [mm].
+
+    It closes where it comes back to any place of its own; what was tracked until there leads in, and is no part.
+    """
     outline = _Outline(length)
     try:
         _follow(outline, guard, along, touch, stroke, press, config)
     except (OverPress, Collision) as fault:
         outline.fault = fault
     edges, ended = outline.edges, outline.ended
-    if ended == "lost" and sum(edge.travel for edge in edges) < 2.0 * config.clear:
+    if ended == "lost" and outline.travel < 2.0 * config.clear:
         outline.drawn.clear()  # what was soon lost again was no edge
     traces = tuple(trace for trace, _ in outline.drawn)
     return TrackedOutline(
         traces,
         joins_of(traces),
         ended,
-        sum(edge.travel for edge in edges),
+        outline.travel,
         tuple(force for edge in edges for force in edge.forces),
         tuple(force for edge in edges for force in edge.set_points),
         tuple(profile for _, profile in outline.drawn),
         outline.fault,
+        outline.lead,
     )
 
 
@@ -92,8 +97,14 @@ class _Outline:
     length: float  # [mm] at most
     edges: list[Tracked] = field(default_factory=list)
     drawn: list[tuple[EdgeTrace, EdgeProfile | None]] = field(default_factory=list)
-    closed: bool = False  # at the corner that was its first
+    closed: bool = False  # at a corner that was met before
+    lead: int = 0  # edges drawn before the loop that closed
     fault: Fault | None = None
+
+    @property
+    def travel(self) -> float:
+        """[mm]."""
+        return sum(edge.travel for edge in self.edges)
 
     @property
     def ended(self) -> Literal["closed", "lost", "length", "blocked"]:
@@ -117,23 +128,22 @@ def _follow(
 ) -> None:
     """Edge after edge, until it closes or ends."""
     edges, drawn = outline.edges, outline.drawn
-    home: Home | None = None
-    begun: Tracked | None = None
-    first: Meeting | None = None
+    starts, corners = list[Start](), list[MetCorner]()
     met: Meeting | None = None
     heading: Floats | None = along
     while heading is not None and len(edges) < EDGES:
-        left = outline.length - sum(edge.travel for edge in edges)
-        edge = follow_edge(guard, heading, left, touch, stroke + len(edges), press, config, home)
+        gone = outline.travel
+        homes = [start.home(gone, config.closing) for start in starts]
+        number, left = stroke + len(edges), outline.length - gone
+        edge = follow_edge(guard, heading, left, touch, number, press, config, homes)
         edges.append(edge)
         if edge.trace is not None:
+            starts.append(Start(edge, edge.trace, len(drawn), gone))
             drawn.append((edge.trace, edge.profile))
-            begun = begun or edge
-            home = home or Home(edge.trace.points[0], edge.trace.tangents[0])
         if edge.ended != "corner" or edge.last is None:
             outline.fault = edge.fault
-            if begun is not None and edge.ended == "closed" and edge is not begun:
-                _run_on(drawn, begun, edge)
+            if edge.ended == "closed" and starts:
+                _close(outline, starts[-1 if edge.home is None else edge.home], edge)
             break
         before, met = met, _turned(guard, edge, config)
         if met is not None:
@@ -144,12 +154,14 @@ def _follow(
             if dist(before.point, met.point) < SAME:
                 break
             if drawn:
-                drawn.append((_short(before, met, drawn[-1][0], touch, stroke + len(edges) - 1), None))
-        gone = sum(edge.travel for edge in edges) > config.closing.least_loop
-        if gone and first is not None and met is not None and _again(first, met, config):
-            outline.closed = True
+                drawn.append((_short(before, met, drawn[-1][0], touch, number), None))
+        if met is None:
+            continue
+        again = met_again(corners, met, outline.travel, config.closing)
+        if again is not None:
+            outline.closed, outline.lead = True, lead_of([trace for trace, _ in drawn], again, config.closing)
             break
-        first = first or met
+        corners.append(MetCorner(met, len(drawn), outline.travel if corners else 0.0))
 
 
 def _onward(guard: Guard, last: Followed) -> Floats:
@@ -158,14 +170,15 @@ def _onward(guard: Guard, last: Followed) -> Floats:
     return way
 
 
-def _run_on(drawn: list[tuple[EdgeTrace, EdgeProfile | None]], first: Tracked, last: Tracked) -> None:
-    """Draw the first edge and the last once more, each run on by the other: the outline closes along them."""
-    if not first.ticks or not last.ticks:
+def _close(outline: _Outline, begun: Start, last: Tracked) -> None:
+    """Draw the edge that a loop began on and the last once more, each run on by the other: it closes there."""
+    outline.lead, drawn, first = begun.number, outline.drawn, begun.edge
+    if first is last or not first.ticks or not last.ticks or last.trace is None:
         return
     begins = first.draw(leading_to(last.ticks, first.ticks[0]))
     ends = last.draw((), leading_from(first.ticks, last.ticks[-1]))
     if begins is not None and ends is not None:
-        drawn[0], drawn[-1] = (begins, first.profile), (ends, last.profile)
+        drawn[begun.number], drawn[-1] = (begins, first.profile), (ends, last.profile)
 
 
 def _turned(guard: Guard, edge: Tracked, config: EdgeConfig) -> Meeting | None:
@@ -205,11 +218,6 @@ def _in_part(seen: Observation, begun: Floats, last: Followed, config: EdgeConfi
     place = (end - seen.world_from_sensor[:3, 3]) @ seen.world_from_sensor[:3, :2]
     part = window_about(seen, place, PART)
     return None if part is None else meeting(part, last, config.corners)
-
-
-def _again(first: Meeting, met: Meeting, config: EdgeConfig) -> bool:
-    """Whether a corner is the first one, come to again."""
-    return dist(first.point, met.point) < config.closing.aside and float(first.along @ met.along) > 0.8
 
 
 def _short(begins: Meeting, ends: Meeting, before: EdgeTrace, touch: int, stroke: int) -> EdgeTrace:

@@ -62,6 +62,7 @@ class EdgeTrack:
     forces: tuple[float, ...] = ()  # [N] at every tick
     set_points: tuple[float, ...] = ()  # [N]
     travel: float = 0.0  # [mm]
+    lead: tuple[EdgeTrace, ...] = ()  # followed before the outline that closed, and no part of it
 
     def __bool__(self) -> bool:
         return bool(self.traces)
@@ -118,6 +119,7 @@ class EdgeTrack:
             "face_normal": None if normal is None else normal / np.linalg.norm(normal),
             "length_mm": sum(edge.length for edge in edges),
             "loop_gap_mm": self.gap,
+            "lead_in": [described(trace).as_json() for trace in self.lead],
             "force_set_n": float(np.median(self.set_points)) if self.set_points else None,
             "force_within_10_percent": float(share.mean()) if len(share) else None,
         }
@@ -200,24 +202,29 @@ def _felt_behind(
 ) -> EdgeTrack:
     """The outline with its dihedral angles, and set back by what they did to it, pressed `press` [mm]."""
     traces, angles, response = [], [], _response(run)
-    for number, trace in enumerate(outline.traces):
+    lead, loop = outline.traces[: outline.lead], outline.traces[outline.lead :]
+    for number, trace in enumerate(loop):
         outward = outward_of(trace, edge.outward, edge.tangent)
         angle = None
         if number < config.dihedrals:
-            say(f"feeling behind edge {number + 1} of {len(outline.traces)}")
+            say(f"feeling behind edge {number + 1} of {len(loop)}")
             angle = _dihedral(run, trace, outward)
         angles.append(angle)
         if angle is not None:
             trace = set_back(trace, outward, angle, press, response, response.mean_width)
         traces.append(trace)
-    roundings = [
-        _rounding(run, profile, angle) for profile, angle in zip(outline.profiles, angles, strict=True)
-    ]
+    profiles = zip(outline.profiles[outline.lead :], angles, strict=True)
+    roundings = [_rounding(run, profile, angle) for profile, angle in profiles]
     if poor := sum(rounding is not None and not rounding for rounding in roundings):
         run.warnings.append(
             f"no rounding is told of {poor} of the edges: none explains the depth across them"
         )
-    came_round = outline.ended != "closed" or comes_round(outline.traces)
+    if lead:
+        length = sum(described(trace).length for trace in lead)
+        run.warnings.append(
+            f"the first {length:.0f} mm that were followed are no part of the outline that closed"
+        )
+    came_round = outline.ended != "closed" or comes_round(loop)
     return EdgeTrack(
         tuple(traces),
         outline.ended if came_round else "lost",
@@ -226,6 +233,7 @@ def _felt_behind(
         forces=outline.forces,
         set_points=outline.set_points,
         travel=outline.travel,
+        lead=lead,
     )
 
 

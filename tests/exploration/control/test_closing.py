@@ -47,4 +47,13 @@ def test_a_start_that_looked_another_way_is_made_up_for_by_the_second() -> None:
 def test_an_edge_that_runs_by_the_other_way_is_not_come_round() -> None:
     ticks, _ = ring(20.0, 0.1)
     home = Home(ticks[0].point, -ticks[0].tangent)
-    assert not any(comes_by(home, tick, ClosingConfig()) for tick in ticks)
+    assert all(comes_by([home], tick, 0.0, ClosingConfig()) is None for tick in ticks)
+
+
+def test_it_is_told_which_of_several_places_the_edge_comes_by_and_not_before_it_may() -> None:
+    ticks, _ = ring(20.0, 0.2)
+    elsewhere = Home(np.array([90.0, 0.0, 0.0]), ticks[0].tangent)
+    for after, told in ((0.0, {None, 1}), (3.0, {None, 1}), (99.0, {None})):
+        homes = [elsewhere, Home(ticks[0].point, ticks[0].tangent, after)]
+        found = [comes_by(homes, tick, n * STEP, ClosingConfig()) for n, tick in enumerate(ticks)]
+        assert set(found) == told
