@@ -32,6 +32,7 @@ from recognition.tracking.traced import (
     comes_round,
     corners_of,
     described,
+    from_corner_to_corner,
     loop_gap,
     outward_of,
     whole_edges,
@@ -102,14 +103,9 @@ class EdgeTrack:
             replace(described(trace, angle), rounding=rounding)
             for (trace, angle), rounding in zip(whole, rounded, strict=True)
         ]
-        if len(corners) == len(edges) > 1:
-            ends = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
-            edges = [
-                replace(edge, length=float(length)) if edge.curve == "line" else edge
-                for edge, length in zip(edges, ends, strict=True)
-            ]
-        normal = self.normals.mean(axis=0) if len(self.normals) else None
         between = angles_between([trace for trace, _ in whole], closed)
+        edges = from_corner_to_corner(edges, corners, between)
+        normal = self.normals.mean(axis=0) if len(self.normals) else None
         share = np.abs(np.array(self.forces) / np.array(self.set_points) - 1.0) < 0.1
         return {
             "ended": self.ended,

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import dist
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -198,6 +199,28 @@ def corners_of(traces: Sequence[EdgeTrace], closed: bool) -> Floats:
     """(n, 3) [mm] where each edge, drawn on straight, comes nearest to the next; closed: the last to the first."""
     following = [*pairwise(traces), *([(traces[-1], traces[0])] if closed and len(traces) > 1 else [])]
     return np.array([_meeting(a, b) for a, b in following]).reshape(-1, 3)
+
+
+def from_corner_to_corner(
+    edges: Sequence[TracedEdge], corners: Floats, between: Sequence[float], straight_on: float = 0.3
+) -> list[TracedEdge]:
+    """Edges whose straight ones are as long as their corners lie apart: a trace ends short of those.
+
+    `corners` and the angles [rad] `between` the edges are as `corners_of` and `angles_between` tell them.  In an
+    open outline the first edge and the last have no corner at one end, and edges that go `straight_on` [rad] meet
+    in no certain place.
+    """
+    if len(corners) == len(edges) > 1:
+        apart = dict(enumerate(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).tolist()))
+    else:
+        sharp = [np.pi - angle > straight_on for angle in between]
+        apart = {
+            k: dist(corners[k - 1], corners[k]) for k in range(1, len(corners)) if sharp[k - 1] and sharp[k]
+        }
+    return [
+        replace(edge, length=apart[k]) if edge.curve == "line" and k in apart else edge
+        for k, edge in enumerate(edges)
+    ]
 
 
 def _meeting(before: EdgeTrace, after: EdgeTrace) -> Floats:

@@ -11,10 +11,12 @@ from primitives.arrays import frozen
 from primitives.evidence import EdgeTrace
 from primitives.pose import random_rotation
 from recognition.tracking.traced import (
+    angles_between,
     circle_through,
     comes_round,
     corners_of,
     described,
+    from_corner_to_corner,
     loop_gap,
     whole_edges,
 )
@@ -113,3 +115,14 @@ def test_an_open_outline_keeps_its_edges_apart():
     traces = [straight([0, 0, 0], [20, 0, 0]), straight([20, 0, 0], [20, 20, 0])]
     assert len(whole_edges(traces, [None, None], False)) == 2
     assert np.allclose(corners_of(traces, False), [[20, 0, 0]])
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_an_edge_is_as_long_as_its_corners_lie_apart_whether_or_not_the_outline_closed(closed):
+    c = np.array([[0, 0, 0], [60, 0, 0], [60, 90, 0], [0, 90, 0], [0, 0, 0]], dtype=float)
+    ways = [(b - a) / np.linalg.norm(b - a) for a, b in pairwise(c)]
+    traces = [straight(a + 4.0 * way, b - 4.0 * way) for (a, b), way in zip(pairwise(c), ways, strict=True)]
+    edges = [described(trace) for trace in traces]
+    told = from_corner_to_corner(edges, corners_of(traces, closed), angles_between(traces, closed))
+    ends = (60.0, 90.0) if closed else (52.0, 82.0)
+    assert np.allclose([edge.length for edge in told], [ends[0], 90.0, 60.0, ends[1]])
