@@ -27,12 +27,14 @@ from primitives.evidence import EdgeTrace
 from recognition.running.felt_run import FeltRun
 from recognition.tracking.both_ways import followed_both_ways
 from recognition.tracking.falling_face import set_back
+from recognition.tracking.sharp_turns import split_at_corners
 from recognition.tracking.traced import (
     angles_between,
     comes_round,
     corners_of,
     described,
     from_corner_to_corner,
+    gaps_of,
     loop_gap,
     outward_of,
     whole_edges,
@@ -49,6 +51,8 @@ class TrackEdgeConfig:
     places: int = 3  # of the object, that an edge is come to from
     dihedrals: int = 12  # edges behind which the face is felt
     press: float = PRESS  # [mm]
+    jumped: float = 10.0  # [mm] about a corner that are not followed, from which that is told
+    share: float = 0.5  # of an outline, that such corners may be where it closed
 
 
 @dataclass(frozen=True)
@@ -197,6 +201,7 @@ def _felt_behind(
     run: FeltRun, outline: TrackedOutline, edge: Sighting, press: float, say: Say, config: TrackEdgeConfig
 ) -> EdgeTrack:
     """The outline with its dihedral angles, and set back by what they did to it, pressed `press` [mm]."""
+    outline = split_at_corners(outline)
     traces, angles, response = [], [], _response(run)
     lead, loop = outline.traces[: outline.lead], outline.traces[outline.lead :]
     for number, trace in enumerate(loop):
@@ -220,10 +225,12 @@ def _felt_behind(
         run.warnings.append(
             f"the first {length:.0f} mm that were followed are no part of the outline that closed"
         )
-    came_round = outline.ended != "closed" or comes_round(loop)
+    ended = outline.ended
+    if ended == "closed" and not (comes_round(loop) and _hangs_together(run, traces, config)):
+        ended = "lost"
     return EdgeTrack(
         tuple(traces),
-        outline.ended if came_round else "lost",
+        ended,
         dihedrals=tuple(angles),
         roundings=tuple(rounding or None for rounding in roundings),
         forces=outline.forces,
@@ -231,6 +238,16 @@ def _felt_behind(
         travel=outline.travel,
         lead=lead,
     )
+
+
+def _hangs_together(run: FeltRun, traces: list[EdgeTrace], config: TrackEdgeConfig) -> bool:
+    """Whether a loop was followed but for small gaps; greater ones are told, as of tips that the pad jumped."""
+    whole = [trace for trace, _ in whole_edges(traces, [None] * len(traces), True)]
+    gaps = gaps_of(whole, corners_of(whole, True), angles_between(whole, True))
+    if jumped := [gap for gap in gaps if gap > config.jumped]:
+        told = f"{len(jumped)} of the corners were jumped, up to {max(jumped):.1f} mm about one not followed"
+        run.warnings.append(f"{told}: their edges are drawn on")
+    return sum(jumped) < config.share * (sum(described(trace).length for trace in whole) + sum(gaps))
 
 
 def _rounding(run: FeltRun, profile: EdgeProfile | None, dihedral: float | None) -> Rounding | None:

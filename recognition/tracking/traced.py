@@ -223,6 +223,22 @@ def from_corner_to_corner(
     ]
 
 
+def gaps_of(
+    traces: Sequence[EdgeTrace], corners: Floats, between: Sequence[float], straight_on: float = 0.3
+) -> list[float]:
+    """[mm] that were not followed from each edge to the next, by way of their corner where they meet in one.
+
+    `corners`, `between` and `straight_on` as for `from_corner_to_corner`.
+    """
+    pairs = zip([*pairwise(traces), (traces[-1], traces[0])], corners, between, strict=False)
+    return [
+        dist(a.points[-1], corner) + dist(corner, b.points[0])
+        if np.pi - angle > straight_on
+        else dist(a.points[-1], b.points[0])
+        for (a, b), corner, angle in pairs
+    ]
+
+
 def _meeting(before: EdgeTrace, after: EdgeTrace) -> Floats:
     (a, u), (b, v) = _drawn_on(before, -1), _drawn_on(after, 0)
     (s, t), *_ = np.linalg.lstsq(np.stack([u, -v], axis=1), b - a, rcond=None)
