@@ -30,6 +30,7 @@ DEFAULT = EdgeConfig()
 PAST = 4.0  # [mm] from the corner, where the next edge is taken up
 EDGES = 100  # of an outline at most; two corners might send the pad to and fro
 FRAMES = 16  # that a corner is seen in
+SHORT = 2.0  # [mm] of travel, from which an edge is more than its corners
 SAME = 1.0  # [mm] between two corners that are one
 SEEN = 0.2  # [mm] standard deviation of a corner seen in one place
 LOOKS = 3  # places that a corner is looked for from,
@@ -150,8 +151,12 @@ def _follow(
             heading = met.along
         else:  # no two edges meet here: it was a bend
             heading = _onward(guard, edge.last) if edge.travel > config.clear else None
-        if edge.trace is None and before is not None and met is not None:
-            if dist(before.point, met.point) < SAME:
+        hardly = edge.trace is None or (edge.travel < SHORT and len(drawn) > 1)
+        if hardly and before is not None and met is not None:
+            if edge.trace is not None:  # its corners say better how it runs
+                starts.pop()
+                drawn.pop()
+            elif dist(before.point, met.point) < SAME:
                 break
             if drawn:
                 drawn.append((_short(before, met, drawn[-1][0], touch, number), None))
@@ -222,9 +227,10 @@ def _in_part(seen: Observation, begun: Floats, last: Followed, config: EdgeConfi
 
 def _short(begins: Meeting, ends: Meeting, before: EdgeTrace, touch: int, stroke: int) -> EdgeTrace:
     """An edge too short to be followed: from one of its corners to the other."""
-    points = np.array([begins.point, ends.point])
+    points, normal = np.array([begins.point, ends.point]), before.normals[-1]
+    points -= np.outer((points - before.points[-1]) @ normal, normal)  # off the pad, which is pressed in
     along = (points[1] - points[0]) / max(float(np.linalg.norm(points[1] - points[0])), 1e-9)
-    normals = frozen(np.tile(before.normals[-1], (2, 1)))
+    normals = frozen(np.tile(normal, (2, 1)))
     return EdgeTrace(
         frozen(points), frozen([along, along]), normals, frozen([SEEN, SEEN]), False, touch, stroke
     )

@@ -73,14 +73,16 @@ class Drawing:
         trace = EdgeTrace(frozen(points), frozen(along), frozen(up), frozen(sigma), False, touch, stroke)
         last = SimpleNamespace(direction=way[:2])
         ended = "corner" if home is None else "closed"
-        return Tracked(lambda: trace, lambda: None, ended, length, last=last, home=home)
+        travel = length - 7.0 if length < 9.0 else length  # a short one is taken up past its corner
+        return Tracked(lambda: trace, lambda: None, ended, travel, last=last, home=home)
 
     def turned(self, guard, edge, config):
         if self.at + 1 == len(self.corners):
             return None
         here, there = self.corners[self.at : self.at + 2]
         way = (there - here) / np.linalg.norm(there - here)
-        return Meeting(here, np.cross([0.0, 0.0, 1.0], way), way, 0.5 * np.pi, 0.0, 0.0)
+        pressed = here - [0.0, 0.0, 0.5]
+        return Meeting(pressed, np.cross([0.0, 0.0, 1.0], way), way, 0.5 * np.pi, 0.0, 0.0)
 
     @staticmethod
     def _passes(home, begin, end):
@@ -108,3 +110,14 @@ def test_an_outline_closes_wherever_it_comes_back_to_itself(monkeypatch, corners
     outline = track_outline.follow_outline(drawing, np.array([1.0, 0.0, 0.0]), 2000.0, 0, 0)
     assert outline.ended == "closed"
     assert (outline.lead, len(outline.traces) - outline.lead) == (lead, edges)
+
+
+def test_an_edge_of_which_hardly_anything_is_followed_is_drawn_from_corner_to_corner(monkeypatch):
+    bar = [(0, 0), (60, 0), (60, 8), (0, 8)]
+    drawing = Drawing([*bar, *bar, *bar])
+    monkeypatch.setattr(track_outline, "follow_edge", drawing.follow_edge)
+    monkeypatch.setattr(track_outline, "_turned", drawing.turned)
+    outline = track_outline.follow_outline(drawing, np.array([1.0, 0.0, 0.0]), 2000.0, 0, 0)
+    assert outline.ended == "closed"
+    short = [trace.points[[0, -1]] for trace in outline.traces if abs(trace.tangents[0, 1]) > 0.5]
+    assert np.allclose(short, [[(60, 0, 0), (60, 8, 0)], [(0, 8, 0), (0, 0, 0)]])
