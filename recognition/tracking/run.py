@@ -39,7 +39,7 @@ def _edge(felt: FeltRun, options: TrackOptions, view: View) -> dict[str, Any]:
         not track or track.ended == "lost",
         list(track.forces),
         _found_edge(track),
-        edge_truth(felt.world.solid, points) if felt.world.known else None,
+        edge_truth(felt.world.solid, *(trace.points for trace in track.traces)) if felt.world.known else None,
     )
     return felt.finish({"what": "edge", **said}, Contacts.of(points, normals, sigma=track.sigma))
 

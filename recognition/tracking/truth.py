@@ -20,17 +20,24 @@ from primitives.pose import inverse, transform_points
 
 NEAR = 0.1  # [mm] within which the share of points is told
 FINE = 16  # parts that each chord of a circular edge is divided into
+SPACING = 1.0  # [mm] at most between the points by which an edge counts as tracked,
+LEAST = 2  # of which it has more
 TOGETHER = 64  # points that are compared at once
 
 
-def edge_truth(solid: Solid, trace: Floats) -> dict[str, Any] | None:
-    """How far (n, 3) points of a trace are from the nearest edge, and that edge's dihedral angle."""
+def edge_truth(solid: Solid, *traces: Floats) -> dict[str, Any] | None:
+    """How far (n, 3) points of traces are from the nearest edges, and which those are.
+
+    An edge that is short is drawn by its ends alone: it was tracked where the way between points runs along it.
+    """
     edges = [edge for edge in boundary(solid).edges if edge.kind != "smooth"]
-    if not edges or not len(trace):
+    if not edges or not sum(map(len, traces)):
         return None
-    distance, nearest = distance_to_edges(edges, transform_points(inverse(solid.pose), trace))
+    in_part = [transform_points(inverse(solid.pose), trace) for trace in traces if len(trace)]
+    distance, nearest = distance_to_edges(edges, np.concatenate(in_part))
     most = edges[int(np.bincount(nearest).argmax())]
-    tracked = [edges[k] for k in np.unique(nearest) if np.count_nonzero(nearest == k) > 2]
+    _, along = distance_to_edges(edges, np.concatenate([_filled(trace) for trace in in_part]))
+    tracked = [edges[k] for k in np.unique(along) if np.count_nonzero(along == k) > LEAST]
     return {
         "rms_mm": float(np.sqrt(np.mean(distance**2))),
         "max_mm": float(distance.max()),
@@ -39,6 +46,13 @@ def edge_truth(solid: Solid, trace: Floats) -> dict[str, Any] | None:
         "edges": len(tracked),
         "length_mm": float(sum(edge.length for edge in tracked)),
     }
+
+
+def _filled(trace: Floats) -> Floats:
+    """A trace with points between its own, where those are far apart."""
+    travel = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(trace, axis=0), axis=1)))
+    at = np.linspace(0.0, travel[-1], int(np.ceil(travel[-1] / SPACING)) + 1)
+    return np.stack([np.interp(at, travel, column) for column in trace.T], axis=1)
 
 
 def surface_truth(solid: Solid, contacts: Contacts) -> dict[str, Any] | None:

@@ -34,6 +34,17 @@ def test_each_side_of_a_face_is_compared_with_its_own_edge():
     assert told["max_mm"] == pytest.approx(0.2, abs=1e-9)
 
 
+def test_edges_that_are_drawn_by_their_ends_alone_were_tracked_too():
+    solid = Solid.from_csg(Cube((100.0, 12.0, 8.0))).placed(AWAY)
+    x = np.linspace(-46.0, 46.0, 93)
+    long = [np.column_stack([s * x, 0 * x - 6.0, 0 * x + s * 4.0]) for s in (1.0, -1.0)]
+    short = [np.array([[s * 50.0, -6.0, s * 4.0], [s * 50.0, -6.0, -s * 4.0]]) for s in (1.0, -1.0)]
+    around = [transform_points(AWAY, trace) for pair in zip(long, short, strict=True) for trace in pair]
+    told = edge_truth(solid, *around)
+    assert (told["edges"], told["length_mm"]) == (4, pytest.approx(216.0))
+    assert told["max_mm"] == pytest.approx(0.0, abs=1e-9)
+
+
 def test_what_has_no_edge_has_no_truth_of_one():
     assert edge_truth(Solid.from_csg(Sphere(20.0)), np.zeros((3, 3))) is None
 
