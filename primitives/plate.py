@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from primitives.arrays import Floats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Plate:
     """Two flat faces that look away from each other, seen together along their normal.
 

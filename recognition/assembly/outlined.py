@@ -114,10 +114,12 @@ def _disks(
 def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> Iterator[Piece]:
     """What both sides of a plate have, and the body at no level between."""
     short = _under(body, plate, config) if plate.lies else 0.0
-    for part in (Region.of(plate.there) - _between(body, plate, config)).opened(config.narrow).pieces:
+    there, between = Region.of(plate.there), _between(body, plate, config)
+    for part in (there - between).opened(config.narrow).pieces:
         within = _within(part, free, plate, config)
         if part.area > config.least and len(within) <= config.free:
-            yield from _prisms(part, "add", plate, -short)
+            lapping = part.grown(config.narrow) & (there | between)  # on to the body beside it
+            yield from _prisms(lapping, "add", plate, -short)
 
 
 def _under(body: Body, plate: Plate, config: OutlinedConfig) -> float:

@@ -4,13 +4,15 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from exploration.planning.inferring.concluding import _add_outlines
 from exploration.planning.inferring.plate_walls import denies, freeform, of_it, plate_walls
 from exploration.planning.inferring.plates import plates
 from exploration.planning.known.mosaic import Picture
 from exploration.planning.open.known_face import KnownFace
-from primitives.evidence import Contacts
+from exploration.planning.touching.findings import Findings
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.outlines import depth_inside
-from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
 from primitives.pose import inverse, transform_points
 
 Z = np.array([0.0, 0.0, 1.0])
@@ -144,3 +146,19 @@ def test_a_round_piece_is_a_cylinder_that_looks_to_its_axis():
     away = hole.points[:, :2] - [-4.0, 0.0]
     assert np.abs(np.linalg.norm(away, axis=1) - 8.0).max() < 0.4
     assert ((hole.normals[:, :2] * away).sum(axis=1) < 0.0).all()
+
+
+def toothed(world, height):
+    x, y = world[..., 0], world[..., 1]
+    return soft(18.0 + 4.0 * np.sign(np.sin(9.0 * np.arctan2(y, x))) - np.hypot(x, y))
+
+
+def test_outlines_that_walls_leave_unexplained_make_none_of_several_plates():
+    """A gear's and, beside it, that of a square: of the one nothing is inferred, of the other its free side."""
+    top, bottom = side(3, 36.0, 1.0), side(4, 24.0, -1.0)
+    found = Findings(graph=PatchGraph(tuple(SIDES)))
+    found.plates = [*plates([top, bottom], Drawn(toothed)), *plates([TOP, BOTTOM], Drawn(notched))]
+    _add_outlines(found, [])
+    inferred = [face for face in found.graph.faces if (face.contacts.touch == NOT_FELT).all()]
+    assert inferred
+    assert all(np.abs(face.contacts.points[:, 2]).max() < 6.0 for face in inferred)
