@@ -21,7 +21,7 @@ import numpy as np
 from exploration.control.latency import measure_latency
 from exploration.devices.guard import Guard
 from exploration.planning.explorer import Explorer, ExplorerConfig, Findings
-from exploration.planning.known.mosaic import FacePicture, face_pictures
+from exploration.planning.known.face_pictures import FacePicture, face_pictures
 from exploration.recordings.mcap import Recorder
 from models.solid import Solid
 from primitives.errors import NotWritten, PalpateError

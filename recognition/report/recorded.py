@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from exploration.planning.known.mosaic import FacePicture
+from exploration.planning.known.face_pictures import FacePicture
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, read
 from exploration.sensing.calibration import Calibration, correct
 from exploration.sensing.lines.hough import sure_lines

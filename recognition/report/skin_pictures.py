@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from exploration.planning.known.mosaic import FacePicture
+from exploration.planning.known.face_pictures import FacePicture
 from primitives.arrays import Floats
 from recognition.report.run_report import SkinPicture
 

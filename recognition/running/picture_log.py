@@ -14,10 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from exploration.planning.known.mosaic import FacePicture
+from exploration.planning.known.face_pictures import FacePicture
 
 PICTURE = "picture"
 _WHOLE, _UNKNOWN = 250, 255
+_FLAT = 2  # dimensions
 
 
 def told(picture: FacePicture) -> dict[str, object]:
@@ -38,7 +39,11 @@ def picture(detail: Mapping[str, Any]) -> FacePicture | None:
     try:
         raw = np.frombuffer(base64.b64decode(detail["share"]), dtype=np.uint8).astype(float)
         share = np.where(raw == _UNKNOWN, np.nan, raw / _WHOLE).reshape(detail["shape"])
+        if share.ndim != _FLAT or not share.size:
+            return None
         anchor, normal = (np.array(detail[key], dtype=float).reshape(3) for key in ("anchor_mm", "normal"))
-        return FacePicture(anchor, normal, share, float(detail["step_mm"]))
+        step = float(detail["step_mm"])
+        whole = np.isfinite([*anchor, *normal, step]).all() and step > 0.0
+        return FacePicture(anchor, normal, share, step) if whole else None
     except (KeyError, TypeError, ValueError, binascii.Error):
         return None

@@ -8,7 +8,7 @@ than the taxels are apart, and its rim is where the share is one half (our deriv
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,12 +16,6 @@ from scipy.ndimage import gaussian_filter
 
 from exploration.devices.guard import Observation
 from primitives.arrays import Bools, Floats
-from primitives.evidence import NOT_FELT
-from primitives.fit import Fit
-from primitives.patch_graph import Face
-from primitives.pose import frame_along
-
-_FEW = 3  # contacts, of which no face is drawn
 
 
 @dataclass(frozen=True)
@@ -75,16 +69,6 @@ class _Image:
     sigma: Floats  # (n,) [mm]
 
 
-@dataclass(frozen=True)
-class FacePicture:
-    """The picture of a face, and where that is."""
-
-    anchor: Floats  # (3,) on it [mm]
-    normal: Floats  # (3,) outward
-    share: Floats  # (n, m) as in a picture; nan where it is not known
-    step: float  # [mm]
-
-
 class Mosaic:
     """Grows with every image."""
 
@@ -92,15 +76,16 @@ class Mosaic:
         self.config = config
         self._images: list[_Image] = []
 
-    def look(self, seen: Observation) -> None:
-        """Remember an image."""
+    def look(self, seen: Observation, own: Callable[[Floats], Bools] | None = None) -> None:
+        """Remember an image, where (n, 3) places are the object's `own` or nothing's."""
         array, pose = seen.image.array, seen.world_from_sensor
         x, y = np.meshgrid(array.x, array.y)
         depth, sigma = seen.image.depth.ravel(), seen.image.sigma.ravel()
         whole = np.isfinite(depth) & np.isfinite(sigma)  # not of dead taxels
         flat = np.column_stack([x.ravel(), y.ravel()])[whole]
         places = pose[:3, 3] + flat @ pose[:3, :2].T
-        self._images.append(_Image(pose, places, depth[whole], sigma[whole]))
+        mine = np.ones(len(places), dtype=bool) if own is None else own(places)
+        self._images.append(_Image(pose, places[mine], depth[whole][mine], sigma[whole][mine]))
 
     def picture(self, anchor: Floats, normal: Floats, lattice: Lattice) -> Picture:
         """Of the plane through a (3,) place, of (3,) outward normal, on a lattice in it."""
@@ -131,30 +116,3 @@ class Mosaic:
         )
         known = weights > self.config.known
         return Picture(np.divide(sums, weights, out=np.zeros_like(sums), where=known), known)
-
-
-def face_pictures(faces: Sequence[Face], mosaic: Mosaic, margin: float = 8.0) -> list[FacePicture]:
-    """Of all flat faces that were felt, their longer sides along x, and so many mm round them."""
-    found: list[FacePicture] = []
-    for face in faces:
-        felt = face.contacts.points[face.contacts.touch != NOT_FELT]
-        if isinstance(face.fit, Fit) and face.fit.kind == "plane" and len(felt) > _FEW:
-            shape = face.fit.shape
-            normal = shape.direction if face.fit.convex else -shape.direction
-            turn = frame_along(normal, _long_side(felt, frame_along(normal)))
-            lattice = Lattice.over(felt, turn[:, :2], mosaic.config.step, margin)
-            seen = mosaic.picture(shape.anchor, normal, lattice)
-            if seen.known.any():
-                share = np.where(seen.known, seen.share, np.nan)
-                found.append(FacePicture(felt.mean(axis=0), normal, share, lattice.step))
-    return found
-
-
-def _long_side(places: Floats, turn: Floats) -> Floats:
-    """(3,) the way of the longer side of the least box round (n, 3) places in the plane of x and y of a frame."""
-    angles = np.deg2rad(np.arange(0.0, 180.0))
-    ways = np.column_stack([np.cos(angles), np.sin(angles)])
-    wide = np.ptp(places @ turn[:, :2] @ ways.T, axis=0)
-    high = np.roll(wide, -90)  # of the way across each
-    best = int(np.argmin(np.where(wide >= high, wide * high, np.inf)))
-    return np.asarray(turn[:, :2] @ ways[best])

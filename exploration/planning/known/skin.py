@@ -44,5 +44,4 @@ class Skin:
             self._last = here
             self.free.add(free_cells(seen, felt))
             self.pits.look(seen)
-            if self._told is None or not self._told.holds(here[:3, 3]):
-                self.mosaic.look(seen)
+            self.mosaic.look(seen, None if self._told is None else self._told.beside)

@@ -7,7 +7,7 @@ import re
 import numpy as np
 from PIL import Image
 
-from exploration.planning.known.mosaic import FacePicture
+from exploration.planning.known.face_pictures import FacePicture
 from recognition.report.run_report import SkinPicture
 from recognition.report.skin_pictures import of_faces, skin_pictures
 from recognition.running.picture_log import picture, told

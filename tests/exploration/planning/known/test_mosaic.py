@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 from scipy.special import erf
 
-from exploration.planning.known.mosaic import Lattice, Mosaic, face_pictures
+from exploration.planning.known.face_pictures import face_pictures
+from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.sensing.frame import TaxelArray
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face

@@ -31,9 +31,9 @@ def test_a_picture_grows_where_the_pad_is_pressed_and_not_where_it_hangs_in_the_
     assert known(skin)
 
 
-def test_a_pad_that_lies_on_what_is_told_to_stand_beside_the_object_makes_no_picture_of_it():
-    skin = Skin(SimpleNamespace(holds=lambda place: place[0] > -1.0))
+def test_what_lies_on_what_is_told_to_stand_beside_the_object_makes_no_picture_of_it():
+    skin = Skin(SimpleNamespace(beside=lambda places: places[:, 0] < 1.0))
     skin.look(pressed(0.0))
-    assert not known(skin)
-    skin.look(pressed(-4.0))
-    assert known(skin)
+    seen = skin.mosaic.picture(np.zeros(3), np.array([0.0, 0.0, 1.0]), LATTICE).known
+    assert seen[:12].any()
+    assert not seen[24:].any()
