@@ -21,7 +21,7 @@ ROOMS = ("sensing", "devices", "recordings", "control", "planning")
 PLANNING = ("ways", "known", "faces", "open", "touching", "moves", "inferring")
 ONE_FILE_ONLY = {
     "embreex": "models/raycast.py",
-    "manifold3d": "models/meshing",
+    "manifold3d": "models/meshing/manifold.py",
     "OCP": "models/formats/step_out_worker.py",
     "cascadio": "models/formats/step_worker.py",
     "mcap": "exploration/recordings/container.py",

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-import manifold3d
 import numpy as np
 
+from models.meshing.manifold import CrossSection, FillRule, JoinType, OpType
 from primitives.arrays import Floats
 from primitives.outlines import depth_inside
 
 _CORNERS = 3  # of a polygon, at least
+_CUTS = 400  # through holes, after which what is left is too fine to matter
 _FINEST = 1e-3  # [mm] from a straight line, up to which a corner is none
 
 
@@ -19,22 +20,22 @@ class Region:
     """Any number of polygons in one plane, with holes [mm]; nothing changes it."""
 
     def __init__(self, section: Any = None) -> None:
-        self._section = manifold3d.CrossSection() if section is None else section
+        self._section = CrossSection() if section is None else section
 
     @staticmethod
     def of(rims: Iterable[Floats]) -> Region:
         """What lies inside an odd number of closed rims of (n, 2) corners."""
         loops = [np.ascontiguousarray(rim, dtype=np.float64) for rim in rims if len(rim) >= _CORNERS]
-        return Region(manifold3d.CrossSection(loops, manifold3d.FillRule.EvenOdd)) if loops else Region()
+        return Region(CrossSection(loops, FillRule.EvenOdd)) if loops else Region()
 
     @staticmethod
     def disks(centers: Floats, radius: float, corners: int = 16) -> Region:
         """Round (n, 2) centers, of so many corners each."""
-        disk = manifold3d.CrossSection.circle(radius, corners)
+        disk = CrossSection.circle(radius, corners)
         round_each = [disk.translate(tuple(center)) for center in np.asarray(centers, dtype=float)]
         if not round_each:
             return Region()
-        return Region(manifold3d.CrossSection.batch_boolean(round_each, manifold3d.OpType.Add))
+        return Region(CrossSection.batch_boolean(round_each, OpType.Add))
 
     def __or__(self, other: Region) -> Region:
         return Region(self._section + other._section)
@@ -55,7 +56,7 @@ class Region:
 
     def grown(self, by: float) -> Region:
         """By so many mm all round, its corners as they are; a negative number takes away."""
-        return Region(self._section.offset(by, manifold3d.JoinType.Miter))
+        return Region(self._section.offset(by, JoinType.Miter))
 
     def opened(self, by: float) -> Region:
         """Without what is narrower than 2 `by` mm."""
@@ -75,14 +76,16 @@ class Region:
         """(n, 2) corners of polygons without holes, counterclockwise, that are the region together."""
         whole: list[Floats] = []
         left = [self._section.simplify(_FINEST)]
-        while left:
+        for _ in range(_CUTS):
+            if not left:
+                break
             for part in left.pop().decompose():
                 loops = part.to_polygons()
                 if len(loops) == 1:
                     whole.append(np.asarray(loops[0], dtype=np.float64))
                 elif loops:
                     hole = min(loops, key=lambda loop: float(np.prod(np.ptp(loop, axis=0))))
-                    left += _halves(part, float(np.mean(hole[:, 0])))
+                    left += _halves(part, 0.5 * float(hole[:, 0].min() + hole[:, 0].max()))
         return whole
 
 
@@ -98,6 +101,4 @@ def _halves(part: Any, x: float) -> list[Any]:
     x0, y0, x1, y1 = part.bounds()
     tall = (y1 - y0) + 2.0
     sides = ((x0 - 1.0, x - x0 + 1.0), (x, x1 - x + 1.0))
-    return [
-        part ^ manifold3d.CrossSection.square((wide, tall)).translate((low, y0 - 1.0)) for low, wide in sides
-    ]
+    return [part ^ CrossSection.square((wide, tall)).translate((low, y0 - 1.0)) for low, wide in sides]

@@ -1,4 +1,4 @@
-"""Bodies from trees and meshes, and booleans of them.
+"""Bodies from trees and meshes, and booleans of them: the only manifold3d import.
 
 A manifold remembers, for every triangle of a boolean's result, which run of triangles it came from; each leaf of a
 tree is such a run, so that every triangle of the result knows which exact surface it stands for.
@@ -20,6 +20,10 @@ from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
 from primitives.pose import inverse
 from primitives.shapes import Shape
+
+# Flat regions are made of these.
+CrossSection, FillRule = manifold3d.CrossSection, manifold3d.FillRule
+JoinType, OpType = manifold3d.JoinType, manifold3d.OpType
 
 
 def body_of_tree(tree: Csg, tolerance: float) -> Body | None:
