@@ -20,7 +20,7 @@ from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.plate import Plate
 from primitives.pose import inverse, pose, transform_points
-from recognition.assembly.made import Body, thinned
+from recognition.assembly.made import FLUSH, Body, thinned
 from recognition.assembly.piece import Piece
 
 _CORNERS = 64  # of what stands for a circle
@@ -34,7 +34,8 @@ OUTLINED = {
 class OutlinedConfig:
     """What of an outline counts."""
 
-    levels: tuple[float, ...] = (-0.4, -0.2, 0.0, 0.2, 0.4)  # of the thickness, at which the body is cut
+    levels: tuple[float, ...] = (-0.4, -0.2, 0.0, 0.2, 0.4)  # of the thickness, at which the body is cut,
+    skin: float = 0.3  # [mm] and that far inside both sides, or a tenth of it, as through a thin flange
     narrow: float = 0.8  # [mm] half the width of what is an edge that lies a little off, and no piece
     least: float = 12.0  # [mm^2] of a piece
     loose: float = 0.4  # [mm] that an outline may lie off a round piece,
@@ -42,10 +43,16 @@ class OutlinedConfig:
     untold: float = 0.03  # and share of that, which may lie past it
     under: float = 0.5  # share of what is below an upper side, from which a body has ended there
     past: float = 0.5  # [mm] that what takes away reaches out of the plate
-    deep: float = 1.0  # [mm] between the two sides, from which a contact is on neither
+    deep: float = 1.0  # [mm] from both sides, or a third of the thickness, where a contact is on neither
     inside: float = 0.8  # [mm] in a piece, from which a contact or a free place contradicts it
+    ended: float = (
+        1.2  # [mm] past where both sides end, from which a contact there is no error of the outline
+    )
     apart: float = 2.0  # [mm] between contacts that are told apart
-    each: float = 150.0  # [mm^2] of a piece, for each of which one contact in it may stray
+    each: float = 150.0  # [mm^2] of a piece, for each of which one contact in it may stray,
+    strays: int = 3  # up to so many
+    unseen: float = 3.5  # [mm] of the radius of a hole over which no taxel may be free, which is not filled
+    round_it: float = 0.5  # [mm] more
     beside: float = 4.0  # [mm] round such a contact, where nothing is taken away
     free: int = 2  # places that an array passed through, that an added piece may hold
 
@@ -96,13 +103,20 @@ def _disks(
     told, between = Region.of(rims).grown(config.loose), _between(body, plate, config)
     wrong = (Region.of(rims) - between if adds else Region.of(rims) & between).opened(config.narrow).pieces
     wrong = [part for part in wrong if part.area > config.least]
+
+    def found(disk: Region) -> Floats:
+        if adds:
+            return _within(disk, places, plate, config)
+        return _against(disk, places, plate, config)
+
     for arc in (arc for rim in rims for arc in arcs(rim)):
         disk = Region.disks(arc.center[None], arc.radius, _CORNERS)
         most = config.free if adds else 0
         if (
             any((part & disk).area > config.most * part.area for part in wrong if part & disk)
             and (disk - told).area < config.untold * disk.area
-            and len(_within(disk, places, plate, config)) <= most
+            and not (adds and (disk - told).opened(config.narrow))  # no bore in it is filled
+            and len(found(disk)) <= most
         ):
             past = 0.0 if adds else config.past
             low, high = short - 0.5 * plate.thick - past, 0.5 * plate.thick + past
@@ -115,7 +129,7 @@ def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> 
     """What both sides of a plate have, and the body at no level between."""
     short = _under(body, plate, config) if plate.lies else 0.0
     there, between = Region.of(plate.there), _between(body, plate, config)
-    for part in (there - between).opened(config.narrow).pieces:
+    for part in (there - between - _holes(body, plate, config)).opened(config.narrow).pieces:
         within = _within(part, free, plate, config)
         if part.area > config.least and len(within) <= config.free:
             lapping = part.grown(config.narrow) & (there | between)  # on to the body beside it
@@ -125,10 +139,10 @@ def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> 
 def _under(body: Body, plate: Plate, config: OutlinedConfig) -> float:
     """[mm] over the table that a body ends, below what was seen of its upper side."""
     there, seen = Region.of(plate.there), 0.0
-    for level in sorted(config.levels, reverse=True):
-        own = (_section(body, plate, level) & there).area
+    for height in sorted(_heights(plate, config), reverse=True):
+        own = (_section(body, plate, height) & there).area
         if own < config.under * seen:
-            return (level + 0.5) * plate.thick
+            return height + 0.5 * plate.thick
         seen = max(seen, own)
     return 0.0
 
@@ -137,11 +151,11 @@ def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> I
     """What neither side of a plate has, and the body at some level between."""
     between, gone = _between(body, plate, config), Region()
     for part in (between & Region.of(plate.missing)).opened(config.narrow).pieces:
-        strays = _within(part, felt, plate, config)
-        if part.area > config.least and len(strays) <= part.area / config.each:
+        strays = _against(part, felt, plate, config)
+        if part.area > config.least and len(strays) <= min(config.strays, part.area / config.each):
             gone |= part - Region.disks(strays, config.beside)
     if gone:
-        gone |= _cut_loose(between - gone, plate, felt, config)
+        gone |= _cut_loose(between, gone, plate, felt, config)
     for part in gone.opened(config.narrow).pieces:
         if part.area > config.least:
             yield from _prisms(part, "subtract", plate, *_past(part, body, plate, felt, config))
@@ -163,36 +177,66 @@ def _past(
     )
 
 
-def _cut_loose(rest: Region, plate: Plate, felt: Floats, config: OutlinedConfig) -> Region:
-    """What of the rest of a body hangs in the air then, as beyond where anybody looked: nothing was felt on it."""
+def _cut_loose(between: Region, gone: Region, plate: Plate, felt: Floats, config: OutlinedConfig) -> Region:
+    """What a cut leaves hanging in the air, as beyond where anybody looked: nothing was felt on it."""
     own = transform_points(inverse(plate.pose), felt)
     own = own[np.abs(own[:, 2]) < 0.5 * plate.thick + config.deep, :2]
     loose = Region()
-    for part in sorted(rest.pieces, key=lambda part: part.area)[:-1]:
-        if not part.opened(config.narrow) or not (part.depth(own) > 0.0).any():
-            loose |= part
+    for whole in between.pieces:
+        for part in sorted((whole - gone).pieces, key=lambda part: part.area)[:-1]:
+            if not part.opened(config.narrow) or not (part.depth(own) > 0.0).any():
+                loose |= part
     return loose
+
+
+def _holes(body: Body, plate: Plate, config: OutlinedConfig) -> Region:
+    """Narrow round holes that the body has through a plate by surfaces of its own."""
+    holes = Region()
+    for piece in body.pieces:
+        if isinstance(piece.solid, Cylinder) and piece.operation == "subtract" and piece.body is not None:
+            placed = inverse(plate.pose) @ piece.world_from_piece
+            if piece.solid.radius < config.unseen and abs(float(placed[2, 2])) > FLUSH:
+                holes |= Region.disks(placed[None, :2, 3], piece.solid.radius + config.round_it, _CORNERS)
+    return holes
 
 
 def _between(body: Body, plate: Plate, config: OutlinedConfig) -> Region:
     """Where the body is, at any level between the two sides."""
     whole = Region()
-    for level in config.levels:
-        whole |= _section(body, plate, level)
+    for height in _heights(plate, config):
+        whole |= _section(body, plate, height)
     return whole
 
 
-def _section(body: Body, plate: Plate, level: float) -> Region:
-    """Of a body, at a level that is a share of the plate's thickness from its middle."""
-    at = plate.pose @ pose(translation=[0.0, 0.0, level * plate.thick])
-    return section(body.solid.body.mesh, at)
+def _heights(plate: Plate, config: OutlinedConfig) -> list[float]:
+    """[mm] over the middle of a plate, at which the body is cut."""
+    last = 0.5 * plate.thick - min(config.skin, 0.1 * plate.thick)
+    return [-last, *(level * plate.thick for level in config.levels), last]
+
+
+def _section(body: Body, plate: Plate, height: float) -> Region:
+    """Of a body, so many mm over the middle of a plate."""
+    return section(body.solid.body.mesh, plate.pose @ pose(translation=[0.0, 0.0, height]))
+
+
+def _against(part: Region, felt: Floats, plate: Plate, config: OutlinedConfig) -> Floats:
+    """(k, 2) those of (n, 3) felt places that say a part is there: on it, well past where its sides end."""
+    own = _middle(felt, plate, config)
+    own = own[part.depth(own) > -config.inside]
+    return np.asarray(own[Region.of(plate.missing).depth(own) > config.ended])
 
 
 def _within(part: Region, places: Floats, plate: Plate, config: OutlinedConfig) -> Floats:
     """(k, 2) those of (n, 3) places that lie well inside a part of a plate."""
+    own = _middle(places, plate, config)
+    return np.asarray(own[part.depth(own) > config.inside])
+
+
+def _middle(places: Floats, plate: Plate, config: OutlinedConfig) -> Floats:
+    """(k, 2) those of (n, 3) places that lie between the two sides of a plate and on neither."""
     own = transform_points(inverse(plate.pose), places)
-    own = own[np.abs(own[:, 2]) < 0.5 * plate.thick - config.deep]
-    return np.asarray(own[part.depth(own[:, :2]) > config.inside, :2])
+    deep = min(config.deep, plate.thick / 3.0)
+    return np.asarray(own[np.abs(own[:, 2]) < 0.5 * plate.thick - deep, :2])
 
 
 def _prisms(

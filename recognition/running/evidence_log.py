@@ -183,7 +183,7 @@ def _plate(told: Mapping[str, Any]) -> Plate:
         for kind in ("there_mm", "missing_mm")
     )
     placed, thick = frozen(np.array(told["pose"], dtype=float)), float(told["thick_mm"])
-    return Plate(placed, thick, there, missing, bool(told["lies"]))
+    return Plate(placed, thick, there, missing, bool(told.get("lies")))
 
 
 def _runs(rows: Ints) -> Sequence[tuple[int, int]]:

@@ -39,6 +39,9 @@ class PlateWallsConfig:
     bends: float = 0.15  # [mm] of its sagitta at most
     told: float = 0.5  # share of a piece that known walls make, from which it is theirs
     near: float = 0.5  # [mm] of an arc's places from its circle
+    deep: float = 1.0  # [mm] between the two sides, or a third of the thickness, of what is felt on neither,
+    past: float = 0.8  # [mm] past where both end,
+    further: float = 6.0  # [mm] from a place of the outline, which is no wall then
     rows: tuple[float, ...] = (-0.3, 0.0, 0.3)  # of the thickness, where contacts of a wall are,
     below: tuple[float, ...] = (0.5, 1.2, 2.5)  # and [mm] below the upper side, where nobody saw the lower
     apart: int = 4  # places from one of them to the next
@@ -135,7 +138,21 @@ def _told(plate: Plate, flat: Floats, faces: Sequence[Face], config: PlateWallsC
             rows = np.flatnonzero(near & ~told)
             beside = KDTree(face.contacts.points).query(places[rows])[0] < plate.thick + config.beside
             told[rows[beside]] = True
+    further = _felt_past(plate, faces, config)
+    if len(further):
+        told |= KDTree(further).query(flat)[0] < config.further
     return told
+
+
+def _felt_past(plate: Plate, faces: Sequence[Face], config: PlateWallsConfig) -> Floats:
+    """(n, 2) where something was felt between the sides of a plate, past where both of them end.
+
+    A side that is chamfered, rounded or bulges is there, and no wall is where its faces end.
+    """
+    felt = [face.contacts.points[face.contacts.touch != NOT_FELT] for face in faces]
+    own = transform_points(inverse(plate.pose), np.concatenate([np.empty((0, 3)), *felt]))
+    own = own[np.abs(own[:, 2]) < 0.5 * plate.thick - min(config.deep, plate.thick / 3.0), :2]
+    return np.asarray(own[depth_inside(plate.missing, own) > config.past])
 
 
 def _between(plate: Plate, places: Floats) -> Floats:

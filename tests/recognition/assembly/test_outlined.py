@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from models.csg import Cube
+from models.csg import Cube, Cylinder
 from models.solid import Solid
 from primitives.plate import Plate
 from primitives.pose import pose, rotation_exp
@@ -42,7 +42,7 @@ def test_a_notch_that_neither_side_has_is_taken_away():
 
 
 def test_not_where_contacts_lie_between_the_two_sides_as_of_a_web():
-    web = world(*([x, y, 0.0] for x in (22.0, 25.0, 28.0) for y in (-2.5, 0.0, 2.5)))
+    web = world(*([x, y, 0.0] for x in (23.0, 25.0, 27.0) for y in (-1.5, 1.5)))
     assert outlined(body(), [plate([], [NOTCH])], None, web).solid.volume == body().solid.volume
     on_the_sides = web + 5.0 * WORLD[:3, 2]
     assert outlined(body(), [plate([], [NOTCH])], None, on_the_sides).solid.volume < body().solid.volume
@@ -106,3 +106,77 @@ def test_on_a_table_a_lobe_goes_down_as_far_as_the_body_beside_it():
         low = ((made.solid.vertices - WORLD[:3, 3]) @ WORLD[:3, 2]).min()
         assert low > -7.1
     assert abs(on_it.solid.volume - (24000.0 + 11.0 * 20.0 * 10.0)) < 1.0
+
+
+def ring(wide, deep, by):
+    """Rims of what lies round a face that ends so many mm inside a box."""
+    return [box(wide + 20.0, deep + 20.0), box(wide - 2.0 * by, deep - 2.0 * by)]
+
+
+def on_the_walls(wide, deep):
+    x, y = 0.5 * wide, 0.5 * deep
+    ends = [[s * x, t, 0.0] for s in (-1, 1) for t in (-12.0, 0.0, 12.0)]
+    return world(*ends, *([t, s * y, 0.0] for s in (-1, 1) for t in (-20.0, 0.0, 20.0)))
+
+
+def test_sides_that_bulge_or_are_chamfered_past_both_faces_stay_where_they_were_felt():
+    told = plate([box(54, 34)], ring(60, 40, 3.0))
+    assert outlined(body(), [told], None, on_the_walls(60, 40)).solid.volume == body().solid.volume
+    assert outlined(body(), [told], None, NOTHING).solid.volume < body().solid.volume
+
+
+def test_a_large_part_may_hold_no_more_strays_than_a_small_one():
+    big, missing = body(120.0, 100.0), [box(140, 120), box(30, 30)]
+    shelf = world(*([x, y, 0.0] for x in (-40.0, 40.0) for y in (-30.0, 0.0, 30.0)))
+    assert outlined(big, [plate([box(30, 30)], missing)], None, shelf).solid.volume == big.solid.volume
+    few = outlined(big, [plate([box(30, 30)], missing)], None, shelf[:1])
+    assert few.solid.volume < 0.5 * big.solid.volume  # an island round it stays
+
+
+def test_a_tube_of_thin_walls_is_not_filled_between_its_sides():
+    tall = body(60.0, 40.0, 24.0)
+    tube = tall.less(Piece("cube", "subtract", Cube((70.0, 36.0, 21.0)), WORLD, None, ((None, None),) * 3))
+    assert outlined(tube, [plate([box(60, 40)], [], 24.0)], None, NOTHING).solid.volume == tube.solid.volume
+
+
+def test_a_leg_that_was_always_by_itself_at_those_levels_is_not_cut_loose():
+    bridge = body(80.0, 40.0, 30.0)
+    under = Piece("cube", "subtract", Cube((40.0, 50.0, 20.0)), WORLD @ pose(translation=[0, 0, -8.0]), None,
+                  ((None, None),) * 3)  # fmt: skip
+    legs = bridge.less(under)
+    low = Plate(WORLD @ pose(translation=[0, 0, -10.0]), 10.0, (), (box(8.0, 8.0, 38.0, 0.0),))
+    felt = world(*([-30.0, y, -10.0] for y in (-10.0, 0.0, 10.0)))
+    made = outlined(legs, [low], None, felt)
+    assert 0.0 < legs.solid.volume - made.solid.volume < 8.0 * 6.0 * 31.0
+
+
+def test_a_cut_goes_on_out_of_the_body_unless_something_was_felt_there():
+    high = body(60.0, 40.0, 30.0)  # the plate is its middle 10 mm
+    through = outlined(high, [plate([], [NOTCH])], None, NOTHING)
+    assert abs(high.solid.volume - through.solid.volume - 10.0 * 8.0 * 30.0) < 1.0
+    above = outlined(high, [plate([], [NOTCH])], None, world([25.0, 0.0, 15.0]))
+    assert abs(high.solid.volume - above.solid.volume - 10.0 * 8.0 * 20.5) < 1.0
+
+
+def test_of_cuts_of_which_one_tears_the_body_the_others_are_made():
+    waist = box(10.0, 60.0)  # right across, with contacts on both halves
+    felt = world(*([x, y, 0.0] for x in (-25.0, -15.0, 10.0, 15.0) for y in (-10.0, 10.0)))
+    made = outlined(body(), [plate([], [waist, NOTCH])], None, felt)
+    assert abs(made.solid.volume - (24000.0 - 10.0 * 8.0 * 10.0)) < 1.0
+
+
+def test_a_round_end_is_not_added_over_a_bore():
+    turn = np.linspace(0.0, 2.0 * np.pi, 73)[:-1]
+    end = np.array([30.0, 0.0]) + 12.0 * np.column_stack([np.cos(turn), np.sin(turn)])
+    bore = np.array([33.0, 0.0]) + 2.5 * np.column_stack([np.cos(turn), np.sin(turn)])
+    made = outlined(body(), [plate([end, bore], [])], None, NOTHING)
+    assert made.solid.volume > 24000.0 + 100.0
+    assert made.solid.signed_distance(world([33.0, 0.0, 0.0]))[0] > 1.0
+
+
+def test_a_narrow_hole_that_the_body_has_is_not_filled_though_the_outline_shows_none():
+    hole = Piece("cylinder", "subtract", Cylinder(2.0, 20.0), WORLD, 0, ((None, None),))
+    drilled = body().less(hole)
+    assert outlined(drilled, [plate([box(60, 40)], [])], None, NOTHING).solid.volume == drilled.solid.volume
+    wide = body().less(Piece("cylinder", "subtract", Cylinder(6.0, 20.0), WORLD, 0, ((None, None),)))
+    assert outlined(wide, [plate([box(60, 40)], [])], None, NOTHING).solid.volume > wide.solid.volume + 900.0

@@ -7,13 +7,14 @@ import numpy as np
 from exploration.planning.inferring.concluding import _add_outlines
 from exploration.planning.inferring.plate_walls import denies, freeform, of_it, plate_walls
 from exploration.planning.inferring.plates import plates
-from exploration.planning.known.mosaic import Picture
+from exploration.planning.known.mosaic import Mosaic, Picture
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.touching.findings import Findings
+from exploration.sensing.frame import TaxelArray
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.outlines import depth_inside
 from primitives.patch_graph import MergeOptions, PatchGraph, ranked_face
-from primitives.pose import inverse, transform_points
+from primitives.pose import inverse, pose, rotation_exp, transform_points
 
 Z = np.array([0.0, 0.0, 1.0])
 NOWHERE = np.empty((0, 3))
@@ -162,3 +163,49 @@ def test_outlines_that_walls_leave_unexplained_make_none_of_several_plates():
     inferred = [face for face in found.graph.faces if (face.contacts.touch == NOT_FELT).all()]
     assert inferred
     assert all(np.abs(face.contacts.points[:, 2]).max() < 6.0 for face in inferred)
+
+
+def test_no_wall_stands_where_faces_end_inside_a_side_that_was_felt_past_them():
+    """As of a side that is chamfered on both sides, or bulges."""
+    (plate,) = plates([TOP, BOTTOM], Drawn(notched))
+    out = [
+        wall(
+            50,
+            np.array([[23.0, t, h] for t in np.linspace(-18.0, 18.0, 9) for h in (-2.0, 2.0)]),
+            np.eye(3)[0],
+        )
+    ]
+    before, after = plate_walls(plate, SIDES), plate_walls(plate, [*SIDES, *out])
+    level = [lot for lot, _ in before if abs(float(lot.points[:, 0].mean()) - 20.0) < 0.5]
+    assert len(level) == 2
+    assert not [lot for lot, _ in after if abs(float(lot.points[:, 0].mean()) - 20.0) < 0.5]
+
+
+ARRAY = TaxelArray("small", 10, 16, (1.8, 1.8))
+
+
+def pressed(at, height, up):
+    """A pad at (2,) places on the upper or lower side of the notched square, as rubber shows it."""
+    turn = rotation_exp([np.pi, 0.0, 0.0]) if up > 0.0 else np.eye(3)
+    where = pose(turn, [*at, height - 0.6 * up])
+    x, y = np.meshgrid(ARRAY.x, ARRAY.y)
+    places = transform_points(where, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
+    share = soft(0.7 * (2.0 * notched(places, -1.0) - 1.0))
+    seen = SimpleNamespace(
+        array=ARRAY, depth=0.6 * share.reshape(ARRAY.shape), sigma=np.full(ARRAY.shape, 0.03)
+    )
+    return SimpleNamespace(image=seen, world_from_sensor=where)
+
+
+def test_images_of_both_sides_make_a_plate_with_its_notch():
+    mosaic = Mosaic()
+    for x in np.arange(-16.0, 26.0, 7.0):
+        for y in np.arange(-18.0, 19.0, 6.0):
+            for height, up in ((6.0, 1.0), (-6.0, -1.0)):
+                mosaic.look(pressed((x, y), height, up))
+    (plate,) = plates([TOP, BOTTOM], mosaic)
+    rim = np.array([[10.0, 0.0, 0.0], [15.0, 4.0, 0.0], [20.0, 10.0, 0.0], [-20.0, 0.0, 0.0]])
+    on = transform_points(inverse(plate.pose), rim)[:, :2]
+    assert np.abs(depth_inside(plate.there, on)).max() < 0.6
+    in_it = transform_points(inverse(plate.pose), np.array([[15.0, 0.0, 0.0]]))[:, :2]
+    assert depth_inside(plate.missing, in_it) > 2.0
