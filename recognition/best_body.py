@@ -139,7 +139,7 @@ def open_ended(assembly: Assembly | NotClosed) -> bool:
     """Whether a primitive that faces added has a side that none ends."""
     if isinstance(assembly, NotClosed):
         return False
-    of_faces = (piece for piece in assembly.pieces if piece.operation == "add" and not piece.besides)
+    of_faces = (piece for piece in assembly.pieces if piece.operation == "add" and not piece.why)
     added = (piece for piece in of_faces if piece.kind != "cone")
     along = (
         piece.ends[-1:] if piece.kind == "prism" else piece.ends for piece in added

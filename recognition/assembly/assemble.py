@@ -172,7 +172,7 @@ def _finished(
         (*named, *more),
         tree_of((*named, *more)),
         body.solid,
-        (*told, *(piece.besides for piece in more)),
+        (*told, *(piece.why for piece in more)),
     )
 
 

@@ -30,7 +30,7 @@ class Piece:
     ends: tuple[
         tuple[int | None, int | None], ...
     ]  # per axis (three, or z alone) the surfaces below and above
-    besides: str = ""  # why it is there, where no cells asked for it: what was felt did, once the body stood
+    why: str = ""  # it is there, where no cells asked for it: what was felt did, once the body stood
 
     @property
     def surfaces(self) -> tuple[int, ...]:

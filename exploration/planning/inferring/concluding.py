@@ -23,7 +23,7 @@ from exploration.planning.inferring.inferred_walls import inferred_walls, standi
 from exploration.planning.inferring.lips import no_walls
 from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.parted_ends import parted_ends
-from exploration.planning.inferring.plate_walls import denies, freeform, of_it, plate_walls
+from exploration.planning.inferring.plate_walls import along_it, denies, freeform, plate_walls
 from exploration.planning.inferring.plates import plates
 from exploration.planning.inferring.rim_walls import rim_walls
 from exploration.planning.inferring.risers import risers
@@ -135,7 +135,7 @@ def _add_outlines(found: Findings, last_felt: Sequence[Contacts]) -> None:
                 add(found, lot, _BY_OUTLINE, kind)
         for lot in last_felt:
             denied = any(denies(plate, lot.points) for plate in found.plates)
-            if not denied and not any(of_it(plate, lot.points) for plate in left):
+            if not denied and not any(along_it(plate, lot.points) for plate in left):
                 add(found, lot, _BY_OUTLINE)
         left = [plate for plate in found.plates if freeform(plate, found.graph.faces)]
         if not left:

@@ -113,7 +113,7 @@ def denies(plate: Plate, places: Floats, config: PlateWallsConfig = PlateWallsCo
     return len(own) > 0 and float(off.mean()) > config.denied
 
 
-def of_it(plate: Plate, places: Floats, config: PlateWallsConfig = PlateWallsConfig()) -> bool:
+def along_it(plate: Plate, places: Floats, config: PlateWallsConfig = PlateWallsConfig()) -> bool:
     """Whether (n, 3) places of a wall lie between the sides of a plate and along it."""
     return bool((depth_inside(plate.there, _between(plate, places)) > -config.beside).any())
 

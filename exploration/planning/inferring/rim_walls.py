@@ -22,8 +22,8 @@ from exploration.planning.inferring.rimmed_wall import (
     between,
     contacts_of,
     directions,
+    each_once,
     join,
-    once,
 )
 from exploration.planning.touching.findings import SeenRim
 from primitives.arrays import Floats
@@ -49,7 +49,7 @@ def rim_walls(
     rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig = RimWallsConfig()
 ) -> list[Contacts]:
     """Contacts of each wall that two rims agree on."""
-    ways, rims = directions(faces), once(rims)
+    ways, rims = directions(faces), each_once(rims)
     found: list[Wall] = []
     for k, (a, face) in enumerate(rims):
         for b, other in rims[k + 1 :]:

@@ -34,7 +34,7 @@ class RimmedWallConfig:
     normal_sigma: float = 0.02  # [rad]
 
 
-def once(rims: Sequence[SeenRim], config: RimmedWallConfig = RimmedWallConfig()) -> list[SeenRim]:
+def each_once(rims: Sequence[SeenRim], config: RimmedWallConfig = RimmedWallConfig()) -> list[SeenRim]:
     """Each place of an edge once, as it was seen longest: several parts of a pad show it."""
     kept: list[SeenRim] = []
     for rim, face in sorted(rims, key=lambda seen: -seen[0].length):
@@ -54,13 +54,15 @@ def once(rims: Sequence[SeenRim], config: RimmedWallConfig = RimmedWallConfig())
 def join(found: list[Wall], wall: Wall, config: RimmedWallConfig = RimmedWallConfig()) -> None:
     """Add a wall to those found, or to the one of them that it is."""
     for j, (places, known) in enumerate(found):
-        if one((places, known), wall, config.same):
+        if same_wall((places, known), wall, config.same):
             found[j] = (np.concatenate([places, wall[0]]), known)
             return
     found.append(wall)
 
 
-def one(first: Wall, second: Wall, within: float, config: RimmedWallConfig = RimmedWallConfig()) -> bool:
+def same_wall(
+    first: Wall, second: Wall, within: float, config: RimmedWallConfig = RimmedWallConfig()
+) -> bool:
     """Whether two walls look the same way, `within` mm of each other."""
     apart = abs(float((first[0].mean(axis=0) - second[0].mean(axis=0)) @ second[1]))
     return bool(first[1] @ second[1] > config.known and apart < within)

@@ -20,9 +20,9 @@ from exploration.planning.inferring.rimmed_wall import (
     between,
     contacts_of,
     directions,
+    each_once,
     join,
-    once,
-    one,
+    same_wall,
 )
 from exploration.planning.touching.findings import SeenRim
 from primitives.arrays import Floats
@@ -69,7 +69,7 @@ def upright_walls(
     alike = [rim for rim in beside if any(abs(float(way @ rim[0].outward)) > config.likely for way in ways)]
     found, unsure = list[Wall](), list[Wall]()
     flat_rims = [(rim, face) for rim, face in [*rims, *alike] if face not in turned]
-    for rim, face in once(flat_rims)[: config.most]:
+    for rim, face in each_once(flat_rims)[: config.most]:
         normal = max(ways, key=lambda way: abs(float(way @ rim.outward)), default=rim.outward)
         normal = np.asarray(normal * np.sign(normal @ rim.outward))
         sure = float(normal @ rim.outward) > config.known
@@ -81,7 +81,7 @@ def upright_walls(
             wall = between(along(straight), along(straight) - down), normal
             join(found if sure else unsure, wall)
     for points, normal in [wall for wall in unsure if _looked_back_at(wall, [*found, *unsure], config)]:
-        if not any(one(wall, (points, normal), config.same) for wall in found):
+        if not any(same_wall(wall, (points, normal), config.same) for wall in found):
             found.append((points, normal))
     return contacts_of(found)
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from exploration.planning.inferring.concluding import _add_outlines
-from exploration.planning.inferring.plate_walls import denies, freeform, of_it, plate_walls
+from exploration.planning.inferring.plate_walls import along_it, denies, freeform, plate_walls
 from exploration.planning.inferring.plates import plates
 from exploration.planning.known.mosaic import Mosaic, Picture
 from exploration.planning.open.known_face import KnownFace
@@ -131,8 +131,8 @@ def test_an_outline_of_which_walls_make_little_is_freeform():
     (plate,) = plates([TOP, BOTTOM], Drawn(notched))
     assert freeform(plate, SIDES[:1])
     assert not freeform(plate, SIDES)
-    assert of_it(plate, np.array([[20.0, 0.0, 0.0]]))
-    assert not of_it(plate, np.array([[20.0, 0.0, 30.0]]))
+    assert along_it(plate, np.array([[20.0, 0.0, 0.0]]))
+    assert not along_it(plate, np.array([[20.0, 0.0, 30.0]]))
 
 
 def keyhole(world, height):
