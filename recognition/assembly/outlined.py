@@ -25,8 +25,8 @@ from recognition.assembly.piece import Piece
 
 _CORNERS = 64  # of what stands for a circle
 OUTLINED = {
-    "add": "a part of a plate that no faces close is added where both its sides were felt",
-    "subtract": "what no faces close is taken away where both sides of a plate are not there",
+    "add": "a part of a plate that no faces close is added where its sides were seen to be",
+    "subtract": "what no faces close is taken away where the sides of a plate were seen not to be",
 }
 
 
@@ -45,15 +45,13 @@ class OutlinedConfig:
     past: float = 0.5  # [mm] that what takes away reaches out of the plate
     deep: float = 1.0  # [mm] from both sides, or a third of the thickness, where a contact is on neither
     inside: float = 0.8  # [mm] in a piece, from which a contact or a free place contradicts it
-    ended: float = (
-        1.2  # [mm] past where both sides end, from which a contact there is no error of the outline
-    )
+    ended: float = 1.2  # [mm] past where both sides end, from which a contact is no error of the outline
     apart: float = 2.0  # [mm] between contacts that are told apart
     each: float = 150.0  # [mm^2] of a piece, for each of which one contact in it may stray,
     strays: int = 3  # up to so many
-    unseen: float = 3.5  # [mm] of the radius of a hole over which no taxel may be free, which is not filled
-    round_it: float = 0.5  # [mm] more
     beside: float = 4.0  # [mm] round such a contact, where nothing is taken away
+    unseen: float = 3.5  # [mm] of the radius of a hole over which no taxel may be free, which is not filled
+    round_it: float = 0.5  # [mm] more, all round
     free: int = 2  # places that an array passed through, that an added piece may hold
 
 
@@ -128,8 +126,9 @@ def _disks(
 def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> Iterator[Piece]:
     """What both sides of a plate have, and the body at no level between."""
     short = _under(body, plate, config) if plate.lies else 0.0
-    there, between = Region.of(plate.there), _between(body, plate, config)
-    for part in (there - between - _holes(body, plate, config)).opened(config.narrow).pieces:
+    between = _between(body, plate, config)
+    there = Region.of(plate.there) - _holes(body, plate, config)
+    for part in (there - between).opened(config.narrow).pieces:
         within = _within(part, free, plate, config)
         if part.area > config.least and len(within) <= config.free:
             lapping = part.grown(config.narrow) & (there | between)  # on to the body beside it

@@ -62,7 +62,7 @@ _BY_OUTSIDE = (
     "the inner side of a thin wall is inferred from the floor before it and the outer side behind it"
 )
 _BY_FLOOR = "a side of what stands on a floor is inferred from a stroke it stopped and the floor behind it"
-_BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where both its sides end"
+_BY_OUTLINE = "an edge of a plate that no pad could lie on is inferred from where its sides end"
 _BY_SIDES = "a side of a socket that no pad could lie on is inferred from edges seen round its mouth"
 _BY_CORNER = "a rounded corner of a plate is inferred from where both its sides end between two walls"
 _BY_ROUNDING = "a rounded edge is inferred from where contact with the walls on both sides ends"
