@@ -44,7 +44,7 @@ def test_the_places_of_a_contact_make_one(name: str) -> None:
     entry = Library.of({name: Solid.from_csg(parts.build(name))})[name]
     normals, area = entry.solid.body.triangle_normals, entry.solid.body.triangle_areas
     each = [log_one_side(entry, np.eye(3)[None], n[None], np.ones((1, 1)), np.ones(1))[0] for n in normals]
-    assert area @ np.exp(each) == pytest.approx(1.0, abs=1e-6)
+    assert area @ np.exp(each) == pytest.approx(1.0, abs=1e-4)  # alike normals are taken for one
 
 
 def test_from_all_round_no_side_explains_contacts() -> None:
