@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from exploration.planning.open.round_rims import around
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -28,6 +29,7 @@ class PartedEndsConfig:
     clear: float = 0.5  # [mm] of the contacts at its ends
     deep: float = 0.6  # of the radius, nearer than which to the axis an array was,
     shell: tuple[float, float] = (0.7, 1.0)  # of it, and [mm] under the face, between which it was, too
+    sector: float = 0.2  # [rad] round the axis, from where the face was felt to where it was
     bore: float = 1.5  # [mm] from a round hollow, in which it may have been instead
     core: float = 2.0  # [mm] farther out than that, up to which who was there went through what is bored
     coaxial: float = 0.99  # least cosine between the axes of a cylinder and of a bore in it
@@ -57,7 +59,8 @@ def parted_ends(
         axis = shape.frame[:, 2]
         radial = np.hypot(away[:, 0], away[:, 1])
         low, under = config.shell
-        shell = np.sort(away[(radial > low * shape.radius) & (radial < shape.radius - under), 2])
+        came = (radial > low * shape.radius) & (radial < shape.radius - under)
+        shell = np.sort(away[came & _over_felt(away, (felt - shape.anchor) @ shape.frame, config), 2])
         bores = [bore for hollow in faces if (bore := _bored(hollow, shape, config)) is not None]
         near = [radial < config.deep * shape.radius]
         for radius, low_end, high_end in bores:
@@ -81,6 +84,12 @@ def parted_ends(
                         _end(shape, 0.5 * (felt_at + float(free_at)), way, abs(free_at - felt_at), config)
                     )
     return lots
+
+
+def _over_felt(away: Floats, felt: Floats, config: PartedEndsConfig) -> Bools:
+    """(n,) which of (n, 3) places lie where a face was felt, seen along its axis: it may not go all round."""
+    ways = [places[:, :2] / np.linalg.norm(places[:, :2], axis=1, keepdims=True) for places in (felt, away)]
+    return np.asarray(KDTree(ways[0]).query(ways[1])[0] < config.sector)
 
 
 def _bored(hollow: Face, shape: Cylinder, config: PartedEndsConfig) -> tuple[float, float, float] | None:

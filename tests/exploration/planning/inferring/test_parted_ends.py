@@ -52,6 +52,19 @@ def test_a_keyway_a_notch_contacts_at_that_height_and_a_bore_part_nothing():
     assert parted_ends([bar], np.empty((0, 3))) == []
 
 
+def test_a_corner_is_not_parted_by_an_array_that_passed_beside_it():
+    corner = RING[np.abs(TURN - 0.5 * np.pi) < 0.6]
+    points = np.concatenate([8.0 * corner + z * Z for z in (2.0, 6.0, 10.0, 22.0, 26.0)])
+    face = ranked_face(0, Contacts.of(points, np.tile(corner, (5, 1)), 0.02, 0.02), MergeOptions())
+    assert face.fit.convex
+    everywhere = np.array(
+        [r * way + z * Z for r in (1.0, 3.0, 6.5) for way in RING for z in (14.0, 16.0, 18.0)]
+    )
+    beside = everywhere[(everywhere[:, 1] < 2.0)]
+    assert len(parted_ends([face], everywhere)) == 2
+    assert parted_ends([face], beside) == []
+
+
 def test_knuckles_on_a_narrow_pin_bore_are_parted_where_an_array_went_beside_the_bore():
     points = np.concatenate([3.0 * RING + z * Z for z in (3.0, 15.0, 28.0)])
     pin = ranked_face(1, Contacts.of(points, -np.tile(RING, (3, 1)), 0.02, 0.02), MergeOptions())
