@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy.ndimage import binary_fill_holes, distance_transform_edt, zoom
+from scipy.ndimage import binary_dilation, binary_fill_holes, distance_transform_edt, label, maximum, zoom
 
 from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.planning.open.known_face import KnownFace
@@ -27,7 +27,9 @@ class PlatesConfig:
     """What is a plate, and how its outlines are drawn."""
 
     opposed: float = 0.9998  # least cosine between a side's normal and the reverse of the other's
-    thick: tuple[float, float] = (0.3, 45.0)  # [mm]
+    thick: tuple[float, float] = (0.3, 250.0)  # [mm]
+    long: float = 45.0  # [mm] of thickness, from which round holes of both sides are two that may be blind
+    round: float = 1.15  # times the greatest disk in it, up to which a hole is round
     cells: int = 12  # felt places of either side, at least
     margin: float = 12.0  # [mm] round both, of the pictures
     finer: int = 2  # times as fine as the pictures, of the outlines
@@ -77,6 +79,8 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     gone = _beyond(neither, known, config.beyond / lattice.step)
     if len(sides) == 1:
         gone[binary_fill_holes(both > 0.5)] = 0.0
+    if thick > config.long:
+        gone[_round_holes(gone > 0.5, config.round)] = 0.0
     origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
     return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
 
@@ -85,6 +89,15 @@ def _beyond(share: Floats, known: Bools, reach: float) -> Floats:
     """A share, where it is not known that of the nearest place where it is, within so many places."""
     away, nearest = distance_transform_edt(~known, return_indices=True)
     return np.where(away <= reach, share[tuple(nearest)], 0.0)
+
+
+def _round_holes(gone: Bools, most: float) -> Bools:
+    """Those pieces of what is gone that are about as large as the greatest disk in them, and a ring round each."""
+    pieces, count = label(gone)
+    radius = maximum(distance_transform_edt(gone), pieces, np.arange(1, count + 1)) if count else np.empty(0)
+    area = np.bincount(pieces.ravel(), minlength=count + 1)[1:]
+    blind = 1 + np.flatnonzero(area < most * np.pi * radius**2)
+    return np.asarray(binary_dilation(np.isin(pieces, blind), iterations=2))
 
 
 def _rims(share: Floats, step: float, config: PlatesConfig) -> tuple[Floats, ...]:

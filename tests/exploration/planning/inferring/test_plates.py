@@ -73,7 +73,19 @@ def test_what_both_sides_have_and_what_neither_has_are_told_and_nothing_of_the_r
 
 def test_faces_that_look_the_same_way_or_lie_far_apart_are_no_plate():
     assert plates([TOP, side(2, -6.0, 1.0)], Drawn(notched)) == []
-    assert plates([TOP, side(2, -60.0, -1.0)], Drawn(notched)) == []
+    assert plates([TOP, side(2, -300.0, -1.0)], Drawn(notched)) == []
+
+
+def test_of_a_long_bar_slots_go_through_and_round_holes_of_both_ends_may_be_blind():
+    def drilled(world, height):
+        hole = 4.0 - np.hypot(world[..., 0] + 8.0, world[..., 1])
+        return np.minimum(notched(world, -1.0), soft(-hole))
+
+    asked = np.array([[15.0, 0.0, 0.0], [-8.0, 0.0, 0.0], [24.0, 0.0, 0.0]])
+    for bottom, gone in ((-6.0, [True, True, True]), (-80.0, [True, False, True])):
+        (plate,) = plates([TOP, side(2, bottom, -1.0)], Drawn(drilled))
+        own = transform_points(inverse(plate.pose), asked)[:, :2]
+        assert (depth_inside(plate.missing, own) > 0.0).tolist() == gone
 
 
 def test_on_a_table_what_is_missing_of_the_upper_side_is_missing_down_to_it():
