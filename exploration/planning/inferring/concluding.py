@@ -104,6 +104,8 @@ def conclude(
         add(found, lot, _BY_RIM)
     add_left_holes(found, frontier, inside)
     for slot in slots(frontier().known):
+        gone = slot.flat_ends(found.graph.faces, mosaic)
+        found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in gone))
         _add_slot(found, slot)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):
         add(found, riser.contacts, _BY_STEP, riser.kind)
