@@ -71,7 +71,7 @@ def _by_normal(normals: Floats, areas: Floats) -> tuple[Floats, Floats]:
     cell = np.round(normals / _ALIKE).astype(np.int64) + int(1.0 / _ALIKE) + 1
     side = 2 * int(1.0 / _ALIKE) + 3
     _, of = np.unique((cell[:, 0] * side + cell[:, 1]) * side + cell[:, 2], return_inverse=True)
-    together = np.bincount(of, areas)
+    together = np.asarray(np.bincount(of, areas), dtype=np.float64)
     mean = np.column_stack([np.bincount(of, areas * normals[:, k]) for k in range(3)]) / together[:, None]
     return mean, together
 
