@@ -30,6 +30,7 @@ from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.rounded_corners import rounded_corners
 from exploration.planning.inferring.rounded_edges import rounded_edges
+from exploration.planning.inferring.slot_ends import as_seen, flat_ends
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.sockets import sockets
 from exploration.planning.inferring.thin_walls import thin_walls
@@ -103,8 +104,8 @@ def conclude(
     for lot in upright_walls(looked, found.graph.faces, beside):
         add(found, lot, _BY_RIM)
     add_left_holes(found, frontier, inside)
-    for slot in slots(frontier().known):
-        gone = slot.flat_ends(found.graph.faces, mosaic)
+    for slot in (as_seen(slot, mosaic) for slot in slots(frontier().known)):
+        gone = flat_ends(slot, found.graph.faces, mosaic)
         found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in gone))
         _add_slot(found, slot)
     for riser in risers(frontier().known, stops_of(walls(), found.graph.faces)):

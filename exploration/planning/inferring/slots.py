@@ -15,7 +15,6 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import KDTree
 
-from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.planning.known.surface_map import clusters
 from exploration.planning.open.known_face import KnownFace
 from primitives.arrays import Bools, Floats
@@ -49,7 +48,6 @@ class SlotConfig:
     mouth: float = 1.0  # [mm] before it, that is its mouth
     lip: float = 2.5  # [mm] from its round ends, where what looks like a straight edge is a part of them
     slant: float = 0.3  # sine from its axes, from which an edge there is none of a straight end
-    corner: float = 0.85  # of half its width, along and across, where only a square end has no face
     sigma: float = 0.5  # [mm] at least
     normal_sigma: float = 0.05  # [rad]
 
@@ -108,45 +106,6 @@ class Slot:
             float((wall.origin - self.center) @ wall.normal / (across @ wall.normal)) for wall in walls
         )
         return replace(self, center=self.center + 0.5 * (ahead + behind) * across, width=ahead - behind)
-
-    def flat_ends(self, faces: Sequence[Face], mosaic: Mosaic, config: SlotConfig = SlotConfig()) -> set[int]:
-        """Inferred faces across its ends, where the pictures of the faces round it show that these are round."""
-        out = set[int]()
-        for side in (1.0, -1.0):
-            shares = [
-                share for up in (1.0, -1.0) if (share := self._cornered(side, up, mosaic, config)) is not None
-            ]
-            if len(shares) and float(np.mean(shares)) > 0.5:
-                out |= {face.id for face in faces if self._crosses(face, side, config)}
-        return out
-
-    def _cornered(self, side: float, up: float, mosaic: Mosaic, config: SlotConfig) -> float | None:
-        """How much of the face over it is in both corners that a square end would have; None where nobody saw."""
-        across, half = np.cross(self.axis, self.along), 0.5 * self.width
-        reach = 0.5 * self.length - (1.0 - config.corner) * half
-        mouth = self.center + 0.5 * up * self.depth * self.axis
-        corners = mouth + side * reach * self.along + config.corner * half * np.outer([1.0, -1.0], across)
-        lattice = Lattice.over(corners, np.column_stack([self.along, across]), mosaic.config.step, 1.0)
-        seen = mosaic.picture(mouth, up * self.axis, lattice)
-        at = np.round((corners @ lattice.along - lattice.origin) / lattice.step).astype(int)
-        return float(seen.share[tuple(at.T)].mean()) if seen.known[tuple(at.T)].all() else None
-
-    def _crosses(self, face: Face, side: float, config: SlotConfig) -> bool:
-        """Whether an inferred flat face runs straight across one of its ends."""
-        if (
-            not isinstance(face.fit, Fit)
-            or face.fit.kind != "plane"
-            or (face.contacts.touch != NOT_FELT).any()
-        ):
-            return False
-        away = face.contacts.points - self.center
-        past = side * (away @ self.along) - 0.5 * (self.length - self.width)
-        across = np.abs(away @ np.cross(self.axis, self.along))
-        at_end = (
-            (past > 0.0) & (past < 0.5 * self.width + config.lip) & (across < 0.5 * self.width + config.lip)
-        )
-        square = abs(float(face.fit.shape.direction @ self.along)) > np.sqrt(1.0 - config.slant**2)
-        return bool(square and at_end.all())
 
     def off(self, face: Face, config: SlotConfig = SlotConfig()) -> Face:
         """A face without its contacts in a mouth, where a pad lay over it and none has a place of its own."""

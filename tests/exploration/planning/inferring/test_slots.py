@@ -1,14 +1,11 @@
 """A plate with a slot that nothing went into, as the skin would have felt its two faces."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from exploration.planning.inferring.slots import Slot, slots
-from exploration.planning.known.mosaic import Mosaic, Picture
 from exploration.planning.open.known_face import KnownFace
-from primitives.evidence import NOT_FELT, Contacts
+from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face
 from primitives.shapes import Plane
@@ -87,38 +84,3 @@ def test_a_slanting_edge_at_a_round_end_is_a_part_of_it():
     assert not slot.rounds(end, x)  # of a straight end
     assert not slot.rounds(end - 20.0 * x, np.array([0.6, 0.8, 0.0]))  # beside its straight part
     assert not slot.rounds(end + 9.0 * z, np.array([0.6, 0.8, 0.0]))
-
-
-class Pictured:
-    """A mosaic that saw both faces of the plate, with a slot whose ends are round, or square."""
-
-    config = SimpleNamespace(step=0.5)
-
-    def __init__(self, square=False):
-        self.square = square
-
-    def picture(self, anchor, normal, lattice):
-        i, j = np.meshgrid(*(np.arange(count) for count in lattice.shape), indexing="ij")
-        x, y, _ = np.moveaxis(
-            (lattice.origin + lattice.step * np.stack([i, j], axis=-1)) @ lattice.along.T, -1, 0
-        )
-        within = (np.abs(x - CENTER[0]) < 0.5 * LONG) & (np.abs(y - CENTER[1]) < 0.5 * WIDE)
-        there = ~within if self.square else outside(x, y)
-        return Picture(there.astype(float), np.ones_like(there))
-
-
-def test_a_flat_end_across_a_slot_is_none_where_the_faces_round_it_show_its_corners():
-    (slot,) = slots(plate())
-    end = CENTER[0] + 0.5 * LONG - 0.8
-    across = [(end, CENTER[1] + t, z) for t in (-3.0, 0.0, 3.0) for z in (-2.0, 2.0)]
-    along = [(CENTER[0] + t, CENTER[1] + 0.5 * WIDE, z) for t in (-9.0, 0.0, 9.0) for z in (-2.0, 2.0)]
-    felt = [(end + 0.1, y, z) for _, y, z in across]
-    lots = [
-        Contacts.of(np.array(across), np.tile([-1.0, 0.0, 0.0], (6, 1)), 0.1, 0.05, touch=NOT_FELT),
-        Contacts.of(np.array(along), np.tile([0.0, -1.0, 0.0], (6, 1)), 0.1, 0.05, touch=NOT_FELT),
-        Contacts.of(np.array(felt), np.tile([-1.0, 0.0, 0.0], (6, 1)), 0.1, 0.05, touch=3),
-    ]
-    faces = [Face(number, fit("plane", lot), lot) for number, lot in enumerate(lots, start=5)]
-    assert slot.flat_ends(faces, Pictured()) == {5}
-    assert slot.flat_ends(faces, Pictured(square=True)) == set()
-    assert slot.flat_ends(faces, Mosaic()) == set()

@@ -1,0 +1,93 @@
+"""Ends of slots as the pictures of the faces round them show them: where they are, and whether they are round.
+
+What is seen at the apex of a round end looks like a straight edge.  A square end has two corners beyond it, where
+no face is; at a round one the faces go on there (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exploration.planning.inferring.slots import Slot
+from exploration.planning.known.mosaic import Lattice, Mosaic
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT
+from primitives.fit import Fit
+from primitives.patch_graph import Face
+
+
+@dataclass(frozen=True)
+class SlotEndsConfig:
+    """Where the pictures are asked."""
+
+    about: float = 5.0  # [mm] from where a slot was taken to end
+    corner: float = 0.85  # of half its width, along and across, where only a square end has no face
+    beside: float = 2.5  # [mm] from an end, up to which a wall may be its own
+    square: float = 0.95  # least cosine between the slot's way and that of a wall across it
+
+
+def as_seen(slot: Slot, mosaic: Mosaic, config: SlotEndsConfig = SlotEndsConfig()) -> Slot:
+    """A slot with its ends where they were seen."""
+    ends = [_apex(slot, side, mosaic, config) for side in (1.0, -1.0)]
+    ahead, behind = (0.5 * slot.length if end is None else end for end in ends)
+    return replace(slot, center=slot.center + 0.5 * (ahead - behind) * slot.along, length=ahead + behind)
+
+
+def flat_ends(
+    slot: Slot, faces: Sequence[Face], mosaic: Mosaic, config: SlotEndsConfig = SlotEndsConfig()
+) -> set[int]:
+    """The ids of inferred faces across those ends of a slot that were seen to be round."""
+    found = set[int]()
+    for side in (1.0, -1.0):
+        shares = [_cornered(slot, side, up, mosaic, config) for up in (1.0, -1.0)]
+        told = [share for share in shares if np.isfinite(share)]
+        if told and float(np.mean(told)) > 0.5:
+            found |= {face.id for face in faces if _crosses(face, slot, side, config)}
+    return found
+
+
+def _apex(slot: Slot, side: float, mosaic: Mosaic, config: SlotEndsConfig) -> float | None:
+    """[mm] from a slot's center to one end along its middle; None where that was not seen."""
+    out = np.arange(-config.about, config.about, mosaic.config.step) + 0.5 * slot.length
+    found: list[float] = []
+    for up in (1.0, -1.0):
+        share = _share(slot, side * out[:, None] * slot.along, up, mosaic)
+        k = int(np.argmax(share > 0.5))
+        if k > 0 and np.isfinite(share[: k + 1]).all():
+            part = (0.5 - share[k - 1]) / (share[k] - share[k - 1])
+            found.append(float(out[k - 1] + part * mosaic.config.step))
+    return float(np.mean(found)) if found else None
+
+
+def _cornered(slot: Slot, side: float, up: float, mosaic: Mosaic, config: SlotEndsConfig) -> float:
+    """How much of a face round it is in both corners that a square end would have; NaN where nobody saw."""
+    half, across = 0.5 * slot.width, np.cross(slot.axis, slot.along)
+    ahead = side * (0.5 * slot.length - (1.0 - config.corner) * half) * slot.along
+    return float(
+        _share(slot, ahead + config.corner * half * np.outer([1.0, -1.0], across), up, mosaic).mean()
+    )
+
+
+def _share(slot: Slot, away: Floats, up: float, mosaic: Mosaic) -> Floats:
+    """(n,) of the face at one mouth of a slot, (n, 3) from the middle of that; NaN where nobody saw."""
+    mouth = slot.center + 0.5 * up * slot.depth * slot.axis
+    turn = np.column_stack([slot.along, np.cross(slot.axis, slot.along)])
+    lattice = Lattice.over(mouth + away, turn, mosaic.config.step, 1.0)
+    seen = mosaic.picture(mouth, up * slot.axis, lattice)
+    at = tuple(np.round(((mouth + away) @ turn - lattice.origin) / lattice.step).astype(int).T)
+    return np.where(seen.known[at], seen.share[at], np.nan)
+
+
+def _crosses(face: Face, slot: Slot, side: float, config: SlotEndsConfig) -> bool:
+    """Whether an inferred flat face runs straight across one end of a slot."""
+    if not isinstance(face.fit, Fit) or face.fit.kind != "plane" or (face.contacts.touch != NOT_FELT).any():
+        return False
+    away = face.contacts.points - slot.center
+    past = side * (away @ slot.along) - 0.5 * (slot.length - slot.width)
+    across = np.abs(away @ np.cross(slot.axis, slot.along))
+    within = 0.5 * slot.width + config.beside
+    at_end = (past > 0.0) & (past < within) & (across < within)
+    return bool(at_end.all() and abs(float(face.fit.shape.direction @ slot.along)) > config.square)
