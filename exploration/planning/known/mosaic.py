@@ -109,7 +109,7 @@ class Mosaic:
         weight = (before / sigma[on]) ** 2
         sums, weights = (
             gaussian_filter(
-                np.bincount(where, lot, int(np.prod(lattice.shape))).reshape(lattice.shape),
+                np.bincount(where, lot, int(np.prod(lattice.shape))).reshape(lattice.shape).astype(float),
                 self.config.blur / lattice.step,
             )
             for lot in (weight * share, weight)
