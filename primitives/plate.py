@@ -9,7 +9,7 @@ from primitives.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class Plate:
-    """Two flat faces that look away from each other, seen together along their normal.
+    """Two flat faces that look away from each other, or one over another, seen together along their normal.
 
     Rims are closed loops of (n, 2) corners x, y [mm] in the plate's frame; a place is in a region where it lies
     inside an odd number of its rims.
@@ -20,3 +20,4 @@ class Plate:
     there: tuple[Floats, ...]  # rims of where both were felt
     missing: tuple[Floats, ...]  # rims of where neither is
     lies: bool = False  # on a table, so that nobody saw the lower face: what is told is told of the upper one
+    step: bool = False  # the lower face looks up as well, as a floor: what is missing is so down to it

@@ -3,7 +3,7 @@
 Of notches, gaps between teeth, sockets and holes of any shape, in which no array has room, nothing is there on
 either side of a plate.  Where the body has material between the two, a prism takes it away, unless something was
 felt there; where it has none and both sides were felt, a prism is added, unless an array passed through (our
-derivation).
+derivation).  Of a step what is missing goes down to its floor, and so does what the body lacks beside that.
 """
 
 from __future__ import annotations
@@ -98,7 +98,8 @@ def _disks(
     adds = operation == "add"
     short = _under(body, plate, config) if adds and plate.lies else 0.0
     rims = plate.there if adds else plate.missing
-    told, between = Region.of(rims).grown(config.loose), _between(body, plate, config)
+    told = Region.of(rims).grown(config.loose)
+    between = (_had if adds else _between)(body, plate, config)
     wrong = (Region.of(rims) - between if adds else Region.of(rims) & between).opened(config.narrow).pieces
     wrong = [part for part in wrong if part.area > config.least]
 
@@ -117,7 +118,7 @@ def _disks(
             and len(found(disk)) <= most
         ):
             past = 0.0 if adds else config.past
-            low, high = short - 0.5 * plate.thick - past, 0.5 * plate.thick + past
+            low, high = short - 0.5 * plate.thick - (not plate.step) * past, 0.5 * plate.thick + past
             placed = plate.pose @ pose(translation=[*arc.center, 0.5 * (low + high)])
             bar = Cylinder(arc.radius, high - low)
             yield Piece("cylinder", operation, bar, placed, None, ((None, None),), OUTLINED[operation])
@@ -126,13 +127,21 @@ def _disks(
 def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> Iterator[Piece]:
     """What both sides of a plate have, and the body at no level between."""
     short = _under(body, plate, config) if plate.lies else 0.0
-    between = _between(body, plate, config)
+    between, beside = _had(body, plate, config), Region.of(plate.missing).grown(config.narrow)
     there = Region.of(plate.there) - _holes(body, plate, config)
     for part in (there - between).opened(config.narrow).pieces:
         within = _within(part, free, plate, config)
-        if part.area > config.least and len(within) <= config.free:
+        stands = not plate.step or bool(part & beside)
+        if part.area > config.least and len(within) <= config.free and stands:
             lapping = part.grown(config.narrow) & (there | between)  # on to the body beside it
             yield from _prisms(lapping, "add", plate, -short)
+
+
+def _had(body: Body, plate: Plate, config: OutlinedConfig) -> Region:
+    """Where a body has what a plate has: at some level; at the top of a step, under whose edge may be a hollow."""
+    if not plate.step:
+        return _between(body, plate, config)
+    return _section(body, plate, _heights(plate, config)[-1])
 
 
 def _under(body: Body, plate: Plate, config: OutlinedConfig) -> float:
@@ -163,7 +172,10 @@ def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> I
 def _past(
     part: Region, body: Body, plate: Plate, felt: Floats, config: OutlinedConfig
 ) -> tuple[float, float]:
-    """[mm] below and above the plate that a part of it goes on to: out of the body, if nothing was felt there."""
+    """[mm] below and above the plate that a part of it goes on to: out of the body, if nothing was felt there.
+
+    The floor of a step ends it.
+    """
     own = transform_points(inverse(plate.pose), felt)
     over = own[part.depth(own[:, :2]) > -config.inside, 2]
     ends = transform_points(inverse(plate.pose), body.solid.vertices)[:, 2]
@@ -171,7 +183,11 @@ def _past(
     below = bool((over < -half - config.deep).any())
     above = bool((over > half + config.deep).any())
     return (
-        config.past if below else max(config.past, config.past - half - float(ends.min())),
+        0.0
+        if plate.step
+        else config.past
+        if below
+        else max(config.past, config.past - half - float(ends.min())),
         config.past if above else max(config.past, config.past - half + float(ends.max())),
     )
 

@@ -174,6 +174,7 @@ def _told_plate(plate: Plate) -> dict[str, object]:
         "there_mm": [rim.tolist() for rim in plate.there],
         "missing_mm": [rim.tolist() for rim in plate.missing],
         "lies": plate.lies,
+        "step": plate.step,
     }
 
 
@@ -183,7 +184,7 @@ def _plate(told: Mapping[str, Any]) -> Plate:
         for kind in ("there_mm", "missing_mm")
     )
     placed, thick = frozen(np.array(told["pose"], dtype=float)), float(told["thick_mm"])
-    return Plate(placed, thick, there, missing, bool(told.get("lies")))
+    return Plate(placed, thick, there, missing, bool(told.get("lies")), bool(told.get("step")))
 
 
 def _runs(rows: Ints) -> Sequence[tuple[int, int]]:

@@ -107,7 +107,12 @@ def _wall(plate: Plate, flat: Floats, ways: Floats, config: PlateWallsConfig) ->
 
 
 def denies(plate: Plate, places: Floats, config: PlateWallsConfig = PlateWallsConfig()) -> bool:
-    """Whether (n, 3) places of a wall between the sides of a plate lie where it goes on, or is not at all."""
+    """Whether (n, 3) places of a wall between the sides of a plate lie where it goes on, or is not at all.
+
+    A step denies none: what is under its upper face was not seen.
+    """
+    if plate.step:
+        return False
     own = _between(plate, places)
     off = np.maximum(depth_inside(plate.there, own), depth_inside(plate.missing, own)) > config.off
     return len(own) > 0 and float(off.mean()) > config.denied

@@ -1,15 +1,18 @@
 """Plates: two flat faces that look away from each other, and where both are, or neither is.
 
 What is missing of both goes right through, whatever its outline: notches, the gaps between teeth, sockets, holes
-of any shape.  What both have is solid.  Where the one is and the other is not nothing is said (our derivation;
-that is likely and not measured, so walls that come of it are marked as inferred).
+of any shape.  What both have is solid.  Where the one is and the other is not nothing is said.
+
+Two that look one way make a step: beside the lower one, and over it, nothing is where the upper one is missing,
+as in a pocket or round a boss of any outline (our derivation; all this is likely and not measured, so walls that
+come of it are marked as inferred).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, permutations
 
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_fill_holes, distance_transform_edt, label, maximum, zoom
@@ -28,6 +31,7 @@ class PlatesConfig:
 
     opposed: float = 0.9998  # least cosine between a side's normal and the reverse of the other's
     thick: tuple[float, float] = (0.3, 250.0)  # [mm]
+    step: float = 1.0  # [mm] from a floor to the face over it, at least
     long: float = 45.0  # [mm] of thickness, from which round holes of both sides are two that may be blind
     round: float = 1.15  # times the greatest disk in it, up to which a hole is round
     cells: int = 12  # felt places of either side, at least
@@ -35,6 +39,7 @@ class PlatesConfig:
     finer: int = 2  # times as fine as the pictures, of the outlines
     straight: float = 0.4  # [mm] from a straight line, up to which an outline is straight
     beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
+    foot: float = 5.0  # [mm] from where a floor was seen to where a wall may stand on it
 
 
 def plates(
@@ -43,7 +48,7 @@ def plates(
     table: float | None = None,
     config: PlatesConfig = PlatesConfig(),
 ) -> list[Plate]:
-    """Of all pairs of known faces; and of those that look up, down to a `table` at that height [mm].
+    """Of all pairs of known faces, opposed or alike; and of those that look up, down to a `table` there [mm].
 
     Of the face that lies on the table nothing was seen: what is missing of the one above is missing down to it,
     unless that is all round it, as of a pocket.
@@ -59,7 +64,12 @@ def plates(
         thick = -np.inf if table is None else float(own.fit.shape.anchor[2]) - table
         if _outward(own)[2] > config.opposed and config.thick[0] < thick < config.thick[1]:
             found.append(_plate((own,), thick, mosaic, config))
-    return [plate for plate in found if plate.there]
+    for upper, lower in permutations(flat, 2):
+        up = _outward(upper)
+        thick = float((upper.fit.shape.anchor - lower.fit.shape.anchor) @ up)
+        if float(up @ _outward(lower)) > config.opposed and config.step < thick < config.long:
+            found.append(_step(upper, lower, thick, mosaic, config))
+    return [plate for plate in found if plate.there and (plate.missing or not plate.step)]
 
 
 def _outward(own: KnownFace) -> Floats:
@@ -83,6 +93,28 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
         gone[_round_holes(gone > 0.5, config.round)] = 0.0
     origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
     return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
+
+
+def _step(upper: KnownFace, lower: KnownFace, thick: float, mosaic: Mosaic, config: PlatesConfig) -> Plate:
+    """Of a face and the floor below it: the one is, and over or beside the other it is not."""
+    up = _outward(upper)
+    turn = frame_along(up)
+    lattice = Lattice.over(
+        np.concatenate([upper.cells, lower.cells]), turn[:, :2], mosaic.config.step, config.margin
+    )
+    top, floor = (mosaic.picture(own.fit.shape.anchor, up, lattice) for own in (upper, lower))
+    near = (
+        distance_transform_edt(~floor.there) * lattice.step < config.foot
+        if floor.there.any()
+        else floor.there
+    )
+    over = np.where(floor.there & ~top.there, floor.share, 0.0)
+    gone = np.where(near, np.where(top.known, 1.0 - top.share, over), 0.0)
+    origin = np.array([*lattice.origin, float(upper.fit.shape.anchor @ up) - 0.5 * thick])
+    there, missing = (
+        _rims(share, lattice.step, config) for share in (np.where(top.known, top.share, 0.0), gone)
+    )
+    return Plate(pose(turn, turn @ origin), thick, there, missing, step=True)
 
 
 def _beyond(share: Floats, known: Bools, reach: float) -> Floats:

@@ -180,3 +180,36 @@ def test_a_narrow_hole_that_the_body_has_is_not_filled_though_the_outline_shows_
     assert outlined(drilled, [plate([box(60, 40)], [])], None, NOTHING).solid.volume == drilled.solid.volume
     wide = body().less(Piece("cylinder", "subtract", Cylinder(6.0, 20.0), WORLD, 0, ((None, None),)))
     assert outlined(wide, [plate([box(60, 40)], [])], None, NOTHING).solid.volume > wide.solid.volume + 900.0
+
+
+def step(there, missing, thick, height):
+    """So thick, its floor at a height over the middle of the body."""
+    return Plate(
+        WORLD @ pose(translation=[0.0, 0.0, height + 0.5 * thick]),
+        thick,
+        tuple(there),
+        tuple(missing),
+        step=True,
+    )
+
+
+def test_a_pocket_is_taken_away_down_to_its_floor_and_no_deeper():
+    pocket = box(20.0, 12.0, 5.0, 0.0)
+    made = outlined(body(), [step([box(60.0, 40.0), pocket], [pocket], 6.0, -1.0)], None, NOTHING)
+    assert abs(made.solid.volume - (24000.0 - 20.0 * 12.0 * 6.0)) < 1.0
+    assert made.solid.parts == 1
+
+
+def test_what_a_body_lacks_over_a_floor_is_added_and_nothing_under_an_edge_that_it_has():
+    boss, floor = box(14.0, 10.0, -5.0, 0.0), box(60.0, 40.0)
+    made = outlined(body(), [step([boss], [floor, boss], 7.0, 5.0)], None, NOTHING)
+    assert abs(made.solid.volume - (24000.0 + 14.0 * 10.0 * 7.0)) < 1.0
+    bank, beside = box(30.0, 40.0, 15.0, 0.0), box(30.0, 40.0, -15.0, 0.0)
+    made = outlined(body(), [step([bank], [beside], 7.0, 5.0)], None, NOTHING)
+    assert abs(made.solid.volume - (24000.0 + 30.0 * 40.0 * 7.0)) < 1.0
+    groove = Piece("cube", "subtract", Cube((40.0, 99.0, 4.0)), WORLD, None, ((None, None),) * 3)
+    hollow = body().less(groove)
+    banks = [box(20.0, 40.0, -20.0, 0.0), box(20.0, 40.0, 20.0, 0.0)]
+    tops = world([-20.0, 0.0, 5.0], [20.0, 0.0, 5.0])
+    made = outlined(hollow, [step(banks, [box(20.0, 40.0)], 7.0, -2.0)], None, tops)
+    assert abs(made.solid.volume - (hollow.solid.volume - 20.0 * 40.0 * 3.0)) < 1.0

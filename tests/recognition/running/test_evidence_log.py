@@ -14,7 +14,7 @@ from primitives.shapes import Cone, Cylinder, Sphere
 from recognition.running.evidence_log import EvidenceLog, explored
 
 BOX = np.array([[-300.0] * 3, [300.0] * 3])
-PLATE = Plate(np.eye(4), 8.0, (np.array([[0.0, 0.0], [9.5, 0.0], [0.0, 7.25]]),), ())
+PLATE = Plate(np.eye(4), 8.0, (np.array([[0.0, 0.0], [9.5, 0.0], [0.0, 7.25]]),), (), step=True)
 
 
 def touched(shape, stroke, rng):
@@ -55,6 +55,7 @@ def test_faces_come_back_as_they_were_after_every_move(found, tmp_path):
     np.testing.assert_array_equal(again.box, BOX)
     (plate,) = again.plates
     assert plate.thick == PLATE.thick
+    assert (plate.lies, plate.step) == (False, True)
     np.testing.assert_array_equal(plate.pose, PLATE.pose)
     np.testing.assert_array_equal(plate.there[0], PLATE.there[0])
     assert plate.missing == ()

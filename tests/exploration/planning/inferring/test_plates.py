@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from exploration.planning.inferring.concluding import _add_outlines
 from exploration.planning.inferring.plate_walls import along_it, denies, freeform, plate_walls
@@ -71,9 +72,36 @@ def test_what_both_sides_have_and_what_neither_has_are_told_and_nothing_of_the_r
     assert np.abs(depth_inside(plate.there, on)).max() < 0.4
 
 
-def test_faces_that_look_the_same_way_or_lie_far_apart_are_no_plate():
-    assert plates([TOP, side(2, -6.0, 1.0)], Drawn(notched)) == []
+def test_faces_that_lie_far_apart_and_floors_that_nobody_saw_beside_a_face_are_no_plate():
+    assert (
+        plates([TOP, side(2, -6.0, 1.0)], Drawn(lambda world, height: soft(height + 0.0 * world[..., 0])))
+        == []
+    )
     assert plates([TOP, side(2, -300.0, -1.0)], Drawn(notched)) == []
+
+
+def pocket(world, height):
+    """In a square of 40 mm, 8 mm deep, of 16 x 10 mm: its floor, or what is round it."""
+    hole = np.minimum(8.0 - np.abs(world[..., 0]), 5.0 - np.abs(world[..., 1]))
+    return soft(hole if height < 0.0 else np.minimum(-hole, 20.0 - np.abs(world).max(axis=-1)))
+
+
+def test_over_a_floor_nothing_is_where_the_face_above_is_not_and_elsewhere_nothing_is_said():
+    (step,) = plates([TOP, side(2, -2.0, 1.0)], Drawn(pocket))
+    assert step.step
+    assert step.thick == pytest.approx(8.0)
+    asked = np.array([[0.0, 0.0, 2.0], [7.0, 4.0, 2.0], [12.0, 0.0, 2.0], [25.0, 0.0, 2.0]])
+    own = transform_points(inverse(step.pose), asked)
+    assert np.abs(own[:, 2]).max() < 1e-9
+    assert (depth_inside(step.missing, own[:, :2]) > 0.0).tolist() == [True, True, False, False]
+    assert (depth_inside(step.there, own[:, :2]) > 0.0).tolist() == [False, False, True, False]
+    assert not denies(step, np.column_stack([np.linspace(10.0, 16.0, 9), np.full(9, 12.0), np.full(9, 2.0)]))
+    walls = plate_walls(step, [])
+    assert [kind for _, kind in walls] == ["plane"] * 4
+    for lot, _ in walls:
+        off = np.abs(lot.points[:, :2]) - [8.0, 5.0]
+        assert np.abs(off).min(axis=1).max() < 0.4
+        assert ((lot.points * lot.normals).sum(axis=1) < 0.0).all()
 
 
 def test_of_a_long_bar_slots_go_through_and_round_holes_of_both_ends_may_be_blind():
