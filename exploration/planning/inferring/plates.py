@@ -66,9 +66,12 @@ def plates(
             found.append(_plate((own,), thick, mosaic, config))
     for upper, lower in permutations(flat, 2):
         up = _outward(upper)
-        thick = float((upper.fit.shape.anchor - lower.fit.shape.anchor) @ up)
-        if float(up @ _outward(lower)) > config.opposed and config.step < thick < config.long:
-            found.append(_step(upper, lower, thick, mosaic, config))
+        heights = {own.face.id: float((own.fit.shape.anchor - lower.fit.shape.anchor) @ up) for own in flat}
+        alike = [own for own in flat if float(up @ _outward(own)) > config.opposed]
+        thick = heights[upper.face.id]
+        if lower in alike and config.step < thick < config.long:
+            ledges = [own for own in alike if config.step < heights[own.face.id] < thick - config.step]
+            found.append(_step(upper, lower, ledges, thick, mosaic, config))
     return [plate for plate in found if plate.there and (plate.missing or not plate.step)]
 
 
@@ -95,26 +98,31 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
 
 
-def _step(upper: KnownFace, lower: KnownFace, thick: float, mosaic: Mosaic, config: PlatesConfig) -> Plate:
-    """Of a face and the floor below it: the one is, and over or beside the other it is not."""
+def _step(
+    upper: KnownFace,
+    lower: KnownFace,
+    ledges: Sequence[KnownFace],
+    thick: float,
+    mosaic: Mosaic,
+    config: PlatesConfig,
+) -> Plate:
+    """Of a face and the floor below it: over and beside the one the other is not, nor any ledge between them."""
     up = _outward(upper)
     turn = frame_along(up)
-    lattice = Lattice.over(
-        np.concatenate([upper.cells, lower.cells]), turn[:, :2], mosaic.config.step, config.margin
-    )
-    top, floor = (mosaic.picture(own.fit.shape.anchor, up, lattice) for own in (upper, lower))
-    near = (
-        distance_transform_edt(~floor.there) * lattice.step < config.foot
-        if floor.there.any()
-        else floor.there
+    cells = np.concatenate([upper.cells, lower.cells])
+    lattice = Lattice.over(cells, turn[:, :2], mosaic.config.step, config.margin)
+    top, floor, *between = (
+        mosaic.picture(own.fit.shape.anchor, up, lattice) for own in (upper, lower, *ledges)
     )
     over = np.where(floor.there & ~top.there, floor.share, 0.0)
-    gone = np.where(near, np.where(top.known, 1.0 - top.share, over), 0.0)
+    gone = np.where(top.known, 1.0 - top.share, over)
+    away = distance_transform_edt(~floor.there) if floor.there.any() else np.full(lattice.shape, np.inf)
+    gone[away * lattice.step > config.foot] = 0.0
+    for ledge in between:
+        gone = np.where(ledge.known, np.minimum(gone, 1.0 - ledge.share), gone)
     origin = np.array([*lattice.origin, float(upper.fit.shape.anchor @ up) - 0.5 * thick])
-    there, missing = (
-        _rims(share, lattice.step, config) for share in (np.where(top.known, top.share, 0.0), gone)
-    )
-    return Plate(pose(turn, turn @ origin), thick, there, missing, step=True)
+    there = _rims(np.where(top.known, top.share, 0.0), lattice.step, config)
+    return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), step=True)
 
 
 def _beyond(share: Floats, known: Bools, reach: float) -> Floats:

@@ -104,6 +104,20 @@ def test_over_a_floor_nothing_is_where_the_face_above_is_not_and_elsewhere_nothi
         assert ((lot.points * lot.normals).sum(axis=1) < 0.0).all()
 
 
+def test_a_ledge_between_a_floor_and_the_face_above_it_is_left_where_it_is():
+    def stairs(world, height):
+        tread = {-2.0: (10.0, 20.0), 2.0: (6.0, 10.0), 6.0: (-20.0, 6.0)}[round(height, 3)]
+        return soft(np.minimum(world[..., 0] - tread[0], tread[1] - world[..., 0]))
+
+    steps = plates([TOP, side(2, -2.0, 1.0), side(3, 2.0, 1.0)], Drawn(stairs))
+    assert sorted(round(step.thick, 3) for step in steps) == [4.0, 4.0, 8.0]
+    (whole,) = (step for step in steps if step.thick > 6.0)
+    own = transform_points(
+        inverse(whole.pose), np.array([[8.0, 0.0, 2.0], [12.0, 0.0, 2.0], [0.0, 0.0, 2.0]])
+    )
+    assert (depth_inside(whole.missing, own[:, :2]) > 0.0).tolist() == [False, True, False]
+
+
 def test_of_a_long_bar_slots_go_through_and_round_holes_of_both_ends_may_be_blind():
     def drilled(world, height):
         hole = 4.0 - np.hypot(world[..., 0] + 8.0, world[..., 1])
