@@ -88,7 +88,8 @@ def parted_ends(
 
 def _over_felt(away: Floats, felt: Floats, config: PartedEndsConfig) -> Bools:
     """(n,) which of (n, 3) places lie where a face was felt, seen along its axis: it may not go all round."""
-    ways = [places[:, :2] / np.linalg.norm(places[:, :2], axis=1, keepdims=True) for places in (felt, away)]
+    turns = [np.arctan2(places[:, 1], places[:, 0]) for places in (felt, away)]
+    ways = [np.column_stack([np.cos(turn), np.sin(turn)]) for turn in turns]
     return np.asarray(KDTree(ways[0]).query(ways[1])[0] < config.sector)
 
 
