@@ -180,16 +180,11 @@ def _past(
     over = own[part.depth(own[:, :2]) > -config.inside, 2]
     ends = transform_points(inverse(plate.pose), body.solid.vertices)[:, 2]
     half = 0.5 * plate.thick
-    below = bool((over < -half - config.deep).any())
-    above = bool((over > half + config.deep).any())
-    return (
-        0.0
-        if plate.step
-        else config.past
-        if below
-        else max(config.past, config.past - half - float(ends.min())),
-        config.past if above else max(config.past, config.past - half + float(ends.max())),
+    below, above = (
+        config.past if (side > half + config.deep).any() else max(config.past, config.past - half + end)
+        for side, end in ((-over, -float(ends.min())), (over, float(ends.max())))
     )
+    return (0.0 if plate.step else below), above
 
 
 def _cut_loose(between: Region, gone: Region, plate: Plate, felt: Floats, config: OutlinedConfig) -> Region:

@@ -48,10 +48,10 @@ def plates(
     table: float | None = None,
     config: PlatesConfig = PlatesConfig(),
 ) -> list[Plate]:
-    """Of all pairs of known faces, opposed or alike; and of those that look up, down to a `table` there [mm].
+    """Of all pairs of known faces, opposed or alike; and of each that looks up, down to a `table`.
 
-    Of the face that lies on the table nothing was seen: what is missing of the one above is missing down to it,
-    unless that is all round it, as of a pocket.
+    The table is told by its height [mm].  Of the face that lies on it nothing was seen: what is missing of the one
+    above is missing down to it, unless that is all round it, as of a pocket.
     """
     flat = [own for own in known if own.fit.kind == "plane" and len(own.cells) >= config.cells]
     found: list[Plate] = []
