@@ -101,8 +101,8 @@ def _mouth(points: Floats, ways: Floats, config: SocketsConfig) -> _Mouth | None
             if found is None:
                 continue
             mouth, members = found
-            about = _about(points, mouth, config)
-            if members > most and members >= config.share * about.sum():
+            about = int(_about(points, mouth, config).sum())
+            if members > most and 0 < config.share * about <= members:
                 best, most = mouth, members
         if best is not None:
             return best

@@ -1,5 +1,7 @@
 """Hexagonal and square sockets, from edges seen round their mouth."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -85,3 +87,12 @@ def test_a_round_mouth_too_few_sides_and_the_outside_of_a_nut_make_none():
     assert sockets(edges(np.arange(4) * np.pi / 2.0, 27.0, rng), [TOP]) == []  # an array has room there
     assert sockets(edges(np.arange(6) * np.pi / 3.0, 9.0, rng), []) == []  # of no face
     assert sockets([], [TOP]) == []
+
+
+@pytest.mark.parametrize("sides", [6, 4])
+def test_edges_far_along_the_lines_of_a_socket_are_of_none(sides):
+    rng = np.random.default_rng(3)
+    near = edges(np.arange(sides) * 2.0 * np.pi / sides, 6.0, rng, noise=0.0, slide=0.0)
+    far = [(replace(r, point=r.point + 60.0 * r.tangent), own) for r, own in near]
+    assert len(sockets(near, [TOP, FLOOR])) == sides
+    assert sockets(far, [TOP, FLOOR]) == []
