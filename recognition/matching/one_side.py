@@ -68,6 +68,7 @@ def _made(entry: Entry) -> Sides:
 
 def _by_normal(normals: Floats, areas: Floats) -> tuple[Floats, Floats]:
     """(n, 3) mean normals of facets that look alike, within a fraction of the softness, and their (n,) areas."""
+    normals, areas = normals[areas > 0.0], areas[areas > 0.0]  # a facet without area has no normal
     cell = np.round(normals / _ALIKE).astype(np.int64) + int(1.0 / _ALIKE) + 1
     side = 2 * int(1.0 / _ALIKE) + 3
     _, of = np.unique((cell[:, 0] * side + cell[:, 1]) * side + cell[:, 2], return_inverse=True)

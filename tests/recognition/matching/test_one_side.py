@@ -10,7 +10,7 @@ from models.solid import Solid
 from primitives.evidence import Contacts
 from primitives.pose import pose, random_rotation, rotate, transform_points
 from recognition.matching import Evidence, match
-from recognition.matching.one_side import log_one_side, sides_of
+from recognition.matching.one_side import _by_normal, log_one_side, sides_of
 
 SMALL, LARGE = Cube((60.0, 50.0, 30.0)), Cube((110.0, 90.0, 50.0))
 LIBRARY = Library.of({"small": Solid.from_csg(SMALL), "large": Solid.from_csg(LARGE)})
@@ -66,3 +66,9 @@ def test_two_faces_felt_all_over_tell_how_large_they_are(seed: int) -> None:
 def test_a_part_of_two_faces_tells_little_of_what_else_there_is(seed: int) -> None:
     told = match(_two_sides(30.0, 25.0, 15.0, 40, seed), LIBRARY, unknown=0.0).probabilities
     assert told["large"] > 0.1
+
+
+def test_a_facet_without_area_is_seen_from_nowhere() -> None:
+    normals, areas = _by_normal(np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]), np.array([2.0, 0.0]))
+    assert normals.tolist() == [[0.0, 0.0, 1.0]]
+    assert areas.tolist() == [2.0]
