@@ -25,6 +25,7 @@ class SlotEndsConfig:
 
     about: float = 5.0  # [mm] from where a slot was taken to end
     corner: float = 0.85  # of half its width, along and across, where only a square end has no face
+    widest_unsure: float = 8.0  # [mm] of a slot, up to which a picture is too soft to tell its corners
     beside: float = 2.5  # [mm] from an end, up to which a wall may be its own
     square: float = 0.95  # least cosine between the slot's way and that of a wall across it
 
@@ -33,6 +34,8 @@ def as_seen(slot: Slot, mosaic: Mosaic, config: SlotEndsConfig = SlotEndsConfig(
     """A slot with its ends where they were seen."""
     ends = [_apex(slot, side, mosaic, config) for side in (1.0, -1.0)]
     ahead, behind = (0.5 * slot.length if end is None else end for end in ends)
+    if ahead + behind < slot.width:
+        return slot
     return replace(slot, center=slot.center + 0.5 * (ahead - behind) * slot.along, length=ahead + behind)
 
 
@@ -41,7 +44,7 @@ def flat_ends(
 ) -> set[int]:
     """The ids of inferred faces across those ends of a slot that were seen to be round."""
     found = set[int]()
-    for side in (1.0, -1.0):
+    for side in (1.0, -1.0) if slot.width > config.widest_unsure else ():
         shares = [_cornered(slot, side, up, mosaic, config) for up in (1.0, -1.0)]
         told = [share for share in shares if np.isfinite(share)]
         if told and float(np.mean(told)) > 0.5:

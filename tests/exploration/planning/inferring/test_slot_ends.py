@@ -57,6 +57,7 @@ def test_a_flat_end_across_a_slot_is_none_where_the_faces_round_it_show_its_corn
     assert flat_ends(SLOT, faces, Pictured()) == {5}
     assert flat_ends(SLOT, faces, Pictured(square=True)) == set()
     assert flat_ends(SLOT, faces, Mosaic()) == set()
+    assert flat_ends(replace(SLOT, width=6.0), faces, Pictured()) == set()
 
 
 def test_a_slot_ends_where_pictures_show_it():
