@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import combinations, permutations
 
 import numpy as np
-from scipy.ndimage import binary_dilation, binary_fill_holes, distance_transform_edt, label, maximum, zoom
+from scipy.ndimage import binary_fill_holes, distance_transform_edt, zoom
 
 from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.planning.open.known_face import KnownFace
@@ -32,8 +32,9 @@ class PlatesConfig:
     opposed: float = 0.9998  # least cosine between a side's normal and the reverse of the other's
     thick: tuple[float, float] = (0.3, 250.0)  # [mm]
     step: float = 1.0  # [mm] from a floor to the face over it, at least
-    long: float = 45.0  # [mm] of thickness, from which round holes of both sides are two that may be blind
-    round: float = 1.15  # times the greatest disk in it, up to which a hole is round
+    long: float = (
+        45.0  # [mm] of thickness, from which holes in both sides may be two blind ones; and of a step
+    )
     cells: int = 12  # felt places of either side, at least
     margin: float = 12.0  # [mm] round both, of the pictures
     finer: int = 2  # times as fine as the pictures, of the outlines
@@ -90,10 +91,8 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     both, neither = np.where(known, share.min(axis=0), 0.0), 1.0 - share.max(axis=0)
     there = _rims(both, lattice.step, config)
     gone = _beyond(neither, known, config.beyond / lattice.step)
-    if len(sides) == 1:
+    if len(sides) == 1 or thick > config.long:
         gone[binary_fill_holes(both > 0.5)] = 0.0
-    if thick > config.long:
-        gone[_round_holes(gone > 0.5, config.round)] = 0.0
     origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
     return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
 
@@ -129,15 +128,6 @@ def _beyond(share: Floats, known: Bools, reach: float) -> Floats:
     """A share, where it is not known that of the nearest place where it is, within so many places."""
     away, nearest = distance_transform_edt(~known, return_indices=True)
     return np.where(away <= reach, share[tuple(nearest)], 0.0)
-
-
-def _round_holes(gone: Bools, most: float) -> Bools:
-    """Those pieces of what is gone that are about as large as the greatest disk in them, and a ring round each."""
-    pieces, count = label(gone)
-    radius = maximum(distance_transform_edt(gone), pieces, np.arange(1, count + 1)) if count else np.empty(0)
-    area = np.bincount(pieces.ravel(), minlength=count + 1)[1:]
-    blind = 1 + np.flatnonzero(area < most * np.pi * radius**2)
-    return np.asarray(binary_dilation(np.isin(pieces, blind), iterations=2))
 
 
 def _rims(share: Floats, step: float, config: PlatesConfig) -> tuple[Floats, ...]:
