@@ -10,14 +10,14 @@ come of it are marked as inferred).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, permutations
 
 import numpy as np
 from scipy.ndimage import binary_fill_holes, distance_transform_edt, zoom
 
-from exploration.planning.known.mosaic import Lattice, Mosaic
+from exploration.planning.known.mosaic import Lattice, Mosaic, Picture
 from exploration.planning.open.known_face import KnownFace
 from primitives.arrays import Bools, Floats
 from primitives.outlines import simplified, traced
@@ -65,14 +65,8 @@ def plates(
         thick = -np.inf if table is None else float(own.fit.shape.anchor[2]) - table
         if _outward(own)[2] > config.opposed and config.thick[0] < thick < config.thick[1]:
             found.append(_plate((own,), thick, mosaic, config))
-    for upper, lower in permutations(flat, 2):
-        up = _outward(upper)
-        heights = {own.face.id: float((own.fit.shape.anchor - lower.fit.shape.anchor) @ up) for own in flat}
-        alike = [own for own in flat if float(up @ _outward(own)) > config.opposed]
-        thick = heights[upper.face.id]
-        if lower in alike and config.step < thick < config.long:
-            ledges = [own for own in alike if config.step < heights[own.face.id] < thick - config.step]
-            found.append(_step(upper, lower, ledges, thick, mosaic, config))
+    for group in _alike(flat, config):
+        found.extend(_steps(group, mosaic, config))
     return [plate for plate in found if plate.there and (plate.missing or not plate.step)]
 
 
@@ -97,31 +91,51 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
 
 
-def _step(
-    upper: KnownFace,
-    lower: KnownFace,
-    ledges: Sequence[KnownFace],
-    thick: float,
-    mosaic: Mosaic,
-    config: PlatesConfig,
-) -> Plate:
-    """Of a face and the floor below it: over and beside the one the other is not, nor any ledge between them."""
-    up = _outward(upper)
+def _alike(flat: Sequence[KnownFace], config: PlatesConfig) -> list[list[KnownFace]]:
+    """Faces that look one way, together."""
+    groups: list[list[KnownFace]] = []
+    for own in flat:
+        for group in groups:
+            if float(_outward(group[0]) @ _outward(own)) > config.opposed:
+                group.append(own)
+                break
+        else:
+            groups.append([own])
+    return groups
+
+
+def _steps(group: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig) -> Iterator[Plate]:
+    """Of each face of a group and each floor below it: all are seen on one lattice, each once."""
+    if len(group) < 2:
+        return
+    up = _outward(group[0])
     turn = frame_along(up)
-    cells = np.concatenate([upper.cells, lower.cells])
+    cells = np.concatenate([own.cells for own in group])
     lattice = Lattice.over(cells, turn[:, :2], mosaic.config.step, config.margin)
-    top, floor, *between = (
-        mosaic.picture(own.fit.shape.anchor, up, lattice) for own in (upper, lower, *ledges)
-    )
+    heights = [float(own.fit.shape.anchor @ up) for own in group]
+    seen = [mosaic.picture(own.fit.shape.anchor, up, lattice) for own in group]
+    for upper, lower in permutations(range(len(group)), 2):
+        thick = heights[upper] - heights[lower]
+        if config.step < thick < config.long:
+            low, high = heights[lower] + config.step, heights[upper] - config.step
+            ledges = [own for own, height in zip(seen, heights, strict=True) if low < height < high]
+            gone = _over(seen[upper], seen[lower], ledges, lattice, config)
+            origin = np.array([*lattice.origin, heights[upper] - 0.5 * thick])
+            there = _rims(np.where(seen[upper].known, seen[upper].share, 0.0), lattice.step, config)
+            yield Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), step=True)
+
+
+def _over(
+    top: Picture, floor: Picture, ledges: Sequence[Picture], lattice: Lattice, config: PlatesConfig
+) -> Floats:
+    """Share of what is missing over and beside a floor up to the face above it, but for ledges between them."""
     over = np.where(floor.there & ~top.there, floor.share, 0.0)
     gone = np.where(top.known, 1.0 - top.share, over)
     away = distance_transform_edt(~floor.there) if floor.there.any() else np.full(lattice.shape, np.inf)
     gone[away * lattice.step > config.foot] = 0.0
-    for ledge in between:
+    for ledge in ledges:
         gone = np.where(ledge.known, np.minimum(gone, 1.0 - ledge.share), gone)
-    origin = np.array([*lattice.origin, float(upper.fit.shape.anchor @ up) - 0.5 * thick])
-    there = _rims(np.where(top.known, top.share, 0.0), lattice.step, config)
-    return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), step=True)
+    return np.asarray(gone, dtype=np.float64)
 
 
 def _beyond(share: Floats, known: Bools, reach: float) -> Floats:
