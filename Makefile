@@ -5,13 +5,16 @@ SOURCES := $(shell find primitives models exploration recognition -name '*.py' -
 export PIP_NO_CACHE_DIR := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test bench soak faults lint docs site clean
+.PHONY: demo test test-all bench soak faults lint docs site clean
 
 demo: $(VENV)/.kernels
 	$(BIN)/palpate explore block --out runs/demo --overwrite
 	$(BIN)/palpate recognize runs/demo --library docs/library
 
 test: $(VENV)/.dev $(VENV)/.kernels
+	$(BIN)/python -m pytest -n 2 --dist worksteal -rs -m "not long"
+
+test-all: $(VENV)/.dev $(VENV)/.kernels
 	$(BIN)/python -m pytest -n 2 --dist worksteal -rs
 
 bench: $(VENV)/.bench $(VENV)/.kernels

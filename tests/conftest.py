@@ -21,7 +21,7 @@ settings.load_profile("same")
 def pytest_collection_modifyitems(config, items):
     """Where workers share the tests the slow ones come first, so that none is left alone with one at the end."""
     if hasattr(config, "workerinput"):
-        items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+        items.sort(key=lambda item: not any(item.get_closest_marker(name) for name in ("slow", "long")))
 
 
 # Tests write nothing outside the checkout; what recognition keeps of built-in parts is made once for all workers.

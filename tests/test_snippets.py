@@ -141,7 +141,7 @@ def test_the_commands_of_the_readme_run_one_after_another(desk):
     assert any("bracket" in text for line, text in said.items() if line.startswith("palpate identify"))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_suite_of_the_readme_makes_a_table(desk):
     shutil.copytree(DOCS / "suites", desk.folder / "docs" / "suites")
     (line,) = [line for line in commands("README", "console") if " experiment " in line]
@@ -155,7 +155,7 @@ def test_every_make_that_a_page_begins_with_is_run_before_anything_is_released(l
     assert line in (ROOT / ".ci" / "run").read_text().splitlines()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_ten_minutes_lead_from_a_file_of_ones_own_to_its_name(desk):
     shutil.copytree(DOCS / "library", desk.folder / "FOLDER")
     write_stl(desk.folder / "part.stl", (70.0, 50.0, 30.0))
@@ -166,7 +166,7 @@ def test_ten_minutes_lead_from_a_file_of_ones_own_to_its_name(desk):
     assert (desk.folder / "runs" / "part" / "model.csg").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_suite_of_the_page_runs_in_every_way_that_it_shows(desk):
     (suite,) = blocks("experiments", "toml")
     (desk.folder / "noise.toml").write_text(suite.replace('"sphere", ', ""))  # a part of one's own is enough
@@ -228,7 +228,7 @@ def test_the_drawing_of_the_page_is_read_with_its_names(tmp_path):
     assert "// hole" in (tmp_path / "again.csg").read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="left out: no pseudo-terminals here")
 def test_the_emulated_rig_of_the_page_is_explored(desk):
     serve, *others = commands("hardware", "console")

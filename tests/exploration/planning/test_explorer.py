@@ -33,7 +33,9 @@ def explorer_over(tree, seed, sensor="lts210", **config):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("sensor", "name"), [("lts210", "cylinder"), ("dsa", "cylinder")])
+@pytest.mark.parametrize(
+    ("sensor", "name"), [("lts210", "cylinder"), pytest.param("dsa", "cylinder", marks=pytest.mark.long)]
+)
 def test_a_convex_part_is_explored_until_closed_and_rebuilt_by_coarse_arrays_and_fine_ones(sensor, name):
     explorer, solid = explorer_over(parts.build(name), seed=1, sensor=sensor, max_touches=120)
     for _ in explorer.run():

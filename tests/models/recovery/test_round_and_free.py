@@ -40,7 +40,7 @@ def test_a_rod_with_a_round_end_ends_in_a_sphere() -> None:
     assert kinds == {"cylinder": 1, "sphere": 2}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_smooth_body_of_no_exact_shape_is_one_freeform_face() -> None:
     ball = trimesh.creation.icosphere(4)
     x, y, z = ball.vertices.T

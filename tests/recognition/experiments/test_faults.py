@@ -67,7 +67,10 @@ def until(told, process):
 
 @pytest.mark.parametrize(
     ("harm", "outcome", "said"),
-    [(signal.SIGKILL, "lost", "ended by signal 9"), (signal.SIGSTOP, "timeout", "longer than 10 s")],
+    [
+        (signal.SIGKILL, "lost", "ended by signal 9"),
+        pytest.param(signal.SIGSTOP, "timeout", "longer than 10 s", marks=pytest.mark.long),
+    ],
 )
 def test_a_worker_that_is_lost_or_hangs_costs_one_row_that_says_so(harm, outcome, said, tmp_path):
     suite = tmp_path / "some.toml"

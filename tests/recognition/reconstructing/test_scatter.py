@@ -47,7 +47,7 @@ def test_exact_contacts_on_faces_along_the_axes_have_a_sigma(normals):
     assert 0.0 < scatter(rounded) < 0.02
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("shake", [0.0, 0.002])
 @pytest.mark.parametrize("normals", [True, False])
 def test_places_that_are_read_ten_times_over_scatter_as_if_read_once(shake, normals):

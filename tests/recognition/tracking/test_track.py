@@ -57,7 +57,7 @@ def test_the_outline_of_a_cube_closes_over_four_corners_and_the_run_says_so(tmp_
     assert (tmp_path / "run" / "contacts.csv").read_text().count("\n") == len(told["trace"]) + 1
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_edge_shorter_than_a_third_of_the_pad_is_drawn_between_its_corners(tmp_path):
     wedge = tmp_path / "wedge.csg"
     wedge.write_text("linear_extrude(height = 30) polygon([[-30, -14], [30, -14], [30, -9], [-30, 14]]);")
@@ -68,7 +68,7 @@ def test_an_edge_shorter_than_a_third_of_the_pad_is_drawn_between_its_corners(tm
     assert np.allclose(lengths, [5.0, 28.0, 60.0, np.hypot(60.0, 23.0)], atol=0.5)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("size", "told_of"), [((90.0, 60.0, 10.0), 2), ((90.0, 60.0, 6.0), 0)])
 def test_sharp_edges_of_narrow_faces_are_not_rounded(size, told_of, tmp_path):
     bar = tmp_path / "bar.csg"

@@ -50,6 +50,7 @@ def note_of(move):
         return str(error)
 
 
+@pytest.mark.long
 def test_a_ring_is_followed_to_touches_apart_until_nothing_of_it_is_nameless(study):
     for y in (-5.0, 0.0, 5.0):
         hint(study, [np.sqrt(900.0 - y * y), y, 6.0], UP)
