@@ -2,7 +2,8 @@
 
 `heed` turns SIGTERM and SIGHUP into a `KeyboardInterrupt` as Ctrl-C is one.  Raised anywhere, it takes a half-made
 import for a missing one, or cuts a recording in two; so within `held` a signal is only noted, and raises at the
-next `checkpoint` or where the block ends.  In a callback of compiled code, as there are while kernels compile,
+next `checkpoint` or where the block ends; whoever asks once more a second later waits for neither, as in the
+middle of a long computation.  In a callback of compiled code, as there are while kernels compile,
 Python drops whatever is raised; there the signal is sent again, until it is raised where it is answered.
 """
 
@@ -12,11 +13,13 @@ import _thread
 import signal
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
 _AGAIN = 0.02  # [s] until an interrupt that was dropped is sent again
+_PATIENCE = 1.0  # [s] after which asking once more is no echo of the first, as both a shell and `make` send one
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # a system may lack the last
 
 
@@ -31,6 +34,7 @@ class Interrupted(KeyboardInterrupt):
 class _State:
     depth = 0  # of blocks that hold interrupts
     asked: int | None = None  # the signal that asked to end
+    since = 0.0  # [s] of the monotonic clock, when it did first
     dropped = staticmethod(sys.__unraisablehook__)  # what is done with other errors that nobody can answer
 
 
@@ -94,6 +98,9 @@ def _send_again(unraisable: sys.UnraisableHookArgs) -> None:
 
 
 def _told(number: int, frame: FrameType | None) -> None:
+    now = time.monotonic()
+    if _state.asked is None:
+        _state.since = now
     _state.asked = number
-    if not _state.depth:
+    if not _state.depth or now - _state.since > _PATIENCE:
         raise Interrupted(number)

@@ -36,9 +36,7 @@ class RoomConfig:
 
     wide: float = 0.04  # of the object's size, sigma at an arm of half of it, from which an axis is checked
     widths: tuple[float, ...] = (1.0, 0.5, 0.25, 0.125, 0.06)  # s
-    each: int = (
-        256  # draws at each of them, a power of two: with 48 the names of one touch differed threefold
-    )
+    each: int = 256  # draws at each of them, a power of two; with 48 one touch told names apart threefold
     cap: float = 12.0  # cost of a contact beyond which it says no more than that it is off
     steep: float = 0.05  # [rad] by which the field's normals err
 

@@ -44,6 +44,21 @@ def test_a_signal_that_is_held_raises_at_a_checkpoint():
         interrupts.heed()
 
 
+def asked_twice(apart):
+    with interrupts.held():
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(apart)
+        os.kill(os.getpid(), signal.SIGTERM)
+        interrupts.heed()
+        return "went on"
+
+
+def test_who_asks_once_more_waits_for_nothing_unless_it_is_an_echo():
+    assert asked_twice(0.0) == "went on"
+    with pytest.raises(interrupts.Interrupted):
+        asked_twice(1.1)
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_in_a_callback_of_compiled_code_raises_once_that_is_left(number, code, capfd):
     callback = ctypes.CFUNCTYPE(None)(lambda: os.kill(os.getpid(), number))
