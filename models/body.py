@@ -37,13 +37,13 @@ class Body:
 
     def __init__(
         self,
-        mesh: Any,
+        make_mesh: Callable[[], Any],
         vertices: Floats,
         triangles: Ints,
         face_of_triangle: Ints,
         surfaces: tuple[LabeledSurface, ...],
     ) -> None:
-        self.mesh = mesh
+        self._make_mesh = make_mesh
         self.vertices: Floats = frozen(vertices)
         self.triangles: Ints = frozen(triangles, np.int64)
         self.face_of_triangle: Ints = frozen(face_of_triangle, np.int64)
@@ -56,6 +56,11 @@ class Body:
             self._kept[key] = make()
         kept: _T = self._kept[key]
         return kept
+
+    @cached_property
+    def mesh(self) -> Any:
+        """The manifold with these triangles."""
+        return self._make_mesh()
 
     @cached_property
     def caster(self) -> RayCaster:

@@ -17,7 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from models.body import Body, LabeledSurface
 from models.csg import Csg
-from models.meshing.manifold import body_of_labels, body_of_mesh, body_of_tree, body_within, combined
+from models.meshing.manifold import (
+    body_again,
+    body_of_labels,
+    body_of_mesh,
+    body_of_tree,
+    body_within,
+    combined,
+)
 from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.pose import inverse, rotate, transform_points
@@ -43,6 +50,13 @@ class Solid:
         return Solid(body, frozen(np.eye(4)), tree)
 
     @staticmethod
+    def from_kept(
+        tree: Csg, vertices: Floats, triangles: Ints, labels: Ints, tolerance: float = TOLERANCE
+    ) -> Solid:
+        """What `from_csg` made before, from (v, 3) vertices, (t, 3) triangles and their (t,) labels."""
+        return Solid(body_again(tree, tolerance, vertices, triangles, labels), frozen(np.eye(4)), tree)
+
+    @staticmethod
     def from_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Solid:
         """The solid inside a closed mesh of (v, 3) vertices [mm] and (t, 3) triangles, normals out."""
         return Solid(body_of_mesh(vertices, triangles), frozen(np.eye(4)))
@@ -66,7 +80,7 @@ class Solid:
     @property
     def area(self) -> float:
         """[mm^2]."""
-        return float(self.body.mesh.surface_area())
+        return float(self.body.triangle_areas.sum())
 
     @property
     def shells(self) -> int:

@@ -1,6 +1,6 @@
 """A solid that is made from a tree, with what recognition asks of it kept in the user's cache, to the bit.
 
-    parts/KEY.samples.npz     and .pairs, .field, .symmetry: each made when it is first asked for, then mapped
+    parts/KEY.solid.npz    and .samples, .pairs, .field, .symmetry: each made when first asked for, then mapped
 
 The key is of the tree alone; inside stands a digest of the code that made it, so that what another version made is
 made again in its place and the folder does not grow.  Files appear whole or not at all, so any number of processes
@@ -44,14 +44,15 @@ class Kept:
 
     @cached_property
     def _made(self) -> Computed:
-        return Computed(Solid.from_csg(self._tree))
+        a = self._piece("solid", lambda: _solid_arrays(Solid.from_csg(self._tree)))
+        return Computed(Solid.from_kept(self._tree, a["vertices"], a["triangles"], a["labels"]))
 
     @cached_property
     def _key(self) -> str:
         return hashlib.sha256(f"{TOLERANCE} {self._tree!r}".encode()).hexdigest()[:32]
 
     def solid(self) -> Solid:
-        """See `Source`; it is not kept."""
+        """See `Source`; its manifold is not kept."""
         return self._made.solid()
 
     def brep(self) -> Brep:
@@ -111,6 +112,15 @@ def made_by() -> bytes:
         for path in sorted((root / package).rglob("*.py")):
             digest.update(path.read_bytes())
     return digest.digest()
+
+
+def _solid_arrays(solid: Solid) -> _Arrays:
+    few = np.int32  # triangles are never that many
+    return {
+        "vertices": solid.body.vertices,
+        "triangles": solid.triangles.astype(few),
+        "labels": solid.face_of_triangle.astype(few),
+    }
 
 
 def _field_arrays(field: DistanceField) -> _Arrays:

@@ -32,6 +32,16 @@ def body_of_tree(tree: Csg, tolerance: float) -> Body | None:
     return _labeled(result, surfaces, first) if _whole(result) else None
 
 
+def body_again(tree: Csg, tolerance: float, vertices: Floats, triangles: Ints, labels: Ints) -> Body:
+    """What `body_of_tree` made before, from its arrays; its manifold is made when it is asked for."""
+    surfaces = tuple(
+        surface
+        for number, leaf in enumerate(tree.leaves())
+        for surface in _surfaces_of(facets(leaf.primitive, tolerance), leaf, number)
+    )
+    return Body(lambda: _made(tree, tolerance)[0], vertices, triangles, labels, surfaces)
+
+
 def body_of_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Body:
     """The body inside a closed mesh of (v, 3) vertices [mm] and (t, 3) triangles, normals out."""
     mesh = manifold3d.Mesh64(
@@ -119,7 +129,7 @@ def _labeled(result: Any, surfaces: tuple[LabeledSurface, ...], first: dict[int,
         run = slice(mesh.run_index[i] // 3, mesh.run_index[i + 1] // 3)
         labels[run] = np.asarray(mesh.face_id[run], dtype=np.int64) + first[int(original)]
     vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
-    return Body(result, vertices, triangles, labels, surfaces)
+    return Body(lambda: result, vertices, triangles, labels, surfaces)
 
 
 def _manifold_of(mesh: Facets, vertices: Floats, identity: int) -> Any:
@@ -164,4 +174,4 @@ def _evaluate(tree: Csg, parts: Iterator[Any], frame_from_tree: Floats) -> Any:
 def _unlabeled(result: Any) -> Body:
     mesh = result.to_mesh64()
     vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
-    return Body(result, vertices, triangles, np.full(len(triangles), -1), ())
+    return Body(lambda: result, vertices, triangles, np.full(len(triangles), -1), ())

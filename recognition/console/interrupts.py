@@ -19,7 +19,9 @@ from contextlib import contextmanager
 from types import FrameType
 
 _AGAIN = 0.02  # [s] until an interrupt that was dropped is sent again
-_PATIENCE = 1.0  # [s] after which asking once more is no echo of the first, as both a shell and `make` send one
+_PATIENCE = (
+    1.0  # [s] after which asking once more is no echo of the first, as both a shell and `make` send one
+)
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # a system may lack the last
 
 

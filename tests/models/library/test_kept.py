@@ -5,6 +5,7 @@ import numpy as np
 from models import parts
 from models.library import Library, kept
 from models.library.kept import Kept
+from models.meshing import manifold
 from models.solid import Solid
 
 
@@ -22,6 +23,11 @@ def test_what_is_kept_is_what_would_be_made_and_is_made_once(tmp_path, monkeypat
         told = source.symmetry()
         assert (told.name, told.order, told.axis) == (fresh.symmetry.name, fresh.symmetry.order, None)
         assert np.array_equal(told.rotations, fresh.symmetry.rotations)
+        solid = source.solid()
+        for key in ("vertices", "triangles", "face_of_triangle"):
+            assert np.array_equal(getattr(solid, key), getattr(fresh.solid, key))
+        assert [repr(surface) for surface in solid.surfaces] == [repr(each) for each in fresh.solid.surfaces]
+        assert (solid.volume, solid.csg) == (fresh.solid.volume, tree)
 
     assert_same(Kept(tree))
     with monkeypatch.context() as patched:
@@ -30,8 +36,19 @@ def test_what_is_kept_is_what_would_be_made_and_is_made_once(tmp_path, monkeypat
     count = len(list(tmp_path.rglob("*.npz")))
     monkeypatch.setattr(kept, "made_by", lambda: b"other code")
     assert_same(Kept(tree))
-    assert len(list(tmp_path.rglob("*.npz"))) == count == 4
+    assert len(list(tmp_path.rglob("*.npz"))) == count == 5
     assert all(b"other code" in path.read_bytes() for path in tmp_path.rglob("*.npz"))
+
+
+def test_no_manifold_is_made_of_what_is_kept_until_one_is_asked_for(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    tree = parts.build("hex_nut")
+    fresh = Kept(tree).solid()
+    with monkeypatch.context() as patched:
+        patched.setattr(manifold, "_made", None)
+        solid = Kept(tree).solid()
+        assert (solid.area, solid.extent.tolist()) == (fresh.area, fresh.extent.tolist())
+    assert solid.volume == fresh.volume > 0.0
 
 
 def test_without_a_place_to_keep_it_all_is_made_in_memory(tmp_path, monkeypatch):
