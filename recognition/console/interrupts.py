@@ -19,9 +19,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 _AGAIN = 0.02  # [s] until an interrupt that was dropped is sent again
-_PATIENCE = (
-    1.0  # [s] after which asking once more is no echo of the first, as both a shell and `make` send one
-)
+_PATIENCE = 1.0  # [s] from when on asking once more is no echo, as of a shell and `make` that both ask
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # a system may lack the last
 
 
