@@ -17,7 +17,7 @@ class Plate:
 
     pose: Floats  # (4, 4) world_from_plate, z along the upper face's normal, the origin half way between the two
     thick: float  # [mm] from the one face to the other
-    there: tuple[Floats, ...]  # rims of where both were felt
-    missing: tuple[Floats, ...]  # rims of where neither is
+    there: tuple[Floats, ...]  # rims of where both were felt; of a step, the upper one
+    missing: tuple[Floats, ...]  # rims of where neither is; of a step, over and beside its floor
     lies: bool = False  # on a table, so that nobody saw the lower face: what is told is told of the upper one
     step: bool = False  # the lower face looks up as well, as a floor: what is missing is so down to it

@@ -1,4 +1,4 @@
-"""Walls between the two sides of a plate, from the outline that both were seen to end at.
+"""Walls between the two sides of a plate, from the outline at which both were seen to end; of a step, the upper.
 
 Straight pieces of it are flat walls and round ones cylinders, upright between the sides, where no face is known
 there.  An outline that such walls leave unexplained for the most part, as of a gear, is made by none of them (our

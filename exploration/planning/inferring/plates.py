@@ -31,10 +31,8 @@ class PlatesConfig:
 
     opposed: float = 0.9998  # least cosine between a side's normal and the reverse of the other's
     thick: tuple[float, float] = (0.3, 250.0)  # [mm]
-    step: float = 1.0  # [mm] from a floor to the face over it, at least
-    long: float = (
-        45.0  # [mm] of thickness, from which holes in both sides may be two blind ones; and of a step
-    )
+    step: tuple[float, float] = (1.0, 45.0)  # [mm] from a floor to the face over it
+    blind: float = 45.0  # [mm] of thickness, from which holes in both sides may be two blind ones
     cells: int = 12  # felt places of either side, at least
     margin: float = 12.0  # [mm] round both, of the pictures
     finer: int = 2  # times as fine as the pictures, of the outlines
@@ -85,7 +83,7 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     both, neither = np.where(known, share.min(axis=0), 0.0), 1.0 - share.max(axis=0)
     there = _rims(both, lattice.step, config)
     gone = _beyond(neither, known, config.beyond / lattice.step)
-    if len(sides) == 1 or thick > config.long:
+    if len(sides) == 1 or thick > config.blind:
         gone[binary_fill_holes(both > 0.5)] = 0.0
     origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
     return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
@@ -116,8 +114,8 @@ def _steps(group: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig) -> 
     seen = [mosaic.picture(own.fit.shape.anchor, up, lattice) for own in group]
     for upper, lower in permutations(range(len(group)), 2):
         thick = heights[upper] - heights[lower]
-        if config.step < thick < config.long:
-            low, high = heights[lower] + config.step, heights[upper] - config.step
+        if config.step[0] < thick < config.step[1]:
+            low, high = heights[lower] + config.step[0], heights[upper] - config.step[0]
             ledges = [own for own, height in zip(seen, heights, strict=True) if low < height < high]
             gone = _over(seen[upper], seen[lower], ledges, lattice, config)
             origin = np.array([*lattice.origin, heights[upper] - 0.5 * thick])
