@@ -103,6 +103,8 @@ def _one_sided(facing: Floats, a: Floats, b: Floats, c: Floats) -> bool:
 def _centroid(corners: Floats) -> Floats:
     a, b, c = np.moveaxis(corners, 1, 0)
     weight = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    if not weight.any():  # a sliver, whose corners lie on a line
+        weight = np.ones(len(corners))
     center: Floats = weight @ corners.mean(axis=1) / weight.sum()
     return center
 

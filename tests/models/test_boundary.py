@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from models import parts
-from models.boundaries.extents import rectangle
+from models.boundaries.extents import anchored, rectangle
 from models.boundary import boundary
 from models.brep import Brep, Edge
 from models.csg import Cone, Csg, Cube, Cylinder, Sphere
 from models.formats import openscad
 from models.solid import Solid
+from primitives.shapes import Plane
 
 
 def _brep(tree: Csg) -> Brep:
@@ -190,3 +191,10 @@ def test_a_rounded_block_has_four_faces_at_each_corner() -> None:
 
 def sorted_kinds(brep: Brep, edge: Edge) -> tuple[str, ...]:
     return tuple(sorted(brep.faces[face].kind for face in edge.faces))
+
+
+def test_a_face_of_which_nothing_but_a_sliver_is_left_is_anchored_on_it():
+    corners = np.array([[[0.0, 0.0, 5.0], [4.0, 0.0, 5.0], [2.0, 0.0, 5.0]]])
+    shape, extent = anchored(Plane([0.0, 0.0, 5.0], [0.0, 0.0, 1.0]), corners, np.empty((0, 3)))
+    assert np.allclose(shape.origin, [2.0, 0.0, 5.0])
+    assert extent == (0.0, 0.0)
