@@ -1,7 +1,7 @@
 """Every block of code in the README and on the pages under docs does what it shows, and none is left out.
 
 What a reader puts in for a placeholder (DIR, FOLDER, HOST, a file of one's own) is put in here; all else runs as
-it is written.
+it is written.  The four that take a minute each run with `make test-all`.
 """
 
 import importlib.util

@@ -29,7 +29,7 @@ from primitives.pose import frame_along, pose
 class PlatesConfig:
     """What is a plate, and how its outlines are drawn."""
 
-    opposed: float = 0.9998  # least cosine between a side's normal and the reverse of the other's
+    opposed: float = 0.9998  # least cosine of a side's normal with the other's, reversed but in a step
     thick: tuple[float, float] = (0.3, 250.0)  # [mm]
     step: tuple[float, float] = (1.0, 45.0)  # [mm] from a floor to the face over it
     blind: float = 45.0  # [mm] of thickness, from which holes in both sides may be two blind ones

@@ -118,6 +118,14 @@ def test_a_ledge_between_a_floor_and_the_face_above_it_is_left_where_it_is():
     assert (depth_inside(whole.missing, own[:, :2]) > 0.0).tolist() == [False, True, False]
 
 
+def test_faces_that_look_one_way_are_seen_once_each_for_all_their_steps():
+    mosaic, seen = Drawn(notched), []
+    picture = mosaic.picture
+    mosaic.picture = lambda anchor, normal, lattice: seen.append(1) or picture(anchor, normal, lattice)
+    plates([side(number, 2.0 * number, 1.0) for number in range(5)], mosaic)
+    assert len(seen) == 5
+
+
 def test_of_a_long_bar_slots_go_through_and_holes_in_both_ends_may_be_blind():
     def drilled(world, height):
         hole = np.minimum(6.0 - np.abs(world[..., 0] + 8.0), 4.0 - np.abs(world[..., 1]))
