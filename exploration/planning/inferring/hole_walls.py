@@ -21,7 +21,7 @@ from exploration.planning.open.cornered import cornered
 from exploration.planning.open.holes import Hole, HolesConfig, ends_of_one, holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
-from exploration.planning.open.round_rims import RoundRim
+from exploration.planning.open.round_rims import RoundRim, far_end
 from exploration.planning.touching.findings import Findings
 from primitives.arrays import Floats
 from primitives.fit import Fit
@@ -51,7 +51,11 @@ def add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Fl
     rims = [*found.rims, *(gap for gap in gaps if not any(_told_by(gap, rim) for rim in found.rims))]
     # two mouths in round faces are no pair yet: in a tube's wall each leads into a bore, which is made known here
     apart, known = HolesConfig(leaning=np.inf), frontier().known
-    single = [rim for rim in found.rims if not any(ends_of_one(rim, other) for other in rims)]
+    single = [
+        rim
+        for rim in found.rims
+        if far_end(rim, found.rims) is None and not any(ends_of_one(rim, other) for other in rims)
+    ]
     guessed += narrowed_ends(single, known, inside)
     found.openings = _holes(found, rims, guessed, inside, known, apart)
     through = far_ends(found.openings, known := frontier().known)

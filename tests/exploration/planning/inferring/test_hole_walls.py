@@ -1,13 +1,15 @@
 """Round holes between the rims at their ends, and what is no end of one."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from exploration.control.sighting import Sighting
-from exploration.planning.inferring.hole_walls import _ended, _holes, _part_of, _told_by
+from exploration.planning.inferring.hole_walls import _ended, _holes, _part_of, _told_by, add_holes
 from exploration.planning.open.holes import Hole
+from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
 from primitives.evidence import Contacts
@@ -37,6 +39,27 @@ def test_a_hole_between_two_rims_goes_on_past_a_floor_beside_it():
     wall = found.graph.faces[-1].contacts.points[:, 2]
     assert wall.min() < -5.0
     assert wall.max() > 5.0
+
+
+def test_a_hole_that_narrows_ends_at_the_rim_that_was_looked_at():
+    """And not at a narrower one, guessed where the face round it was felt."""
+    found, turn = Findings(), np.linspace(0.0, 2.0 * np.pi, 25)
+    ways = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    ring = np.concatenate([radius * ways for radius in (4.0, 14.0, 16.0)])
+    for height, side in ((10.0, 1.0), (0.0, -1.0)):
+        places = ring[25:] + height * Z
+        found.graph, _ = found.graph.add_stroke(Contacts.of(places, np.tile(side * Z, (50, 1))))
+    top, bottom = (face.id for face in found.graph.faces)
+    found.rims = [
+        RoundRim(10.0 * Z, Z, 9.0, 0.02, top, True),
+        RoundRim(-0.02 * Z, -Z, 5.0, 0.02, bottom, True),
+    ]
+    below = found.graph.faces[1]
+    known = KnownFace(below, below.fit, 1.0, ring, np.empty((0, 3)))
+    now = SimpleNamespace(openings=[], round_gaps=[], known=[known])
+    add_holes(found, lambda: now, np.array([[0.5, 0.0, z] for z in (8.0, 2.0, -6.0)]))
+    radii = sorted(face.fit.shape.radius for face in found.graph.faces if face.fit.kind == "cylinder")
+    assert np.allclose(radii, [5.0, 9.0], atol=0.01)
 
 
 @pytest.mark.parametrize("above", [True, False])
