@@ -38,6 +38,8 @@ _WIDE = 3.0  # [mm] standard deviation of a sound face's contacts across their l
 _BULGE = 0.02  # [mm] rms about a plane, up to which a face is flat
 _SAGITTA = 0.05  # [mm] of bulge, which a pad that lies partly past a small face's rim may read into it
 _NO_WORSE = 1.3  # times the misfit of a curved face, up to which a plane explains as much
+_AS_NEAR = 1.1  # times its distance of places, up to which only normals ask for the curve,
+_LEAN = 1.5  # [sigma] that most of those lean at least, where it is not a few strays
 _FLAT = 5.0  # times the extent of what was touched, from which a radius is that of a plane
 _ARC = 0.05  # [rad] of a land that was felt along its length, up to which it is flat across
 _FACING = 0.98  # least cosine between a contact's normal and that of the larger face
@@ -183,8 +185,15 @@ def _plane_of(face: Face) -> Fit | None:
     flat = None if bulge is None else fit("plane", face.contacts)
     if bulge is None or not isinstance(flat, Fit) or not isinstance(face.fit, Fit):
         return None
-    told = flat.rms < _BULGE or bulge < _SAGITTA or flat.chi2 < _NO_WORSE * face.fit.chi2
+    as_near = flat.rms < _AS_NEAR * face.fit.rms and _most_lean(flat, face.contacts) < _LEAN
+    told = as_near or flat.rms < _BULGE or bulge < _SAGITTA or flat.chi2 < _NO_WORSE * face.fit.chi2
     return flat if told else None
+
+
+def _most_lean(flat: Fit, contacts: Contacts) -> float:
+    """[sigma] by which half of the normals lean from a plane's, at least."""
+    facing = np.abs((flat.shape.normals(contacts.points) * contacts.normals).sum(axis=1))
+    return float(np.median(np.arccos(np.clip(facing, 0.0, 1.0)) / contacts.normal_sigma))
 
 
 def _bulge(face: Face) -> float | None:

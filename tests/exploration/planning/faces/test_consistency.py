@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.planning.faces.consistency import drop_astride, drop_poor
+from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
 from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face, PatchGraph
@@ -61,3 +61,19 @@ def test_a_few_contacts_past_both_sides_of_a_sheet_are_no_round_face_of_its_edge
     assert made
     kept = drop_astride(PatchGraph((*sides, Face(2, made, edge)), ())).faces
     assert [face.id for face in kept] == ([0, 1, 2] if stays else [0, 1])
+
+
+@pytest.mark.parametrize(("tilt", "kind"), [(0.1, "plane"), (34.0 / 600.0, "sphere")])
+def test_a_narrow_ring_is_flat_though_a_few_pads_leaned_over_its_rim(tilt, kind):
+    """Of a dome every normal leans, and not only those of strays."""
+    turn, rng = np.linspace(0.0, 6.0, 20), np.random.default_rng(2)
+    out = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    stray = np.arange(20) % 4 == 0  # sure of itself, as a pad is that most of a face fills
+    leans = np.where(stray, tilt, 0.0 if kind == "plane" else tilt)
+    points = rng.normal(34.0, 0.8, (20, 1)) * out + rng.normal(0.0, 0.035, (20, 1)) * [0.0, 0.0, 1.0]
+    normals = np.column_stack([np.sin(leans)[:, None] * out[:, :2], np.cos(leans)])
+    contacts = Contacts.of(points, normals, 0.03, np.where(stray, 0.02, 0.1 if kind == "plane" else 0.02))
+    bent = fit("sphere", contacts)
+    (face,) = flattened(PatchGraph((Face(0, bent, contacts),), ())).faces
+    assert bent.shape.radius > 360.0
+    assert face.fit.kind == kind
