@@ -5,6 +5,7 @@ alone, one that an edge cuts, one that an unseen edge probably cuts, a contact s
 be a flat strip as well as a round flank.  The floors were measured on simulated presses.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from exploration.control.feel import FeelConfig, Felt, NotTouching, feel
 from exploration.devices.guard import Observation
 from exploration.sensing.contacts import contacts_of, slid
 from exploration.sensing.frame import TactileImage, TaxelArray
+from exploration.sensing.lines.arc import Arc
 from exploration.sensing.surfaces.domed_patch import domed_patch
 from exploration.sensing.surfaces.flat_patch import flat_patch
 from exploration.sensing.surfaces.local_surface import LocalSurface
@@ -63,6 +65,8 @@ class TrustConfig:
     unseen: float = 2.5  # [spreads] from the pad's end, beyond which edges that it does not see bend nothing
     turned: float = 0.12  # [rad] of a normal, beyond which a frame lies on an edge and tells of no surface
     wide: float = 0.03  # [mm] of a contact's own error, beyond which the same
+    ringed: float = 0.1  # [mm] the same of a ring that is seen whole: an edge has no two circles
+    around: float = 6.0  # [rad] of a circle, from which it is seen whole
     domed: float = 0.5  # probability of being curved, below which a dome is an edge that the pad lies astride
     whole: float = 0.9  # of the pad, which a hollow surface fills; less of one is a step that the skin spans
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
@@ -80,6 +84,8 @@ def keep(
     surface = what.surface
     where = (seen.world_from_sensor, touch, stroke, seen.sensor)
     floor, normal_floor = trust.floor[0], trust.normal_floor[0]
+    whole = [arc for arc in what.arcs if arc.span > trust.around]
+    ring = whole if len(whole) == 2 and not what.lines else []
     if isinstance(surface, LocalSurface) and _trusted(surface, seen.image, trust):
         found = contacts_of(what, *where)
         if surface.curved:
@@ -94,7 +100,7 @@ def keep(
             middle = Midline.of(surface.mask, seen.image.array)
             bends = middle.drawn_in < trust.straight
             found = _along(middle, found, seen.world_from_sensor) if bends else found
-            found = _on(surface.mask, seen, found)
+            found = _round(ring, seen, found) if ring else _on(surface.mask, seen, found)
             if _width(surface, seen.image) < (trust.crown if bends else trust.slender):
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
@@ -102,7 +108,7 @@ def keep(
     told = (
         len(found)
         and float(found.normal_sigma.max()) < trust.turned
-        and float(found.sigma.max()) < trust.wide
+        and float(found.sigma.max()) < (trust.ringed if ring else trust.wide)
     )
     if told:
         sigma, turn = np.hypot(found.sigma, floor), np.hypot(found.normal_sigma, normal_floor)
@@ -123,6 +129,14 @@ def _on(mask: Bools, seen: Observation, contacts: Contacts) -> Contacts:
     inner = _taxels(within if within.any() else mask, array)
     to = np.where(off[:, None], inner[KDTree(inner).query(places)[1]], places)
     return slid(contacts, to, pose) if off.any() else contacts
+
+
+def _round(ring: Sequence[Arc], seen: Observation, contacts: Contacts) -> Contacts:
+    """Contacts of a flat ring between two circles, moved half way between these."""
+    center = np.mean([arc.center for arc in ring], axis=0)
+    places = se3.transform_points(se3.inverse(seen.world_from_sensor), contacts.points)[:, :2]
+    out = (places - center) / np.linalg.norm(places - center, axis=1, keepdims=True)
+    return slid(contacts, center + np.mean([arc.radius for arc in ring]) * out, seen.world_from_sensor)
 
 
 def _taxels(mask: Bools, array: TaxelArray) -> Floats:

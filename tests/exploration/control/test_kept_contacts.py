@@ -11,7 +11,7 @@ from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.devices.simulated import simulate
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Csg, Cube, Cylinder, Prism, Torus
+from models.csg import Cone, Csg, Cube, Cylinder, Prism, Torus
 from models.solid import Solid
 from primitives import pose as se3
 
@@ -130,6 +130,18 @@ def test_contacts_of_the_ring_round_a_hole_lie_on_the_ring():
     off = presses(ring, [(turn, x, 0.0) for turn in turns for x in (6.0, 11.0)])
     assert len(off) > 4
     assert off.max() < 1.8  # a pitch
+
+
+def test_the_narrow_top_of_a_hollow_boss_that_is_seen_whole_yields_contacts_on_it():
+    boss = Cone(9.0, 7.0, 12.0).at(0, 0, -6.0) - Cylinder(5.0, 10.0).at(0, 0, -4.0)
+    turns = [
+        se3.rotation_exp([lean, 0.0, 0.0]) @ se3.rotation_exp([0.0, 0.0, turn]) @ DOWN
+        for turn in (0.0, 0.5, 1.0)
+        for lean in (0.0, 0.05)
+    ]
+    off = presses(boss, [(turn, 0.6, -0.4) for turn in turns])
+    assert len(off) == len(turns)
+    assert off.max() < 0.1
 
 
 def test_a_small_pad_astride_a_sharp_edge_tells_of_no_dome():
