@@ -5,8 +5,9 @@ What stopped an array there tells how: as deep wherever it was stopped, there is
 nearer to the axis, a cone that begins at the rim, of depth (R - rho) k.  Where neither is so the hole narrows as
 the outside round it does (`sleeves`).  Where that does not, and nothing was felt, it is most often a ledge.  Whose
 two widths are those of a screw's head and shank is sunk for such a head, which is as high as the screw is thick
-(ISO 4762, DIN 974-1); else half way down is nearest to all that may be (our derivation).  The sigma of its
-contacts does not say how far off that may be, the warning beside the model does.
+(ISO 4762, DIN 974-1); wider yet are sinks for flat heads, cones of 90 degrees (ISO 15065); else half way down is
+nearest to all that may be (our derivation).  The sigma of its contacts does not say how far off that may be, the
+warning beside the model does.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ BY_GUESS = "a round hole is wider at one end; its ledge is taken for half way do
 BY_SCREW = (
     "a round hole is wider at one end, as for a screw's head; its ledge is taken for as deep as such a head"
 )
+BY_FLAT_HEAD = (
+    "a round hole is wider at one end, as for a screw's flat head; it is taken for a cone of 90 degrees"
+)
 BY_TOUCH = "a round hole is wider at one end; its ledge is where an array was stopped"
 BY_OUTSIDE = "a round hole is wider at one end; it narrows where the outside does"
 BY_SLOPE = "a round hole is wider at one end; it narrows as an array was stopped in it"
@@ -40,7 +44,12 @@ class SteppedHoleConfig:
 
     level: float = 0.7  # [mm] between depths at which it was stopped, of one ledge
     slope: float = 1.0  # [mm] from the axis, by which places at least differ that tell a slope
-    screw: tuple[float, float] = (1.5, 1.9)  # times as wide as the hole for its shank, that one for a head is
+    screw: tuple[float, float] = (
+        1.5,
+        1.9,
+    )  # times as wide as the hole for its shank, that one for a head is;
+    # what is wider is for a flat one,
+    shank: float = 11.5  # [mm] radius of the hole for its shank at most: of M20
     head: float = 1.93  # radii of the hole for the shank, that it is deep: M5 to M10 come to 1.91 to 1.96
     sigma: float = 0.5  # [mm] at most: what is less sure would be taken for the face round the mouth
     normal_sigma: float = 0.05  # [rad]
@@ -95,8 +104,10 @@ def _made(
     ledge_felt = len(own) > 0 and float(np.ptp(own[:, 1])) <= config.level
     if outside is not None and not (ledge_felt and beyond > config.level):
         return _coned(rim, other, outside, BY_OUTSIDE, config)
-    deep, why = (float(np.median(own[:, 1])), BY_TOUCH) if len(own) else (0.5 * far, BY_GUESS)
     low, high = config.screw
+    if not len(own) and rim.radius > high * other.radius and other.radius < config.shank and wide < far:
+        return _coned(rim, other, (0.0, wide), BY_FLAT_HEAD, config)
+    deep, why = (float(np.median(own[:, 1])), BY_TOUCH) if len(own) else (0.5 * far, BY_GUESS)
     if not len(own) and low < rim.radius / other.radius < high and config.head * other.radius < deep:
         deep, why = config.head * other.radius, BY_SCREW
     mouth = Hole(rim.center - 0.5 * deep * rim.axis, rim.axis, rim.radius, deep, rim.sigma)

@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.stepped_holes import BY_GUESS, BY_SCREW, BY_SLOPE, BY_TOUCH, stepped_holes
+from exploration.planning.inferring.stepped_holes import (
+    BY_FLAT_HEAD,
+    BY_GUESS,
+    BY_SCREW,
+    BY_SLOPE,
+    BY_TOUCH,
+    stepped_holes,
+)
 from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Stopped
 from primitives.evidence import NOT_FELT
@@ -43,6 +50,20 @@ def test_one_that_is_as_wide_as_for_a_screw_s_head_is_as_deep(shank, head, deep)
     assert step.why == BY_SCREW
     thin = stepped_holes([replace(below, center=TOP.center - 8.0 * UP), replace(TOP, radius=head)])[0]
     assert thin.holes[0].depth <= 4.0
+
+
+@pytest.mark.parametrize(("shank", "head"), [(1.7, 3.4), (2.25, 4.7), (3.3, 6.5), (4.5, 9.2)])
+def test_one_that_is_as_wide_as_for_a_flat_head_is_a_cone_of_90_degrees(shank, head):
+    below = replace(BOTTOM, radius=shank, center=TOP.center - 30.0 * UP)
+    (step,) = stepped_holes([below, replace(TOP, radius=head)])
+    (narrow,) = step.holes
+    assert narrow.depth == pytest.approx(30.0 - (head - shank))
+    assert (step.kind, step.why) == ("cone", BY_FLAT_HEAD)
+    assert fit("cone", step.contacts).shape.semi_angle == pytest.approx(np.pi / 4, abs=0.02)
+    felt = [Stopped(TOP.center, 0.8 * head, 5.0)]
+    assert stepped_holes([below, replace(TOP, radius=head)], stopped=felt)[0].why == BY_TOUCH
+    thin = replace(below, center=TOP.center - 1.5 * UP)  # no room for a cone
+    assert stepped_holes([thin, replace(TOP, radius=head)])[0].why == BY_GUESS
 
 
 def test_the_ledge_is_where_an_array_was_stopped():
