@@ -21,7 +21,7 @@ from exploration.sensing.surfaces.domed_patch import domed_patch
 from exploration.sensing.surfaces.flat_patch import flat_patch
 from exploration.sensing.surfaces.local_surface import LocalSurface
 from exploration.sensing.surfaces.midline import Midline
-from exploration.sensing.touch import perceive
+from exploration.sensing.touch import Touch, perceive
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import Contacts
@@ -67,6 +67,9 @@ class TrustConfig:
     wide: float = 0.03  # [mm] of a contact's own error, beyond which the same
     ringed: float = 0.1  # [mm] the same of a ring that is seen whole: an edge has no two circles
     around: float = 6.0  # [rad] of a circle, from which it is seen whole
+    eccentric: float = (
+        0.25  # [mm] between the centers of its circles at most: a pad that leans reads them apart
+    )
     domed: float = 0.5  # probability of being curved, below which a dome is an edge that the pad lies astride
     whole: float = 0.9  # of the pad, which a hollow surface fills; less of one is a step that the skin spans
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
@@ -84,8 +87,7 @@ def keep(
     surface = what.surface
     where = (seen.world_from_sensor, touch, stroke, seen.sensor)
     floor, normal_floor = trust.floor[0], trust.normal_floor[0]
-    whole = [arc for arc in what.arcs if arc.span > trust.around]
-    ring = whole if len(whole) == 2 and not what.lines else []
+    ring = _ring(what, trust)
     if isinstance(surface, LocalSurface) and _trusted(surface, seen.image, trust):
         found = contacts_of(what, *where)
         if surface.curved:
@@ -129,6 +131,14 @@ def _on(mask: Bools, seen: Observation, contacts: Contacts) -> Contacts:
     inner = _taxels(within if within.any() else mask, array)
     to = np.where(off[:, None], inner[KDTree(inner).query(places)[1]], places)
     return slid(contacts, to, pose) if off.any() else contacts
+
+
+def _ring(what: Touch, trust: TrustConfig) -> Sequence[Arc]:
+    """The two circles of a ring that a frame shows whole; none where it shows something else."""
+    if len(what.arcs) != 2 or what.lines or min(arc.span for arc in what.arcs) < trust.around:
+        return ()
+    one, other = what.arcs
+    return what.arcs if np.linalg.norm(one.center - other.center) < trust.eccentric else ()
 
 
 def _round(ring: Sequence[Arc], seen: Observation, contacts: Contacts) -> Contacts:
