@@ -67,9 +67,7 @@ class TrustConfig:
     wide: float = 0.03  # [mm] of a contact's own error, beyond which the same
     ringed: float = 0.1  # [mm] the same of a ring that is seen whole: an edge has no two circles
     around: float = 6.0  # [rad] of a circle, from which it is seen whole
-    eccentric: float = (
-        0.25  # [mm] between the centers of its circles at most: a pad that leans reads them apart
-    )
+    eccentric: float = 0.3  # [mm] between the centers of its circles: a pad that leans sees them apart
     domed: float = 0.5  # probability of being curved, below which a dome is an edge that the pad lies astride
     whole: float = 0.9  # of the pad, which a hollow surface fills; less of one is a step that the skin spans
     border: float = 0.6  # [pitches] from the outermost taxels, where the skin's end bends a curved patch
@@ -103,7 +101,7 @@ def keep(
             bends = middle.drawn_in < trust.straight
             found = _along(middle, found, seen.world_from_sensor) if bends else found
             found = _round(ring, seen, found) if ring else _on(surface.mask, seen, found)
-            if _width(surface, seen.image) < (trust.crown if bends else trust.slender):
+            if not ring and _width(surface, seen.image) < (trust.crown if bends else trust.slender):
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
     else:
         found = _patch(seen, where, trust, what.kinds["curved"] > trust.domed)
