@@ -15,9 +15,10 @@ from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.uprighted import uprighted
-from exploration.planning.inferring.adding import add, change, home_of, once
+from exploration.planning.inferring.adding import add, add_own, change, home_of, once
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
+from exploration.planning.inferring.grooves import grooves
 from exploration.planning.inferring.hole_walls import add_holes, add_left_holes
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
 from exploration.planning.inferring.lips import no_walls
@@ -68,6 +69,9 @@ _BY_SIDES = "a side of a socket that no pad could lie on is inferred from edges 
 _BY_CORNER = "a rounded corner of a plate is inferred from where both its sides end between two walls"
 _BY_ROUNDING = "a rounded edge is inferred from where contact with the walls on both sides ends"
 _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle that the face over it ends at"
+_BY_BAND = (
+    "a groove round a cylinder is inferred from where its wall is not; it is taken for half as deep as wide"
+)
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between two directions that are one
 _WALLS = 4.0  # [mm] round an opening, within which its walls are
@@ -93,6 +97,8 @@ def conclude(
     add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     _add_ends(found, frontier, inside)
+    for lot in grooves(frontier().known, found.graph.faces, mosaic):
+        add_own(found, lot, _BY_BAND, "torus")
     through = slots(known := frontier().known)
     looked, beside = _open_rims(found, known, through)
     for lot in sockets([*looked, *beside], found.graph.faces):

@@ -12,10 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, gaussian_filter1d
 
 from exploration.devices.guard import Observation
 from primitives.arrays import Bools, Floats
+from primitives.shapes import Cylinder
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class MosaicConfig:
     blur: float = 0.8  # [mm] over which images are joined
     known: float = 20.0  # squared depths over squared noises, from which a place is known
     most: float = 1.5  # of the share of one taxel, which a higher face may press on
+    square: float = 0.035  # most cosine between the pad's normal and the axis of a cylinder that it lies on
+    beside: float = 2.0  # [mm] from the line on which it lies, where a taxel tells of it
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,15 @@ class Lattice:
 
 
 @dataclass(frozen=True)
+class Band:
+    """Of a cylinder: by sectors round its axis and by heights along it."""
+
+    share: Floats  # (sectors, n) of the face under the skin
+    known: Bools  # (sectors, n)
+    heights: Floats  # (n,) [mm] from the cylinder's anchor
+
+
+@dataclass(frozen=True)
 class _Image:
     pose: Floats  # (4, 4) world_from_sensor
     places: Floats  # (n, 3) [mm] of the taxels in the world, on the skin at rest
@@ -86,6 +98,34 @@ class Mosaic:
         places = pose[:3, 3] + flat @ pose[:3, :2].T
         mine = np.ones(len(places), dtype=bool) if own is None else own(places)
         self._images.append(_Image(pose, places[mine], depth[whole][mine], sigma[whole][mine]))
+
+    def band(self, shape: Cylinder, low: float, high: float, sectors: int = 12) -> Band:
+        """Of a convex cylinder between two heights [mm] from its anchor."""
+        config, count = self.config, int(np.ceil((high - low) / self.config.step)) + 1
+        sums, weights = np.zeros((2, sectors, count))
+        for image in self._images:
+            out = _lying_along(image, shape, config.square)
+            if out is None:
+                continue
+            away = image.places - shape.anchor
+            cell = np.round((away @ shape.direction - low) / config.step).astype(np.int64)
+            before, aside = (
+                -shape.signed_distance(image.places),
+                np.abs(away @ np.cross(shape.direction, out)),
+            )
+            on = (before > config.pressed[0]) & (before < config.pressed[1]) & (cell >= 0) & (cell < count)
+            on &= (aside < config.beside) & (away @ out > 0.0)
+            turn = np.arctan2(*(shape.frame[:, 1::-1].T @ out))
+            sector = int((turn / (2.0 * np.pi) % 1.0) * sectors) % sectors
+            weight = (before[on] / image.sigma[on]) ** 2
+            each = np.clip(image.depth[on] / before[on], -config.most, config.most)
+            sums[sector] += np.bincount(cell[on], weight * each, count)
+            weights[sector] += np.bincount(cell[on], weight, count)
+        blur = config.blur / config.step
+        sums, weights = (gaussian_filter1d(lot, blur, axis=1, mode="constant") for lot in (sums, weights))
+        known = weights > config.known
+        share: Floats = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
+        return Band(share, known, low + config.step * np.arange(count, dtype=np.float64))
 
     def picture(self, anchor: Floats, normal: Floats, lattice: Lattice) -> Picture:
         """Of the plane through a (3,) place, of (3,) outward normal, on a lattice in it."""
@@ -116,3 +156,10 @@ class Mosaic:
         )
         known = weights > self.config.known
         return Picture(np.divide(sums, weights, out=np.zeros_like(sums), where=known), known)
+
+
+def _lying_along(image: _Image, shape: Cylinder, square: float) -> Floats | None:
+    """(3,) the way out of a cylinder on which a pad lies along its axis; None where it does not."""
+    out = -image.pose[:3, 2]
+    up = float(out @ shape.direction)
+    return None if abs(up) > square else np.asarray((out - up * shape.direction) / np.sqrt(1.0 - up**2))

@@ -1,0 +1,118 @@
+"""Grooves round cylinders, in which no array has room.
+
+A pad that lies along a cylinder shows where its wall is and where it is not (`Mosaic.band`).  Where it is on both
+sides of a gap, and in the gap nowhere round the axis that anybody looked, a groove runs round it.  How deep that
+is nobody felt.  It is taken for round, half as deep as wide, which is what a groove of a rope is; one of an O-ring
+is somewhat deeper (ISO 3601-2), one of a retaining ring somewhat shallower (DIN 471).  So its face is marked as
+inferred (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exploration.planning.known.mosaic import Band, Mosaic
+from exploration.planning.open.known_face import KnownFace
+from exploration.planning.open.round_rims import around
+from primitives.arrays import Bools, Floats
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.patch_graph import Face
+from primitives.shapes import Cylinder
+
+
+@dataclass(frozen=True)
+class GroovesConfig:
+    """What is a groove, and where its contacts are."""
+
+    level: float = 0.5  # of the wall's own share, below which it is not there
+    wall: float = 0.9  # quantile of all that is known, which is the wall's own share
+    least: float = 0.4  # that this is at least, of a wall that was pressed at all,
+    full: float = 0.85  # and what it would be, were the wall not so narrow that the skin blurs all of it
+    wide: tuple[float, float] = (2.5, 1.2)  # [mm] at least, and of the cylinder's radius at most
+    sectors: int = 4  # in which the gap was looked at, at least
+    around: float = 3.6  # [rad] round the axis, that these lie over
+    deep: float = 0.4  # [mm] under the wall, from which what was felt in the gap tells of its face
+    ring: int = 16  # places round it
+    tube: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)  # [rad] from its bottom, where they are
+    sigma: float = 0.5  # [mm]
+    normal_sigma: float = 0.05  # [rad]
+
+
+def grooves(
+    known: Sequence[KnownFace],
+    faces: Sequence[Face],
+    mosaic: Mosaic,
+    config: GroovesConfig = GroovesConfig(),
+) -> list[Contacts]:
+    """Contacts of the rings that stand for grooves round convex cylinders."""
+    lots = []
+    for own in known:
+        shape = own.fit.shape
+        if not isinstance(shape, Cylinder) or own.side < 0.0 or not len(own.cells):
+            continue
+        up = (own.cells - shape.anchor) @ shape.direction
+        seen = mosaic.band(shape, float(up.min()) - config.wide[0], float(up.max()) + config.wide[0])
+        for low, high in _gaps(seen, config):
+            fits = config.wide[0] < high - low < config.wide[1] * shape.radius
+            if fits and not _felt(shape, low, high, faces, config):
+                lots.append(_ring(shape, low, high, config))
+    return lots
+
+
+def _gaps(seen: Band, config: GroovesConfig) -> Iterator[tuple[float, float]]:
+    """Heights [mm] between which the wall is nowhere, and is on both sides."""
+    if not seen.known.any():
+        return
+    own = float(np.quantile(seen.share[seen.known], config.wall))
+    if own < config.least:
+        return
+    level = config.level * max(own, config.full)
+    looked = np.array([_all_round(column, config) for column in seen.known.T])
+    mean = np.where(seen.known, seen.share, 0.0).sum(axis=0) / np.maximum(seen.known.sum(axis=0), 1)
+    gone = looked & ~(seen.known & (seen.share > level)).any(axis=0)
+    there = looked & (mean > level)
+    places = np.flatnonzero(gone)
+    for run in np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else ():
+        below, above = np.flatnonzero(there[: run[0]]), np.flatnonzero(there[run[-1] :]) + run[-1]
+        if len(below) and len(above):
+            first, last = int(below[-1]), int(above[0])
+            yield (
+                float(np.interp(-level, -mean[first : run[0] + 1], seen.heights[first : run[0] + 1])),
+                float(np.interp(level, mean[run[-1] : last + 1], seen.heights[run[-1] : last + 1])),
+            )
+
+
+def _all_round(known: Bools, config: GroovesConfig) -> bool:
+    """Whether so many sectors are known that a gap in all of them runs round."""
+    turns = 2.0 * np.pi * np.flatnonzero(known) / len(known)
+    return len(turns) >= config.sectors and around(turns) > config.around
+
+
+def _felt(shape: Cylinder, low: float, high: float, faces: Sequence[Face], config: GroovesConfig) -> bool:
+    """Whether anything was felt in a gap, which a face of its own stands for then."""
+    for face in faces:
+        points = face.contacts.points[face.contacts.touch != NOT_FELT]
+        up = (points - shape.anchor) @ shape.direction
+        deep = -shape.signed_distance(points)
+        if ((up > low) & (up < high) & (deep > config.deep) & (deep < 0.5 * (high - low))).any():
+            return True
+    return False
+
+
+def _ring(shape: Cylinder, low: float, high: float, config: GroovesConfig) -> Contacts:
+    """Of a ring whose tube's middle runs on the cylinder."""
+    turn = 2.0 * np.pi * np.arange(config.ring) / config.ring
+    out: Floats = np.column_stack([np.cos(turn), np.sin(turn)]) @ shape.frame[:, :2].T
+    middle = shape.anchor + 0.5 * (low + high) * shape.direction + shape.radius * out
+    inward = [np.sin(lean) * shape.direction - np.cos(lean) * out for lean in config.tube]
+    points = np.concatenate([middle + 0.5 * (high - low) * way for way in inward])
+    return Contacts.of(
+        points,
+        -np.concatenate(inward),
+        sigma=config.sigma,
+        normal_sigma=config.normal_sigma,
+        touch=NOT_FELT,
+    )

@@ -1,0 +1,109 @@
+"""Grooves round a cylinder, from images of a pad that lay along it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.special import erf
+
+from exploration.planning.inferring.grooves import grooves
+from exploration.planning.known.mosaic import Mosaic
+from exploration.planning.open.known_face import KnownFace
+from exploration.sensing.frame import TaxelArray
+from primitives.cylinder import Cylinder
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import fit
+from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.pose import pose, transform_points
+
+ARRAY = TaxelArray("small", 10, 16, (1.8, 1.8))
+RADIUS, SIGMA, SPREAD = 20.0, 0.03, 1.0
+X = np.eye(3)[0]
+ROUND = np.linspace(0.0, 2.0 * np.pi, 9)[:-1]
+
+
+def wall(*rims):
+    """Along x between rims: there before the first, missing up to the second, and so on, as rubber shows it."""
+    return lambda x, turn: (
+        1.0
+        - sum(
+            (-1) ** k * 0.5 * (1.0 + erf((x - rim) / (np.sqrt(2.0) * SPREAD))) for k, rim in enumerate(rims)
+        )
+    )
+
+
+def out_at(turn):
+    return np.array([0.0, np.cos(turn), np.sin(turn)])
+
+
+def looked(there, turns=ROUND, places=(-6.0, 0.0, 6.0)):
+    """A pad that lay along the cylinder at turns round it and places along it."""
+    mosaic, rng = Mosaic(), np.random.default_rng(1)
+    for turn in turns:
+        out = out_at(turn)
+        frame = np.column_stack([X, np.cross(-out, X), -out])
+        for at in places:
+            where = pose(frame, (RADIUS - 0.8) * out + at * X)
+            x, y = np.meshgrid(ARRAY.x, ARRAY.y)
+            taxels = transform_points(where, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
+            before = np.maximum(RADIUS - np.hypot(taxels[:, 1], taxels[:, 2]), 0.0)
+            depth = (before * there(taxels[:, 0], turn)).reshape(ARRAY.shape)
+            seen = SimpleNamespace(
+                array=ARRAY,
+                depth=depth + SIGMA * rng.normal(size=depth.shape),
+                sigma=np.full(ARRAY.shape, SIGMA),
+            )
+            mosaic.look(SimpleNamespace(image=seen, world_from_sensor=where))
+    return mosaic
+
+
+def known(convex=True):
+    turns, along = (lot.ravel() for lot in np.meshgrid(ROUND, [-15.0, -12.0, 12.0, 15.0]))
+    out = np.column_stack([0.0 * turns, np.cos(turns), np.sin(turns)])
+    contacts = Contacts.of(RADIUS * out + along[:, None] * X, out if convex else -out)
+    face = ranked_face(0, contacts, MergeOptions())
+    return KnownFace(face, face.fit, 1.0 if convex else -1.0, contacts.points, np.empty((0, 3)))
+
+
+@pytest.mark.parametrize(("low", "high"), [(-3.0, 4.0), (-2.0, 2.5), (-6.0, 5.0)])
+def test_a_gap_all_round_is_a_groove_half_as_deep_as_wide(low, high):
+    own = known()
+    (lot,) = grooves([own], [own.face], looked(wall(low, high)))
+    ring = fit("torus", lot)
+    assert not ring.convex
+    assert abs(float(ring.shape.direction @ X)) > 0.999
+    assert float(ring.shape.center @ X) == pytest.approx(0.5 * (low + high), abs=0.2)
+    assert ring.shape.radius == pytest.approx(RADIUS, abs=0.1)
+    assert ring.shape.minor_radius == pytest.approx(0.5 * (high - low), abs=0.2)
+    assert (lot.touch == NOT_FELT).all()
+
+
+def test_two_grooves_are_two():
+    own = known()
+    lots = grooves(
+        [own], [own.face], looked(wall(-8.0, -4.0, 3.0, 7.0), places=(-12.0, -6.0, 0.0, 6.0, 12.0))
+    )
+    assert len(lots) == 2
+
+
+def test_what_is_a_gap_from_some_sides_alone_or_was_looked_at_from_one_is_no_groove():
+    own, groove = known(), wall(-3.0, 4.0)
+    assert grooves([own], [own.face], looked(groove, turns=ROUND[:4])) == []
+
+    def keyway(x, turn):
+        return groove(x, turn) if abs(turn - ROUND[2]) < 0.5 else 1.0 + 0.0 * x
+
+    assert grooves([own], [own.face], looked(keyway)) == []
+    assert grooves([own], [own.face], Mosaic()) == []
+
+
+def test_an_end_of_the_wall_a_bore_and_a_gap_in_which_something_was_felt_are_none():
+    own, groove = known(), looked(wall(-3.0, 4.0))
+    assert grooves([own], [own.face], looked(wall(4.0))) == []
+    assert grooves([known(convex=False)], [own.face], groove) == []
+    floor = Contacts.of([(RADIUS - 2.0) * out_at(turn) for turn in ROUND], [out_at(turn) for turn in ROUND])
+    inside = ranked_face(1, floor, MergeOptions())
+    assert grooves([own], [own.face, inside], groove) == []
+    beside = ranked_face(1, Contacts.of(floor.points + 9.0 * X, floor.normals), MergeOptions())
+    assert len(grooves([own], [own.face, beside], groove)) == 1
+    assert isinstance(own.fit.shape, Cylinder)
