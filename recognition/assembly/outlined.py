@@ -36,6 +36,7 @@ class OutlinedConfig:
 
     levels: tuple[float, ...] = (-0.4, -0.2, 0.0, 0.2, 0.4)  # of the thickness, at which the body is cut,
     skin: float = 0.3  # [mm] and that far inside both sides, or a tenth of it, as through a thin flange
+    thick: float = 12.0  # [mm] of a plate, from which what reaches neither side is none of it
     narrow: float = 0.8  # [mm] half the width of what is an edge that lies a little off, and no piece
     least: float = 12.0  # [mm^2] of a piece
     loose: float = 0.4  # [mm] that an outline may lie off a round piece,
@@ -156,9 +157,13 @@ def _under(body: Body, plate: Plate, config: OutlinedConfig) -> float:
 
 
 def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> Iterator[Piece]:
-    """What neither side of a plate has, and the body at some level between."""
+    """What neither side of a plate has, and the body at some level between; of a thick one, up to a side.
+
+    A post that stands on the rim of a thick plate is narrower than that, and neither side shows it.
+    """
     between, gone = _between(body, plate, config), Region()
-    for part in (between & Region.of(plate.missing)).opened(config.narrow).pieces:
+    at_sides = between if plate.thick < config.thick else _at_sides(body, plate, config)
+    for part in (at_sides & Region.of(plate.missing)).opened(config.narrow).pieces:
         strays = _against(part, felt, plate, config)
         if part.area > config.least and len(strays) <= min(config.strays, part.area / config.each):
             gone |= part - Region.disks(strays, config.beside)
@@ -216,6 +221,12 @@ def _between(body: Body, plate: Plate, config: OutlinedConfig) -> Region:
     for height in _heights(plate, config):
         whole |= _section(body, plate, height)
     return whole
+
+
+def _at_sides(body: Body, plate: Plate, config: OutlinedConfig) -> Region:
+    """Where the body is just inside either side."""
+    heights = _heights(plate, config)
+    return _section(body, plate, heights[0]) | _section(body, plate, heights[-1])
 
 
 def _heights(plate: Plate, config: OutlinedConfig) -> list[float]:

@@ -48,6 +48,17 @@ def test_not_where_contacts_lie_between_the_two_sides_as_of_a_web():
     assert outlined(body(), [plate([], [NOTCH])], None, on_the_sides).solid.volume < body().solid.volume
 
 
+def test_a_post_on_the_rim_of_a_thick_plate_that_reaches_neither_side_is_left():
+    """Neither side shows it; of a thin plate, or up to a side, such a place is a notch."""
+    post = Piece("cube", "add", Cube((10.0, 30.0, 16.0)), WORLD @ pose(translation=[0.0, 30.0, 0.0]), None,
+                 ((None, None),) * 3)  # fmt: skip
+    for tall, stays in ((50.0, True), (16.0, False), (10.0, False)):
+        whole = body(tall=tall).more(post)
+        told = plate([box(60, 40)], [box(20.0, 12.0, 0.0, 27.0)], thick=tall)
+        left = outlined(whole, [told], None, NOTHING).solid.volume
+        assert (abs(left - whole.solid.volume) < 1.0) == stays
+
+
 def test_an_outline_that_lies_a_little_off_changes_nothing():
     frame = [box(80, 60), box(59.2, 39.2)]
     assert outlined(body(), [plate([box(61, 41)], frame)], None, NOTHING).solid.volume == body().solid.volume
