@@ -38,6 +38,7 @@ class PlatesConfig:
     finer: int = 2  # times as fine as the pictures, of the outlines
     straight: float = 0.4  # [mm] from a straight line, up to which an outline is straight
     beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
+    touched: float = 1.5  # [mm] of a touched place, where nothing is missing unless both sides were seen
     foot: float = 5.0  # [mm] from where a floor was seen to where a wall may stand on it
 
 
@@ -82,11 +83,22 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     share, known = np.array([own.share for own in seen]), np.all([own.known for own in seen], axis=0)
     both, neither = np.where(known, share.min(axis=0), 0.0), 1.0 - share.max(axis=0)
     there = _rims(both, lattice.step, config)
-    gone = _beyond(neither, known, config.beyond / lattice.step)
+    felt = distance_transform_edt(~_touched(cells, lattice)) * lattice.step < config.touched
+    gone = _beyond(np.where(felt & ~known, 0.0, neither), known | felt, config.beyond / lattice.step)
+    gone = np.minimum(gone, neither)  # of a place that one side alone shows, too
     if len(sides) == 1 or thick > config.blind:
         gone[binary_fill_holes(both > 0.5)] = 0.0
     origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
     return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
+
+
+def _touched(cells: Floats, lattice: Lattice) -> Bools:
+    """Where a lattice has one of (n, 3) touched places."""
+    touched = np.zeros(lattice.shape, dtype=bool)
+    touched[tuple(np.round((cells @ lattice.along - lattice.origin) / lattice.step).astype(np.int64).T)] = (
+        True
+    )
+    return touched
 
 
 def _alike(flat: Sequence[KnownFace], config: PlatesConfig) -> list[list[KnownFace]]:

@@ -1,5 +1,6 @@
 """Outlines of plates, from pictures of both their sides."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -70,6 +71,38 @@ def test_what_both_sides_have_and_what_neither_has_are_told_and_nothing_of_the_r
     rim = np.array([[10.0, 0.0, 0.0], [15.0, 4.0, 0.0], [20.0, 10.0, 0.0]])
     on = transform_points(inverse(plate.pose), rim)[:, :2]
     assert np.abs(depth_inside(plate.there, on)).max() < 0.4
+
+
+@pytest.mark.parametrize("touched", [False, True])
+def test_what_one_side_has_or_was_touched_at_is_not_missing_where_the_other_was_not_seen(touched):
+    """Beside what both lack, and nearer to that than to all that both have."""
+
+    class Narrower(Drawn):
+        """Nobody saw the lower side where x > -10; there the upper is seen, or was only touched."""
+
+        def picture(self, anchor, normal, lattice):
+            whole = super().picture(anchor, normal, lattice)
+            i, j = np.meshgrid(*(np.arange(count) for count in lattice.shape), indexing="ij")
+            world = (lattice.origin + lattice.step * np.stack([i, j], axis=-1)) @ lattice.along.T
+            seen = (world[..., 0] < -10.0) | (world[..., 0] > 22.0) | (anchor[2] > 0.0 and not touched)
+            return Picture(np.where(seen, whole.share, 0.0), whole.known & seen)
+
+    x, y = np.meshgrid(np.arange(-19.0, 20.0), np.arange(-19.0, 20.0))
+    top, bottom = (
+        replace(
+            own,
+            cells=np.column_stack([x.ravel(), y.ravel(), np.full(x.size, height)]) if touched else own.cells,
+        )
+        for own, height in ((TOP, 6.0), (BOTTOM, -6.0))
+    )
+
+    def square(world, height):
+        return soft(20.0 - np.maximum(np.abs(world[..., 0]), np.abs(world[..., 1])))
+
+    (plate,) = plates([top, bottom], Narrower(square))
+    asked = np.array([[18.9, 0.0], [18.9, 8.0], [24.0, 0.0]])
+    own = transform_points(inverse(plate.pose), np.column_stack([asked, np.zeros(len(asked))]))[:, :2]
+    assert (depth_inside(plate.missing, own) > 0.0).tolist() == [False, False, True]
 
 
 def test_faces_that_lie_far_apart_and_floors_that_nobody_saw_beside_a_face_are_no_plate():
