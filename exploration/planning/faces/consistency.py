@@ -128,15 +128,17 @@ def _broad(face: Face) -> bool:
 def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
     """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner.
 
-    They scatter by more than `most` [mm] rms; those that are hopelessly unsure of themselves tell nothing of that.
+    They scatter by more than `most` [mm] rms over what they say that they err; those that are hopelessly unsure of
+    themselves tell nothing of that.
     A sound face may have strays, but most of its contacts lie on it.
     """
     for face in graph.faces:
         if isinstance(face.fit, Fit) and len(face.contacts) < _FEW:
             off = np.abs(face.fit.shape.signed_distance(face.contacts.points))
-            told = off[face.contacts.sigma <= _HOPELESS]
-            few = len(told) < min(_TELLING, len(off))
-            scatter = float(np.sqrt(np.mean(told**2))) if len(told) else 0.0
+            sigma = face.contacts.sigma
+            over = (off**2 - sigma**2)[sigma <= _HOPELESS]
+            few = len(over) < min(_TELLING, len(off))
+            scatter = float(np.sqrt(max(0.0, over.mean()))) if len(over) else 0.0
             if few or (scatter > most and (len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most)):
                 graph = _without(graph, face.id)
     return graph
