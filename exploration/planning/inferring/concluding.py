@@ -96,9 +96,9 @@ def conclude(
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
-    _add_ends(found, frontier, inside)
-    for lot in grooves(frontier().known, found.graph.faces, mosaic):
+    for lot in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
         add_own(found, lot, _BY_BAND, "torus")
+    _add_ends(found, frontier, inside)
     through = slots(known := frontier().known)
     looked, beside = _open_rims(found, known, through)
     for lot in sockets([*looked, *beside], found.graph.faces):
