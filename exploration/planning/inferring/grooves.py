@@ -5,6 +5,9 @@ sides of a gap, and in the gap nowhere round the axis that anybody looked, a gro
 is nobody felt.  It is taken for round, half as deep as wide, which is what a groove of a rope is; one of an O-ring
 is somewhat deeper (ISO 3601-2), one of a retaining ring somewhat shallower (DIN 471).  So its face is marked as
 inferred (our derivation).
+
+A pad that lay on the narrow walls beside a groove, and sagged into that, may have read a ring that leans from the
+cylinder.  The groove stands in for such a face.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import around
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import Fit
 from primitives.patch_graph import Face
 from primitives.shapes import Cylinder
 
@@ -34,11 +38,22 @@ class GroovesConfig:
     wide: tuple[float, float] = (2.5, 1.2)  # [mm] at least, and of the cylinder's radius at most
     sectors: int = 4  # in which the gap was looked at, at least
     around: float = 3.6  # [rad] round the axis, that these lie over
-    deep: float = 0.4  # [mm] under the wall, from which what was felt in the gap tells of its face
+    deep: float = 1.0  # [mm] under the wall, from which what was felt in the gap tells of its face,
+    few: int = 3  # such contacts
+    beside: float = 6.0  # [mm] of the gap, on whose walls a pad may lie that sags into it
+    leans: float = 0.03  # [rad] from the cylinder's axis, from which a ring that was read there is none
     ring: int = 16  # places round it
     tube: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)  # [rad] from its bottom, where they are
     sigma: float = 0.5  # [mm]
     normal_sigma: float = 0.05  # [rad]
+
+
+@dataclass(frozen=True)
+class Groove:
+    """A ring that stands for a groove round a convex cylinder."""
+
+    contacts: Contacts
+    instead: frozenset[int]  # ids of faces that it stands in for
 
 
 def grooves(
@@ -46,9 +61,9 @@ def grooves(
     faces: Sequence[Face],
     mosaic: Mosaic,
     config: GroovesConfig = GroovesConfig(),
-) -> list[Contacts]:
-    """Contacts of the rings that stand for grooves round convex cylinders."""
-    lots = []
+) -> list[Groove]:
+    """Those of all known cylinders, but where something was felt that is a face of its own."""
+    found = []
     for own in known:
         shape = own.fit.shape
         if not isinstance(shape, Cylinder) or own.side < 0.0 or not len(own.cells):
@@ -56,10 +71,11 @@ def grooves(
         up = (own.cells - shape.anchor) @ shape.direction
         seen = mosaic.band(shape, float(up.min()) - config.wide[0], float(up.max()) + config.wide[0])
         for low, high in _gaps(seen, config):
-            fits = config.wide[0] < high - low < config.wide[1] * shape.radius
-            if fits and not _felt(shape, low, high, faces, config):
-                lots.append(_ring(shape, low, high, config))
-    return lots
+            instead = {face.id for face in faces if _misread(face, shape, low, high, config)}
+            felt = any(_felt(face, shape, low, high, config) for face in faces if face.id not in instead)
+            if config.wide[0] < high - low < config.wide[1] * shape.radius and not felt:
+                found.append(Groove(_ring(shape, low, high, config), frozenset(instead)))
+    return found
 
 
 def _gaps(seen: Band, config: GroovesConfig) -> Iterator[tuple[float, float]]:
@@ -91,15 +107,27 @@ def _all_round(known: Bools, config: GroovesConfig) -> bool:
     return len(turns) >= config.sectors and around(turns) > config.around
 
 
-def _felt(shape: Cylinder, low: float, high: float, faces: Sequence[Face], config: GroovesConfig) -> bool:
-    """Whether anything was felt in a gap, which a face of its own stands for then."""
-    for face in faces:
-        points = face.contacts.points[face.contacts.touch != NOT_FELT]
-        up = (points - shape.anchor) @ shape.direction
-        deep = -shape.signed_distance(points)
-        if ((up > low) & (up < high) & (deep > config.deep) & (deep < 0.5 * (high - low))).any():
-            return True
-    return False
+def _felt(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> bool:
+    """Whether a face was felt in a gap, under the cylinder."""
+    up, deep = _beside(face, shape)
+    inside = (up > low) & (up < high) & (deep > config.deep) & (deep < 0.5 * (high - low) + config.deep)
+    return int(inside.sum()) >= config.few
+
+
+def _misread(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> bool:
+    """Whether a face is a ring that leans from a cylinder's axis, read where a pad lay over a gap in that."""
+    if not isinstance(face.fit, Fit) or face.fit.kind != "torus":
+        return False
+    up, deep = _beside(face, shape)
+    over = (up > low - config.beside) & (up < high + config.beside) & (np.abs(deep) < config.deep)
+    lean = float(np.linalg.norm(np.cross(face.fit.shape.direction, shape.direction)))
+    return bool(over.all()) and lean > config.leans
+
+
+def _beside(face: Face, shape: Cylinder) -> tuple[Floats, Floats]:
+    """(n,) heights along a cylinder, and (n,) depths under it [mm], of what was felt of a face."""
+    points = face.contacts.points[face.contacts.touch != NOT_FELT]
+    return (points - shape.anchor) @ shape.direction, -shape.signed_distance(points)
 
 
 def _ring(shape: Cylinder, low: float, high: float, config: GroovesConfig) -> Contacts:

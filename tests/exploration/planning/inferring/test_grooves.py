@@ -1,5 +1,6 @@
 """Grooves round a cylinder, from images of a pad that lay along it."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,8 +14,9 @@ from exploration.sensing.frame import TaxelArray
 from primitives.cylinder import Cylinder
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
-from primitives.patch_graph import MergeOptions, ranked_face
+from primitives.patch_graph import Face, MergeOptions, ranked_face
 from primitives.pose import pose, transform_points
+from primitives.torus import Torus
 
 ARRAY = TaxelArray("small", 10, 16, (1.8, 1.8))
 RADIUS, SIGMA, SPREAD = 20.0, 0.03, 1.0
@@ -68,14 +70,15 @@ def known(convex=True):
 @pytest.mark.parametrize(("low", "high"), [(-3.0, 4.0), (-2.0, 2.5), (-6.0, 5.0)])
 def test_a_gap_all_round_is_a_groove_half_as_deep_as_wide(low, high):
     own = known()
-    (lot,) = grooves([own], [own.face], looked(wall(low, high)))
-    ring = fit("torus", lot)
+    (groove,) = grooves([own], [own.face], looked(wall(low, high)))
+    ring = fit("torus", groove.contacts)
     assert not ring.convex
     assert abs(float(ring.shape.direction @ X)) > 0.999
     assert float(ring.shape.center @ X) == pytest.approx(0.5 * (low + high), abs=0.2)
     assert ring.shape.radius == pytest.approx(RADIUS, abs=0.1)
     assert ring.shape.minor_radius == pytest.approx(0.5 * (high - low), abs=0.2)
-    assert (lot.touch == NOT_FELT).all()
+    assert (groove.contacts.touch == NOT_FELT).all()
+    assert not groove.instead
 
 
 def test_two_grooves_are_two():
@@ -107,3 +110,17 @@ def test_an_end_of_the_wall_a_bore_and_a_gap_in_which_something_was_felt_are_non
     beside = ranked_face(1, Contacts.of(floor.points + 9.0 * X, floor.normals), MergeOptions())
     assert len(grooves([own], [own.face, beside], groove)) == 1
     assert isinstance(own.fit.shape, Cylinder)
+
+
+def test_a_ring_that_leans_was_read_by_a_pad_on_the_walls_beside_the_groove():
+    own, turns = known(), np.linspace(0.0, 2.0, 12)
+    out = np.array([out_at(turn) for turn in turns])
+    felt = Contacts.of((RADIUS - 0.2) * out + np.where(np.arange(12) % 2, -4.0, 5.0)[:, None] * X, out, 0.06)
+    made = fit("cylinder", felt)
+    read = {
+        lean: Face(7, replace(made, shape=Torus([0.5, 0.0, 0.0], [1.0, lean, 0.0], 60.0, 40.0)), felt)
+        for lean in (0.0, 0.1)
+    }
+    seen = looked(wall(-3.0, 4.0))
+    assert [groove.instead for groove in grooves([own], [own.face, read[0.1]], seen)] == [{7}]
+    assert [groove.instead for groove in grooves([own], [own.face, read[0.0]], seen)] == [set()]
