@@ -97,9 +97,9 @@ def conclude(
     add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     for groove in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
+        add_own(found, groove.contacts, _BY_BAND, "torus")
         left = tuple(face for face in found.graph.faces if face.id not in groove.instead)
         found.graph = replace(found.graph, faces=left)
-        add_own(found, groove.contacts, _BY_BAND, "torus")
     _add_ends(found, frontier, inside)
     through = slots(known := frontier().known)
     looked, beside = _open_rims(found, known, through)

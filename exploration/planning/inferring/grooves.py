@@ -1,10 +1,10 @@
 """Grooves round cylinders, in which no array has room.
 
-A pad that lies along a cylinder shows where its wall is and where it is not (`Mosaic.band`).  Where it is on both
-sides of a gap, and in the gap nowhere round the axis that anybody looked, a groove runs round it.  How deep that
-is nobody felt.  It is taken for round, half as deep as wide, which is what a groove of a rope is; one of an O-ring
-is somewhat deeper (ISO 3601-2), one of a retaining ring somewhat shallower (DIN 471).  So its face is marked as
-inferred (our derivation).
+A pad that lies along a cylinder shows where its wall is and where it is not (`Mosaic.band`).  Where the wall is
+missing between two heights, and that in every direction from which it was seen, a groove runs round it.  How deep
+that is nobody felt.  It is taken for round, half as deep as wide, which is what a groove of a rope is; one of an
+O-ring is somewhat deeper (ISO 3601-2), one of a retaining ring somewhat shallower (DIN 471).  So its face is
+marked as inferred (our derivation).
 
 A pad that lay on the narrow walls beside a groove, and sagged into that, may have read a ring that leans from the
 cylinder.  The groove stands in for such a face.
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -37,11 +38,17 @@ class GroovesConfig:
     full: float = 0.85  # and what it would be, were the wall not so narrow that the skin blurs all of it
     wide: tuple[float, float] = (2.5, 1.2)  # [mm] at least, and of the cylinder's radius at most
     sectors: int = 4  # in which the gap was looked at, at least
-    around: float = 3.6  # [rad] round the axis, that these lie over
-    deep: float = 1.0  # [mm] under the wall, from which what was felt in the gap tells of its face,
+    around: float = 4.2  # [rad] round the axis, that these lie over
+    whole: float = 0.7  # of the gap, in which none of them shows the wall
+    deep: float = 0.4  # [mm] under the wall, from which what was felt in the gap tells of its face,
+    out: float = 0.3  # with at least this cosine between its normal and the way out: no bore's inside,
     few: int = 3  # such contacts
+    near: float = 1.0  # [mm] of the wall, and
     beside: float = 6.0  # [mm] of the gap, on whose walls a pad may lie that sags into it
-    leans: float = 0.03  # [rad] from the cylinder's axis, from which a ring that was read there is none
+    leans: tuple[float, float] = (
+        0.03,
+        0.3,
+    )  # [rad] from the cylinder's axis: a ring that was read there is none
     ring: int = 16  # places round it
     tube: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)  # [rad] from its bottom, where they are
     sigma: float = 0.5  # [mm]
@@ -89,16 +96,13 @@ def _gaps(seen: Band, config: GroovesConfig) -> Iterator[tuple[float, float]]:
     looked = np.array([_all_round(column, config) for column in seen.known.T])
     mean = np.where(seen.known, seen.share, 0.0).sum(axis=0) / np.maximum(seen.known.sum(axis=0), 1)
     gone = looked & ~(seen.known & (seen.share > level)).any(axis=0)
-    there = looked & (mean > level)
-    places = np.flatnonzero(gone)
-    for run in np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else ():
-        below, above = np.flatnonzero(there[: run[0]]), np.flatnonzero(there[run[-1] :]) + run[-1]
-        if len(below) and len(above):
-            first, last = int(below[-1]), int(above[0])
-            yield (
-                float(np.interp(-level, -mean[first : run[0] + 1], seen.heights[first : run[0] + 1])),
-                float(np.interp(level, mean[run[-1] : last + 1], seen.heights[run[-1] : last + 1])),
-            )
+    walls = np.flatnonzero(looked & (mean > level))
+    for below, above in pairwise(walls.tolist()):
+        between = slice(below + 1, above)
+        if above - below > 1 and looked[between].all() and float(gone[between].mean()) > config.whole:
+            ends = ([below, below + 1], [above, above - 1])
+            low, high = (float(np.interp(-level, -mean[end], seen.heights[end])) for end in ends)
+            yield low, high
 
 
 def _all_round(known: Bools, config: GroovesConfig) -> bool:
@@ -108,9 +112,11 @@ def _all_round(known: Bools, config: GroovesConfig) -> bool:
 
 
 def _felt(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> bool:
-    """Whether a face was felt in a gap, under the cylinder."""
-    up, deep = _beside(face, shape)
-    inside = (up > low) & (up < high) & (deep > config.deep) & (deep < 0.5 * (high - low) + config.deep)
+    """Whether a face was felt in a gap, under the cylinder and looking out as that does."""
+    felt = face.contacts.select(face.contacts.touch != NOT_FELT)
+    up, deep = _beside(felt, shape)
+    facing = (felt.normals * shape.normals(felt.points)).sum(axis=1)
+    inside = (up > low) & (up < high) & (deep > config.deep) & (facing > config.out)
     return int(inside.sum()) >= config.few
 
 
@@ -118,16 +124,16 @@ def _misread(face: Face, shape: Cylinder, low: float, high: float, config: Groov
     """Whether a face is a ring that leans from a cylinder's axis, read where a pad lay over a gap in that."""
     if not isinstance(face.fit, Fit) or face.fit.kind != "torus":
         return False
-    up, deep = _beside(face, shape)
-    over = (up > low - config.beside) & (up < high + config.beside) & (np.abs(deep) < config.deep)
+    felt = face.contacts.select(face.contacts.touch != NOT_FELT)
+    up, deep = _beside(felt, shape)
+    over = (up > low - config.beside) & (up < high + config.beside) & (np.abs(deep) < config.near)
     lean = float(np.linalg.norm(np.cross(face.fit.shape.direction, shape.direction)))
-    return bool(over.all()) and lean > config.leans
+    return len(felt) > 0 and bool(over.all()) and config.leans[0] < lean < config.leans[1]
 
 
-def _beside(face: Face, shape: Cylinder) -> tuple[Floats, Floats]:
-    """(n,) heights along a cylinder, and (n,) depths under it [mm], of what was felt of a face."""
-    points = face.contacts.points[face.contacts.touch != NOT_FELT]
-    return (points - shape.anchor) @ shape.direction, -shape.signed_distance(points)
+def _beside(felt: Contacts, shape: Cylinder) -> tuple[Floats, Floats]:
+    """(n,) heights along a cylinder, and (n,) depths under it [mm], of contacts."""
+    return (felt.points - shape.anchor) @ shape.direction, -shape.signed_distance(felt.points)
 
 
 def _ring(shape: Cylinder, low: float, high: float, config: GroovesConfig) -> Contacts:

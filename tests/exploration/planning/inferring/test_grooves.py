@@ -92,6 +92,8 @@ def test_two_grooves_are_two():
 def test_what_is_a_gap_from_some_sides_alone_or_was_looked_at_from_one_is_no_groove():
     own, groove = known(), wall(-3.0, 4.0)
     assert grooves([own], [own.face], looked(groove, turns=ROUND[:4])) == []
+    unseen = looked(groove, places=(-16.0, 18.0))  # nobody looked where the gap ends
+    assert grooves([own], [own.face], unseen) == []
 
     def keyway(x, turn):
         return groove(x, turn) if abs(turn - ROUND[2]) < 0.5 else 1.0 + 0.0 * x
@@ -104,11 +106,13 @@ def test_an_end_of_the_wall_a_bore_and_a_gap_in_which_something_was_felt_are_non
     own, groove = known(), looked(wall(-3.0, 4.0))
     assert grooves([own], [own.face], looked(wall(4.0))) == []
     assert grooves([known(convex=False)], [own.face], groove) == []
-    floor = Contacts.of([(RADIUS - 2.0) * out_at(turn) for turn in ROUND], [out_at(turn) for turn in ROUND])
-    inside = ranked_face(1, floor, MergeOptions())
-    assert grooves([own], [own.face, inside], groove) == []
-    beside = ranked_face(1, Contacts.of(floor.points + 9.0 * X, floor.normals), MergeOptions())
-    assert len(grooves([own], [own.face, beside], groove)) == 1
+    out = np.array([out_at(turn) for turn in ROUND])
+    for deep, count in ((0.8, 0), (2.0, 0), (6.0, 0), (12.0, 0)):
+        floor = ranked_face(1, Contacts.of((RADIUS - deep) * out, out), MergeOptions())
+        assert len(grooves([own], [own.face, floor], groove)) == count
+    beside = ranked_face(1, Contacts.of((RADIUS - 2.0) * out + 9.0 * X, out), MergeOptions())
+    bore = ranked_face(1, Contacts.of(8.0 * out, -out), MergeOptions())
+    assert len(grooves([own], [own.face, beside, bore], groove)) == 1
     assert isinstance(own.fit.shape, Cylinder)
 
 

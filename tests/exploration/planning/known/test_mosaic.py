@@ -3,11 +3,13 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from scipy.special import erf
 
 from exploration.planning.known.face_pictures import face_pictures
 from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.sensing.frame import TaxelArray
+from primitives.cylinder import Cylinder
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 from primitives.pose import pose, rotation_exp, transform_points
@@ -86,3 +88,27 @@ def test_the_picture_of_a_face_lies_along_its_longer_side_and_knows_where_nobody
     middle = picture.share[picture.share.shape[0] // 2]
     assert middle[len(middle) // 2] > 0.8
     assert middle[np.flatnonzero(~np.isnan(middle))[0]] < 0.2
+
+
+@pytest.mark.parametrize(("turn", "lean"), [(0.3, 0.0), (2.0, 0.0), (5.5, 0.0), (2.0, 0.1)])
+def test_a_cylinder_is_seen_along_the_line_on_which_the_pad_lies_and_nowhere_else(turn, lean):
+    """At its height and in its sector, up to a rim at 3.3 mm; not by a pad that leans along it."""
+    shape = Cylinder([0.0, 0.0, 5.0], NORMAL, 20.0)
+    out = np.array([np.cos(turn), np.sin(turn), 0.0])
+    turned = np.column_stack([NORMAL, np.cross(-out, NORMAL), -out]) @ rotation_exp([0.0, lean, 0.0])
+    where = pose(turned, 19.2 * out)
+    x, y = np.meshgrid(ARRAY.x, ARRAY.y)
+    places = transform_points(where, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
+    depth = np.maximum(20.0 - np.hypot(places[:, 0], places[:, 1]), 0.0) * half(places[:, [2, 0, 1]])
+    seen = SimpleNamespace(array=ARRAY, depth=depth.reshape(ARRAY.shape), sigma=np.full(ARRAY.shape, SIGMA))
+    mosaic = Mosaic()
+    mosaic.look(SimpleNamespace(image=seen, world_from_sensor=where))
+    band = mosaic.band(shape, -12.0, 4.0)
+    assert np.allclose(band.heights, np.arange(-12.0, 4.1, mosaic.config.step))
+    if lean:
+        assert not band.known.any()
+        return
+    way = shape.frame.T @ out
+    sector = int(np.arctan2(way[1], way[0]) % (2.0 * np.pi) / (2.0 * np.pi) * 12)
+    assert band.known.any(axis=1).nonzero()[0].tolist() == [sector]
+    assert np.interp(-0.5, -band.share[sector], band.heights) + 5.0 == pytest.approx(3.3, abs=0.3)
