@@ -66,6 +66,15 @@ def test_one_that_is_as_wide_as_for_a_flat_head_is_a_cone_of_90_degrees(shank, h
     assert stepped_holes([thin, replace(TOP, radius=head)])[0].why == BY_GUESS
 
 
+@pytest.mark.parametrize(
+    ("shank", "head", "why"),
+    [(1.7, 3.25, BY_SCREW), (2.0, 5.8, BY_FLAT_HEAD), (4.0, 11.0, BY_GUESS), (3.0, 15.0, BY_GUESS)],
+)
+def test_wider_mouths_are_of_flat_heads_only_where_no_array_has_room(shank, head, why):
+    below = replace(BOTTOM, radius=shank, center=TOP.center - 30.0 * UP)
+    assert stepped_holes([below, replace(TOP, radius=head)])[0].why == why
+
+
 def test_the_ledge_is_where_an_array_was_stopped():
     stopped = [Stopped(TOP.center, 13.0, 3.1), Stopped(TOP.center, 10.6, 2.9)]
     (step,) = stepped_holes([BOTTOM, TOP], stopped=stopped)
