@@ -163,7 +163,9 @@ def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> I
     """
     between, gone = _between(body, plate, config), Region()
     at_sides = between if plate.thick < config.thick else _at_sides(body, plate, config)
-    for part in (at_sides & Region.of(plate.missing)).opened(config.narrow).pieces:
+    for part in (between & Region.of(plate.missing)).opened(config.narrow).pieces:
+        if not (part & at_sides).opened(config.narrow):
+            continue
         strays = _against(part, felt, plate, config)
         if part.area > config.least and len(strays) <= min(config.strays, part.area / config.each):
             gone |= part - Region.disks(strays, config.beside)

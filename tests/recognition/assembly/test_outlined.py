@@ -59,6 +59,13 @@ def test_a_post_on_the_rim_of_a_thick_plate_that_reaches_neither_side_is_left():
         assert (abs(left - whole.solid.volume) < 1.0) == stays
 
 
+def test_a_notch_in_a_thick_plate_that_bulges_between_its_sides_goes_out_of_the_bulge():
+    bulge = Piece("cube", "add", Cube((66.0, 40.0, 10.0)), WORLD, None, ((None, None),) * 3)
+    whole = body(tall=20.0).more(bulge)
+    made = outlined(whole, [plate([], [box(20.0, 12.0, 28.0)], thick=20.0)], None, NOTHING)
+    assert abs(whole.solid.volume - made.solid.volume - 12.0 * (12.0 * 20.0 + 3.0 * 10.0)) < 1.0
+
+
 def test_an_outline_that_lies_a_little_off_changes_nothing():
     frame = [box(80, 60), box(59.2, 39.2)]
     assert outlined(body(), [plate([box(61, 41)], frame)], None, NOTHING).solid.volume == body().solid.volume
