@@ -24,8 +24,6 @@ from primitives.segment import segment
 from primitives.shared_error import with_shared_error
 from primitives.surface_sigma import distance_sigma
 
-_MOST = 0.4  # quantile of contacts' deviations, above which most are
-
 CONVEX = MergeOptions(
     slack=3.0,  # errors common to a stroke are larger than its frames' noise
     rank=RankOptions(
@@ -49,9 +47,8 @@ class AttributionConfig:
     least_contacts: int = 5  # that make a new face, or
     least_clean: int = 4  # of one frame that shows nothing but surface,
     clean: float = 0.0125  # [mm] if none of them errs by more
-    poor: float = (
-        0.05  # [mm] of most contacts' deviation, from which they must be of two touches to make a face
-    )
+    poor: float = 0.05  # [mm] of a contact's deviation, from which a face takes two touches,
+    most: float = 0.4  # quantile of them that says so of all
     least_share: float = 0.3  # of a visit's contacts that must be unexplained to make one at once
     flat_share: float = 0.6  # of them, that lie on one plane where the others are strays,
     flat_off: float = 0.15  # [mm] from it at most,
@@ -200,7 +197,7 @@ def _enough(lot: Contacts, config: AttributionConfig) -> bool:
 
 def _hearsay(lot: Contacts, config: AttributionConfig) -> bool:
     """Whether contacts are poor and of one touch: a pad that slid over a rim reads such where no face is."""
-    return float(np.quantile(lot.sigma, _MOST)) > config.poor and len(np.unique(lot.touch)) < 2
+    return float(np.quantile(lot.sigma, config.most)) > config.poor and len(np.unique(lot.touch)) < 2
 
 
 def _settled(graph: PatchGraph, loose: Contacts, config: AttributionConfig) -> tuple[PatchGraph, Contacts]:

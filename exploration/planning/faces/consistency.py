@@ -135,10 +135,11 @@ def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
     for face in graph.faces:
         if isinstance(face.fit, Fit) and len(face.contacts) < _FEW:
             off = np.abs(face.fit.shape.signed_distance(face.contacts.points))
-            sigma = face.contacts.sigma
-            over = (off**2 - sigma**2)[sigma <= _HOPELESS]
-            few = len(over) < min(_TELLING, len(off))
-            scatter = float(np.sqrt(max(0.0, over.mean()))) if len(over) else 0.0
+            tells = face.contacts.sigma <= _HOPELESS
+            sigma = face.contacts.sigma[tells]
+            few = len(sigma) < min(_TELLING, len(off))
+            over = np.average(off[tells] ** 2 - sigma**2, weights=sigma**-2) if len(sigma) else 0.0
+            scatter = float(np.sqrt(max(0.0, over)))
             if few or (scatter > most and (len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most)):
                 graph = _without(graph, face.id)
     return graph
@@ -187,13 +188,13 @@ def _plane_of(face: Face) -> Fit | None:
     flat = None if bulge is None else fit("plane", face.contacts)
     if bulge is None or not isinstance(flat, Fit) or not isinstance(face.fit, Fit):
         return None
-    as_near = flat.rms < _AS_NEAR * face.fit.rms and _most_lean(flat, face.contacts) < _LEAN
+    as_near = flat.rms < _AS_NEAR * face.fit.rms and _median_lean(flat, face.contacts) < _LEAN
     told = as_near or flat.rms < _BULGE or bulge < _SAGITTA or flat.chi2 < _NO_WORSE * face.fit.chi2
     return flat if told else None
 
 
-def _most_lean(flat: Fit, contacts: Contacts) -> float:
-    """[sigma] by which half of the normals lean from a plane's, at least."""
+def _median_lean(flat: Fit, contacts: Contacts) -> float:
+    """[sigma] by which normals lean from a plane's."""
     facing = np.abs((flat.shape.normals(contacts.points) * contacts.normals).sum(axis=1))
     return float(np.median(np.arccos(np.clip(facing, 0.0, 1.0)) / contacts.normal_sigma))
 

@@ -1,5 +1,7 @@
 """Which faces stay."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from exploration.planning.faces.consistency import drop_astride, drop_poor, flat
 from primitives.evidence import Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face, PatchGraph
+from primitives.shapes import Plane
 
 
 def flat(off):
@@ -30,6 +33,16 @@ def test_few_scattered_contacts_are_no_face_and_a_few_strays_do_not_undo_one(off
     graph = flat(off)
     assert graph.faces[0].fit.rms > 0.05
     assert bool(drop_poor(graph).faces) == stays
+
+
+@pytest.mark.parametrize(("sigma", "unsure", "stays"), [(0.06, 0, True), (0.02, 0, False), (0.02, 5, False)])
+def test_contacts_scatter_as_they_say_and_unsure_ones_excuse_no_sure_ones(sigma, unsure, stays):
+    off = np.r_[np.tile([0.065, -0.065], 4), 0.065, np.zeros(unsure)]
+    sigmas = np.r_[np.full(9, sigma), np.full(unsure, 0.14)]
+    points = np.column_stack([10.0 * np.cos(np.arange(len(off))), 10.0 * np.sin(np.arange(len(off))), off])
+    contacts = Contacts.of(points, np.tile([0.0, 0.0, 1.0], (len(off), 1)), sigmas, 0.02)
+    plane = replace(fit("plane", contacts), shape=Plane(np.zeros(3), [0.0, 0.0, 1.0]))
+    assert bool(drop_poor(PatchGraph((Face(0, plane, contacts),), ())).faces) == stays
 
 
 def test_contacts_that_are_unsure_of_themselves_do_not_make_a_face_poor():
