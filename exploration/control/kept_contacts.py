@@ -85,7 +85,7 @@ def keep(
     surface = what.surface
     where = (seen.world_from_sensor, touch, stroke, seen.sensor)
     floor, normal_floor = trust.floor[0], trust.normal_floor[0]
-    ring = _ring(what, trust)
+    ring: Sequence[Arc] = ()
     if isinstance(surface, LocalSurface) and _trusted(surface, seen.image, trust):
         found = contacts_of(what, *where)
         if surface.curved:
@@ -97,6 +97,7 @@ def keep(
             if strip or float(surface.principal[0][0]) > trust.narrow:
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
         else:
+            ring = _ring(what, trust)
             middle = Midline.of(surface.mask, seen.image.array)
             bends = middle.drawn_in < trust.straight
             found = _along(middle, found, seen.world_from_sensor) if bends else found

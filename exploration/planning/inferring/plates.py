@@ -95,9 +95,8 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
 def _touched(cells: Floats, lattice: Lattice) -> Bools:
     """Where a lattice has one of (n, 3) touched places."""
     touched = np.zeros(lattice.shape, dtype=bool)
-    touched[tuple(np.round((cells @ lattice.along - lattice.origin) / lattice.step).astype(np.int64).T)] = (
-        True
-    )
+    at = np.round((cells @ lattice.along - lattice.origin) / lattice.step).astype(np.int64)
+    touched[at[:, 0], at[:, 1]] = True
     return touched
 
 
