@@ -39,7 +39,7 @@ class GroovesConfig:
     wide: tuple[float, float] = (2.5, 1.2)  # [mm] at least, and of the cylinder's radius at most
     sectors: int = 4  # in which the gap was looked at, at least
     around: float = 4.2  # [rad] round the axis, that these lie over
-    whole: float = 0.7  # of the gap, in which none of them shows the wall
+    whole: float = 0.5  # of the gap, in which it was looked at so and none of them shows the wall
     deep: float = 0.4  # [mm] under the wall, from which what was felt in the gap tells of its face,
     out: float = 0.3  # with at least this cosine between its normal and the way out: no bore's inside,
     few: int = 3  # such contacts
@@ -97,10 +97,10 @@ def _gaps(seen: Band, config: GroovesConfig) -> Iterator[tuple[float, float]]:
     mean = np.where(seen.known, seen.share, 0.0).sum(axis=0) / np.maximum(seen.known.sum(axis=0), 1)
     gone = looked & ~(seen.known & (seen.share > level)).any(axis=0)
     walls = np.flatnonzero(looked & (mean > level))
-    for below, above in pairwise(walls.tolist()):
+    for below, above in (pair for pair in pairwise(walls.tolist()) if pair[1] - pair[0] > 1):
         between = slice(below + 1, above)
-        if above - below > 1 and looked[between].all() and float(gone[between].mean()) > config.whole:
-            ends = ([below, below + 1], [above, above - 1])
+        ends = ([below, below + 1], [above, above - 1])
+        if looked[[below + 1, above - 1]].all() and float(gone[between].mean()) > config.whole:
             low, high = (float(np.interp(-level, -mean[end], seen.heights[end])) for end in ends)
             yield low, high
 
