@@ -3,12 +3,12 @@
 Two rims on opposite faces that share an axis are of one hole.  Where one is wider, the hole narrows in between.
 What stopped an array there tells how: as deep wherever it was stopped, there is a flat ledge; the deeper the
 nearer to the axis, a cone that begins at the rim, of depth (R - rho) k.  Where neither is so the hole narrows as
-the outside round it does (`sleeves`).  Where that does not, and nothing was felt, it is most often a ledge.
-Whose two widths are those of a screw's head and shank is sunk for such a head, which is as high as the screw is
-thick (ISO 4762, DIN 974-1).  Those of a flat head's and its shank make a cone of 90 degrees (ISO 10642); so does
-any wider mouth in which no array has room, of which that takes the least away.  Else half way down is nearest to
-all that may be (our derivation).  The sigma of its contacts does not say how far off that may be, the warning
-beside the model does.
+the outside round it does (`sleeves`).  Where that does not, and nothing was felt, it is most often a ledge.  Whose
+two widths are those of a screw's head and shank is sunk for such a head, which is as high as the screw is thick
+(ISO 4762, DIN 974-1).  Those of a flat head's and its shank make a cone of 90 degrees (ISO 10642), and more so in
+a plate too thin for another head; so does any wider mouth in which no array has room, of which that takes the
+least away.  Else half way down is nearest to all that may be (our derivation).  The sigma of its contacts does not
+say how far off that may be, the warning beside the model does.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class SteppedHoleConfig:
     level: float = 0.7  # [mm] between depths at which it was stopped, of one ledge
     slope: float = 1.0  # [mm] from the axis, by which places at least differ that tell a slope
     screw: tuple[float, float] = (1.5, 1.93)  # times as wide as for its shank, that a hole for a head is
-    flat: float = 2.2  # the same of a flat head, at most
+    flat: tuple[float, float] = (1.75, 2.2)  # the same of a flat head, where no other has room or is so wide
     room: float = 6.0  # [mm] radius of a mouth that an array has room in
     head: float = 1.93  # radii of the hole for the shank, that it is deep: M5 to M10 come to 1.91 to 1.96
     sigma: float = 0.5  # [mm] at most: what is less sure would be taken for the face round the mouth
@@ -103,10 +103,11 @@ def _made(
     if outside is not None and not (ledge_felt and beyond > config.level):
         return _coned(rim, other, outside, BY_OUTSIDE, config)
     low, high = config.screw
-    sunk = high * other.radius <= rim.radius < max(config.flat * other.radius, config.room)
+    deep, why = (float(np.median(own[:, 1])), BY_TOUCH) if len(own) else (0.5 * far, BY_GUESS)
+    least = high if config.head * other.radius < deep else config.flat[0]
+    sunk = least * other.radius <= rim.radius < max(config.flat[1] * other.radius, config.room)
     if not len(own) and sunk and wide < far:
         return _coned(rim, other, (0.0, wide), BY_FLAT_HEAD, config)
-    deep, why = (float(np.median(own[:, 1])), BY_TOUCH) if len(own) else (0.5 * far, BY_GUESS)
     if not len(own) and low < rim.radius / other.radius < high and config.head * other.radius < deep:
         deep, why = config.head * other.radius, BY_SCREW
     mouth = Hole(rim.center - 0.5 * deep * rim.axis, rim.axis, rim.radius, deep, rim.sigma)
