@@ -129,8 +129,7 @@ def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
     """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner.
 
     They scatter by more than `most` [mm] rms over what they say that they err; those that are hopelessly unsure of
-    themselves tell nothing of that.
-    A sound face may have strays, but most of its contacts lie on it.
+    themselves tell nothing of that.  A sound face may have strays, but most of its contacts lie on it.
     """
     for face in graph.faces:
         if isinstance(face.fit, Fit) and len(face.contacts) < _FEW:
