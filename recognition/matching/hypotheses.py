@@ -52,6 +52,7 @@ class Found(NamedTuple):
 
     poses: Floats  # (k, 3, 4) object_from_world
     costs: Floats  # (k,) about -2 log likelihood of all contacts, but for a constant
+    told: int = 0  # the first of them, which were given and come first whatever they cost
 
 
 class Begun(NamedTuple):

@@ -189,7 +189,7 @@ def _searched(entry: Entry, begun: Begun, starts: list[Floats], config: MatchCon
         return found
     first = np.stack(starts[: config.believed])
     there = scored(begun, target, first, config.search)
-    return Found(np.concatenate([first, found.poses]), np.concatenate([there, found.costs]))
+    return Found(np.concatenate([first, found.poses]), np.concatenate([there, found.costs]), len(first))
 
 
 def _weighed(modes: list[Mode], library: Mapping[str, Entry], evidence: Evidence, prior: Prior, unknown: float,

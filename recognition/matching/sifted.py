@@ -34,6 +34,7 @@ class SiftConfig:
     each: int = 12  # poses of an object that are looked at
     each_blind: int = 96  # the same where no normals were felt
     each_flat: int = 24  # the same where nothing but one face was, which many faces of many objects fit
+    far: float = 8.0  # of cost on the field, a contact, by which a pose may be behind the best of all to be looked at
     contacts: int = 16  # that judge them
     rounds: int = 3
     behind: float = 14.0  # of log likelihood on the exact surface, by which a pose may be behind
@@ -64,9 +65,13 @@ class Sieve:
         each = self.config.each_blind if blind else self.config.each_flat if flat else self.config.each
         exact = self.evidence.scale_known and not blind
         few = spread(self.evidence.contacts, self.config.contacts) if exact else np.arange(n)
+        least = min((float(f.costs.min()) for f in found.values() if len(f.costs)), default=0.0)
         for name, f in found.items():
-            if len(f.costs) and name not in self._poses:
-                self._look(name, f.poses[:each], f.costs[:each], few, exact)
+            if name not in self._poses:
+                poses, costs = f.poses[:each], f.costs[:each]
+                near = (costs <= least + self.config.far * n) | (np.arange(len(costs)) < f.told) | (not exact)
+                if near.any():
+                    self._look(name, poses[near], costs[near], few, exact)
         if not self._poses:
             return {}
         behind = self.config.behind * n / len(few)
