@@ -28,7 +28,7 @@ from recognition.matching.target import Target, field_error, gap
 class SearchConfig:
     """How far the search goes."""
 
-    pairs: int = 6  # of contacts, with normals
+    pairs: int = 4  # of contacts, with normals
     turned_pairs: int = 6  # of contacts without
     kept: int = 24  # poses of an object that descend, with normals
     kept_blind: int = 160  # without: distances alone rank poses badly
