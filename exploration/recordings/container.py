@@ -13,6 +13,7 @@ from typing import BinaryIO
 import zstandard
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
+from mcap.reader import make_reader
 from mcap.records import (
     Channel,
     Chunk,
@@ -170,6 +171,18 @@ def messages(file: BinaryIO) -> Iterator[tuple[str, Message]]:
             topics[record.id] = record.topic
         elif isinstance(record, Message):
             yield topics[record.channel_id], record
+
+
+def topics_at_end(file: BinaryIO) -> tuple[str, ...]:
+    """The topics that hold messages, as the summary at the end tells; none where no whole summary is there."""
+    try:
+        summary = make_reader(file, validate_crcs=True, record_size_limit=LARGEST_RECORD).get_summary()
+    except Exception:  # as of a cut or damaged tail in what follows
+        return ()
+    if summary is None or summary.statistics is None:
+        return ()
+    counts = summary.statistics.channel_message_counts
+    return tuple(summary.channels[key].topic for key in sorted(summary.channels) if counts.get(key))
 
 
 def _whole_records(file: BinaryIO) -> Iterator[McapRecord]:

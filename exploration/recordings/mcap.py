@@ -29,7 +29,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from exploration.recordings.container import MAGIC, Writer, messages
+from exploration.recordings.container import MAGIC, Writer, messages, topics_at_end
 from exploration.recordings.scene import log_line, pad_scene
 from exploration.recordings.schemas import SCHEMAS
 from exploration.sensing.frame import TaxelFrame
@@ -191,12 +191,12 @@ def events(path: Path) -> Iterator[RecordedEvent]:
 
 def arrays(path: Path) -> tuple[str, ...]:
     """The names of all arrays that a recording holds frames of, in order of their first."""
-    found: dict[str, None] = {}
     with path.open("rb") as file:
-        for topic, _ in messages(file):
-            if topic.endswith("/taxels"):
-                found.setdefault(topic.split("/")[1])
-    return tuple(found)
+        topics = topics_at_end(file)
+        if not topics:
+            file.seek(0)
+            topics = tuple(dict.fromkeys(topic for topic, _ in messages(file)))
+    return tuple(topic.split("/")[1] for topic in topics if topic.endswith("/taxels"))
 
 
 @contextmanager

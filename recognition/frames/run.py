@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import islice
 
 from exploration.recordings.recording import PadFrame, Recording
 from exploration.recordings.untouched import Untouched
@@ -85,7 +86,8 @@ def _asked(options: FramesOptions, feeler: Feeler) -> Iterator[PadFrame]:
     count = max(feeler.frame_counts)
     if options.index >= count:
         raise PalpateError(f"--index {options.index}: {options.file} has frames 0 to {count - 1}")
-    return (item for item in frames if item.frame.index == options.index)
+    asked = (item for item in frames if item.frame.index == options.index)
+    return islice(asked, sum(count > options.index for count in feeler.frame_counts))
 
 
 def _peak(felt: Felt, rest: Untouched) -> float:

@@ -34,7 +34,9 @@ class SiftConfig:
     each: int = 12  # poses of an object that are looked at
     each_blind: int = 96  # the same where no normals were felt
     each_flat: int = 24  # the same where nothing but one face was, which many faces of many objects fit
-    far: float = 8.0  # of cost on the field, a contact, by which a pose may be behind the best of all to be looked at
+    far: float = (
+        8.0  # of cost on the field, a contact: a pose that is farther behind the best is not looked at
+    )
     contacts: int = 16  # that judge them
     rounds: int = 3
     behind: float = 14.0  # of log likelihood on the exact surface, by which a pose may be behind
