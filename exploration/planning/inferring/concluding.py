@@ -31,7 +31,7 @@ from exploration.planning.inferring.risers import risers
 from exploration.planning.inferring.round_walls import round_walls
 from exploration.planning.inferring.rounded_corners import rounded_corners
 from exploration.planning.inferring.rounded_edges import rounded_edges
-from exploration.planning.inferring.slot_ends import as_seen, flat_ends
+from exploration.planning.inferring.slot_ends import as_seen, bounded, flat_ends
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.sockets import sockets
 from exploration.planning.inferring.thin_walls import thin_walls
@@ -232,6 +232,8 @@ def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier], inside: Fl
 def _add_slot(found: Findings, slot: Slot) -> None:
     """Its sides first: where a rim has told where one of them is, its ends are as wide as that leaves."""
     change(found, slot.off)
+    known = found.graph.faces
+    change(found, lambda face: bounded(face, slot, known))
     walls = [add(found, lot, _BY_GAPS) for lot in slot.sides()]
     planes = [wall.shape for wall in walls if wall is not None and isinstance(wall.shape, Plane)]
     for lot in slot.between(planes).ends() if len(planes) == 2 else ():

@@ -1,7 +1,8 @@
 """Ends of slots as the pictures of the faces round them show them: where they are, and whether they are round.
 
 What is seen at the apex of a round end looks like a straight edge.  A square end has two corners beyond it, where
-no face is; at a round one the faces go on there (our derivation).
+no face is; at a round one the faces go on there.  In a picture that is soft by s a hole of radius r seems to end
+s^2 / 2 r too early, for the face lies round its end on three sides (our derivation).
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import ndtr
 
 from exploration.planning.inferring.slots import Slot
 from exploration.planning.known.mosaic import Lattice, Mosaic
@@ -24,19 +26,26 @@ class SlotEndsConfig:
     """Where the pictures are asked."""
 
     about: float = 5.0  # [mm] from where a slot was taken to end
+    soft: float = 1.4  # [mm] standard deviation of what a picture makes of an edge
     corner: float = 0.85  # of half its width, along and across, where only a square end has no face
     widest_unsure: float = 8.0  # [mm] of a slot, up to which a picture is too soft to tell its corners
     beside: float = 2.5  # [mm] from an end, up to which a wall may be its own
-    square: float = 0.95  # least cosine between the slot's way and that of a wall across it
+    square: float = 0.95  # least cosine between the slot's way and that of a wall across it, or beside it
+    off: float = 0.8  # [mm] from a side, of what was inferred of it
 
 
 def as_seen(slot: Slot, mosaic: Mosaic, config: SlotEndsConfig = SlotEndsConfig()) -> Slot:
-    """A slot with its ends where they were seen."""
+    """A slot with its ends where they were seen; these are round, unless it was seen that they are not."""
     ends = [_apex(slot, side, mosaic, config) for side in (1.0, -1.0)]
     ahead, behind = (0.5 * slot.length if end is None else end for end in ends)
     if ahead + behind < slot.width:
         return slot
-    return replace(slot, center=slot.center + 0.5 * (ahead - behind) * slot.along, length=ahead + behind)
+    seen = _reaching(slot, ahead, behind)
+    short = [
+        0.0 if end is None or _is_round(seen, side, mosaic, config) is False else config.soft**2 / slot.width
+        for end, side in zip(ends, (1.0, -1.0), strict=True)
+    ]
+    return _reaching(slot, ahead + short[0], behind + short[1])
 
 
 def flat_ends(
@@ -44,12 +53,52 @@ def flat_ends(
 ) -> set[int]:
     """The ids of inferred faces across those ends of a slot that were seen to be round."""
     found = set[int]()
-    for side in (1.0, -1.0) if slot.width > config.widest_unsure else ():
-        shares = [_cornered(slot, side, up, mosaic, config) for up in (1.0, -1.0)]
-        told = [share for share in shares if np.isfinite(share)]
-        if told and float(np.mean(told)) > 0.5:
+    for side in (1.0, -1.0):
+        if _is_round(slot, side, mosaic, config):
             found |= {face.id for face in faces if _crosses(face, slot, side, config)}
     return found
+
+
+def bounded(face: Face, slot: Slot, faces: Sequence[Face], config: SlotEndsConfig = SlotEndsConfig()) -> Face:
+    """A face of which nothing is inferred along a side of a slot past where its round ends begin.
+
+    A rim looks straight a few millimeters farther than it is.  An end that one of the `faces` runs across is flat.
+    """
+    if not isinstance(face.fit, Fit) or face.fit.kind != "plane":
+        return face
+    felt, away = face.contacts.touch != NOT_FELT, face.contacts.points - slot.center
+    across, out = np.cross(slot.axis, slot.along), away @ slot.along
+    beside = np.abs(np.abs(away @ across) - 0.5 * slot.width) < config.off
+    beside &= np.abs(face.contacts.normals @ across) > config.square
+    beside &= np.abs(away @ slot.axis) < 0.5 * slot.depth
+    past = np.zeros(len(out), dtype=bool)
+    for side in (1.0, -1.0):
+        if not any(_crosses(other, slot, side, config) for other in faces):
+            beyond = side * out - 0.5 * (slot.length - slot.width)
+            past |= (beyond > 0.0) & (beyond < 0.5 * slot.width + config.beside)
+    kept = felt | ~(beside & past)
+    return face.only(kept) if kept.any() else face
+
+
+def _reaching(slot: Slot, ahead: float, behind: float) -> Slot:
+    """A slot with its ends so many mm from where its center is now."""
+    return replace(slot, center=slot.center + 0.5 * (ahead - behind) * slot.along, length=ahead + behind)
+
+
+def _is_round(slot: Slot, side: float, mosaic: Mosaic, config: SlotEndsConfig) -> bool | None:
+    """Whether an end was seen to be round; None where that was not seen, or the slot is too narrow to tell."""
+    if slot.width <= config.widest_unsure:
+        return None
+    shares = [_cornered(slot, side, up, mosaic, config) for up in (1.0, -1.0)]
+    told = [share for share in shares if np.isfinite(share)]
+    return float(np.mean(told)) > _between(slot, config) if told else None
+
+
+def _between(slot: Slot, config: SlotEndsConfig) -> float:
+    """The share half way between those that a soft picture has in the corners of a square end and a round one."""
+    half = 0.5 * slot.width / config.soft
+    square = 1.0 - ndtr((1.0 - config.corner) * half) ** 2
+    return 0.5 * float(square + ndtr((np.sqrt(2.0) * config.corner - 1.0) * half + 0.5 / half))
 
 
 def _apex(slot: Slot, side: float, mosaic: Mosaic, config: SlotEndsConfig) -> float | None:

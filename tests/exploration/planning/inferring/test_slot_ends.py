@@ -5,8 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
-from exploration.planning.inferring.slot_ends import as_seen, flat_ends
+from exploration.planning.inferring.slot_ends import as_seen, bounded, flat_ends
 from exploration.planning.inferring.slots import Slot
 from exploration.planning.known.mosaic import Mosaic, Picture
 from primitives.evidence import NOT_FELT, Contacts
@@ -26,21 +27,24 @@ def beyond(x, y):
 
 
 class Pictured:
-    """A mosaic that saw both faces of the plate, with a slot whose ends are round, or square."""
+    """A mosaic that saw both faces of the plate, softly, with a slot whose ends are round, or square."""
 
     config = SimpleNamespace(step=0.5)
+    soft = 1.4 * norm.ppf((np.arange(20) + 0.5) / 20)  # [mm]
 
     def __init__(self, square=False):
         self.square = square
 
     def picture(self, anchor, normal, lattice):
+        share = np.mean([self.there(lattice, dx, dy) for dx in self.soft for dy in self.soft], axis=0)
+        return Picture(share, np.ones_like(share, dtype=bool))
+
+    def there(self, lattice, dx, dy):
         i, j = np.meshgrid(*(np.arange(count) for count in lattice.shape), indexing="ij")
-        x, y, _ = np.moveaxis(
-            (lattice.origin + lattice.step * np.stack([i, j], axis=-1)) @ lattice.along.T, -1, 0
-        )
+        at = lattice.origin + lattice.step * np.stack([i, j], axis=-1) + [dx, dy]
+        x, y, _ = np.moveaxis(at @ lattice.along.T, -1, 0)
         within = (np.abs(x - CENTER[0]) < 0.5 * LONG) & (np.abs(y - CENTER[1]) < 0.5 * WIDE)
-        there = ~within if self.square else beyond(x, y)
-        return Picture(there.astype(float), np.ones_like(there))
+        return ~within if self.square else beyond(x, y)
 
 
 def test_a_flat_end_across_a_slot_is_none_where_the_faces_round_it_show_its_corners():
@@ -60,9 +64,27 @@ def test_a_flat_end_across_a_slot_is_none_where_the_faces_round_it_show_its_corn
     assert flat_ends(replace(SLOT, width=6.0), faces, Pictured()) == set()
 
 
-def test_a_slot_ends_where_pictures_show_it():
+@pytest.mark.parametrize("square", [False, True])
+def test_a_slot_ends_where_pictures_show_it(square):
     longer = replace(SLOT, center=SLOT.center + 1.5 * SLOT.along, length=SLOT.length + 4.0)
-    seen = as_seen(longer, Pictured())
-    assert seen.length == pytest.approx(LONG, abs=0.6)
-    assert np.abs(seen.center[:2] - CENTER).max() < 0.4
+    seen = as_seen(longer, Pictured(square))
+    assert seen.length == pytest.approx(LONG, abs=0.2)
+    assert np.abs(seen.center[:2] - CENTER).max() < 0.1
     assert as_seen(longer, Mosaic()).length == pytest.approx(longer.length)
+
+
+def test_a_wall_beside_a_slot_ends_where_the_round_end_begins():
+    reach = np.array([-9.0, 0.0, 9.0, 0.5 * (LONG - WIDE) + 2.0, 0.5 * LONG + 1.0])
+    places = np.array([(CENTER[0] + t, CENTER[1] + 0.5 * WIDE + 0.2, z) for t in reach for z in (-2.0, 2.0)])
+    looks, end = np.tile([0.0, -1.0, 0.0], (len(places), 1)), CENTER[0] + 0.5 * LONG
+    guessed, felt = (Contacts.of(places, looks, 0.1, 0.05, touch=touch) for touch in (NOT_FELT, 3))
+    across = np.array([(end, CENTER[1] + t, z) for t in (-3.0, 0.0, 3.0) for z in (-2.0, 2.0)])
+    flat = Contacts.of(across, np.tile([-1.0, 0.0, 0.0], (6, 1)), 0.1, 0.05, touch=NOT_FELT)
+    wall, known, end_wall = (
+        Face(number, fit("plane", lot), lot) for number, lot in enumerate((guessed, felt, flat))
+    )
+    left = bounded(wall, SLOT, [wall, known])
+    assert left.contacts.points[:, 0].max() == pytest.approx(CENTER[0] + 9.0)
+    assert len(left.contacts) == 6
+    assert bounded(known, SLOT, [wall, known]) is known
+    assert bounded(wall, SLOT, [wall, end_wall]) is wall
