@@ -48,11 +48,11 @@ class SearchConfig:
 
 
 class Found(NamedTuple):
-    """Poses of one object, best first."""
+    """Poses of one object, best first after those that were given."""
 
     poses: Floats  # (k, 3, 4) object_from_world
     costs: Floats  # (k,) about -2 log likelihood of all contacts, but for a constant
-    told: int = 0  # the first of them, which were given and come first whatever they cost
+    given: int = 0  # the first of them, whatever they cost
 
 
 class Begun(NamedTuple):

@@ -2,8 +2,10 @@
 
 Beside edges and in narrow places a distance field errs by more than contacts do, so that the true pose of the true
 object may look far worse on it than a false one.  The best poses of each object are refined for a few rounds by a
-few contacts on the exact surface, and those whose likelihood there is far behind are given up.  These rounds begin
-with no more noise than the field's error, since the poses have descended on it: wider looks at many more facets.
+few contacts on the exact surface, and those whose likelihood there is far behind are given up.  But the field errs
+by no more than so much: in 500 queries no pose that came out best lay 8 a contact behind the best of all there.
+These rounds begin with no more noise than the field's error, since the poses have descended on it: wider looks at
+many more facets.
 """
 
 from __future__ import annotations
@@ -34,9 +36,7 @@ class SiftConfig:
     each: int = 12  # poses of an object that are looked at
     each_blind: int = 96  # the same where no normals were felt
     each_flat: int = 24  # the same where nothing but one face was, which many faces of many objects fit
-    far: float = (
-        8.0  # of cost on the field, a contact: a pose that is farther behind the best is not looked at
-    )
+    far: float = 8.0  # of cost on the field, a contact, behind the best: none beyond is looked at
     contacts: int = 16  # that judge them
     rounds: int = 3
     behind: float = 14.0  # of log likelihood on the exact surface, by which a pose may be behind
@@ -71,7 +71,9 @@ class Sieve:
         for name, f in found.items():
             if name not in self._poses:
                 poses, costs = f.poses[:each], f.costs[:each]
-                near = (costs <= least + self.config.far * n) | (np.arange(len(costs)) < f.told) | (not exact)
+                near = (
+                    (costs <= least + self.config.far * n) | (np.arange(len(costs)) < f.given) | (not exact)
+                )
                 if near.any():
                     self._look(name, poses[near], costs[near], few, exact)
         if not self._poses:

@@ -1,5 +1,7 @@
 """Poses of one object that all fit leave places to other objects, which fit as well."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from models.csg import Cone, Cube, Cylinder
@@ -7,7 +9,10 @@ from models.library import Library
 from models.solid import Solid
 from primitives.evidence import Contacts
 from recognition.matching import Evidence, match
-from recognition.matching.sifted import _best
+from recognition.matching.hypotheses import Found
+from recognition.matching.likelihood import NoiseConfig
+from recognition.matching.modes import Felt
+from recognition.matching.sifted import Sieve, SiftConfig, _best
 from recognition.recognizing.answer import warnings_of
 
 BODIES = {"cone": Cone(20.0, 0.0, 50.0), "plate": Cube((80.0, 60.0, 8.0)), "block": Cube((40.0, 40.0, 40.0)),
@@ -29,3 +34,27 @@ def test_objects_that_tie_take_turns() -> None:
     scores = {"many": np.zeros(50), "few": np.full(3, -0.001), "behind": np.full(3, -9.0)}
     kept = _best(poses, scores, 5.0, 8, 0.02)
     assert {name: len(p) for name, p in kept.items()} == {"many": 5, "few": 3}
+
+
+def test_no_pose_far_behind_on_the_field_is_looked_at_but_one_that_was_given() -> None:
+    library = Library.of({name: Solid.from_csg(BODIES[name]) for name in ("block", "bar")})
+    sides = np.concatenate([np.eye(3), -np.eye(3)])
+    evidence = Evidence(Contacts.of(20.0 * sides, sides, 0.1, 0.02))
+    n, poses = len(sides), np.repeat(np.eye(4)[None, :3], 3, axis=0)
+    far = SiftConfig().far * n
+    costs = np.array([1.0, 0.9 * far, 1.1 * far])
+
+    def looked_at(evidence: Evidence, **found: Found) -> dict[str, int]:
+        sieve = Sieve(
+            library, Felt.of(evidence), evidence, NoiseConfig(), SiftConfig(behind=np.inf, on_field=np.inf)
+        )
+        return {name: len(kept) for name, kept in sieve.through(found).items()}
+
+    assert looked_at(evidence, block=Found(poses, costs)) == {"block": 2}
+    assert looked_at(evidence, block=Found(poses, costs), bar=Found(poses, costs + 2.0 * far)) == {"block": 2}
+    assert looked_at(evidence, block=Found(poses[:1], costs[:1]), bar=Found(poses, costs + 2.0 * far, 1)) == {
+        "block": 1,
+        "bar": 1,
+    }
+    untold = replace(evidence, scale_known=False)
+    assert looked_at(untold, block=Found(poses, costs)) == {"block": 3}
