@@ -48,7 +48,7 @@ class MatchConfig:
     search: SearchConfig = field(default_factory=SearchConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     sift: SiftConfig = field(default_factory=SiftConfig)
-    first: int = 20  # objects of the shortlist that are searched at once
+    first: int = 16  # objects of the shortlist that are searched at once
     then: int = 48  # that are searched where these settle nothing
     at_last: int = 160  # that are searched where these settle nothing, either
     telling: int = 4  # contacts from which on their pairs rank objects
