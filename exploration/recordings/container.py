@@ -5,6 +5,7 @@ to its last whole chunk.  Records are the `mcap` package's; but the messages of 
 hundreds a second, are packed here.
 """
 
+import os
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
@@ -13,7 +14,7 @@ from typing import BinaryIO
 import zstandard
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
-from mcap.reader import make_reader
+from mcap.reader import SeekingReader
 from mcap.records import (
     Channel,
     Chunk,
@@ -35,6 +36,7 @@ LEVEL = 1  # of compression: twice as fast as the usual, and as good on noise
 LARGEST_RECORD = 1 << 28  # [bytes] of a record, and of a chunk once it is inflated
 _MESSAGE = struct.Struct("<BQHIQQ")  # opcode, length, channel, sequence, log time, publish time
 _INDEX = struct.Struct("<BQHI")  # opcode, length, channel, bytes of entries
+_TAIL = struct.Struct("<QQI8s")  # start of the summary, of its offsets, checksum, magic
 _SUMMARY = struct.Struct("<BQQQ")  # opcode, length, start, offset start
 
 
@@ -174,15 +176,34 @@ def messages(file: BinaryIO) -> Iterator[tuple[str, Message]]:
 
 
 def topics_at_end(file: BinaryIO) -> tuple[str, ...]:
-    """The topics that hold messages, as the summary at the end tells; none where no whole summary is there."""
+    """The topics that hold messages, each once, as a whole summary at the end tells; else none."""
+    if not _summary_is_whole(file):
+        return ()
+    file.seek(0)
     try:
-        summary = make_reader(file, validate_crcs=True, record_size_limit=LARGEST_RECORD).get_summary()
-    except Exception:  # as of a cut or damaged tail in what follows
+        summary = SeekingReader(file).get_summary()
+    except Exception:  # as of a damaged tail in what follows
         return ()
     if summary is None or summary.statistics is None:
         return ()
     counts = summary.statistics.channel_message_counts
-    return tuple(summary.channels[key].topic for key in sorted(summary.channels) if counts.get(key))
+    held = [summary.channels.get(key) for key in sorted(counts) if counts[key]]
+    known = [channel.topic for channel in held if channel is not None]
+    return tuple(dict.fromkeys(known)) if len(known) == len(held) else ()
+
+
+def _summary_is_whole(file: BinaryIO) -> bool:
+    """Whether a file ends with a summary whose checksum is right."""
+    size = file.seek(0, os.SEEK_END)
+    file.seek(max(0, size - _TAIL.size))
+    tail = file.read(_TAIL.size)
+    if len(tail) < _TAIL.size:
+        return False
+    start, _, checksum, magic = _TAIL.unpack(tail)
+    if magic != MAGIC or not 0 < start < size:
+        return False
+    file.seek(start)
+    return bool(zlib.crc32(file.read(size - start - len(MAGIC) - 4)) == checksum)
 
 
 def _whole_records(file: BinaryIO) -> Iterator[McapRecord]:

@@ -19,14 +19,16 @@ def read_episode(path: Path, spec: SensorSpec | None = None) -> Recording:
     """An episode; `spec` describes its array, or of several the one it fits, where that is not a built-in one."""
     with opened(path):
         pass
-    pads: dict[str, Pad] = {}
+    first: dict[str, RecordedFrame] = {}
     held = _arrays(path)
     for item in _frames(path):
-        if item.sensor not in pads:
-            fits = spec is not None and (len(held) == 1 or spec.array.shape == item.frame.counts.shape)
-            pads[item.sensor] = _pad(path, item, spec if fits else None)
-        if len(pads) == len(held):
+        first.setdefault(item.sensor, item)
+        if len(first) == len(held):
             break
+    pads: dict[str, Pad] = {}
+    for name, item in first.items():
+        fits = spec is not None and (len(first) == 1 or spec.array.shape == item.frame.counts.shape)
+        pads[name] = _pad(path, item, spec if fits else None)
     if not pads:
         raise PalpateError(f"{path} holds no frame of a taxel array; give the episode.mcap of a run")
     names = tuple(pads)

@@ -190,13 +190,13 @@ def events(path: Path) -> Iterator[RecordedEvent]:
 
 
 def arrays(path: Path) -> tuple[str, ...]:
-    """The names of all arrays that a recording holds frames of, in order of their first."""
+    """The names of all arrays that a recording holds frames of, each once."""
     with path.open("rb") as file:
         topics = topics_at_end(file)
         if not topics:
             file.seek(0)
-            topics = tuple(dict.fromkeys(topic for topic, _ in messages(file)))
-    return tuple(topic.split("/")[1] for topic in topics if topic.endswith("/taxels"))
+            topics = tuple(topic for topic, _ in messages(file))
+    return tuple(dict.fromkeys(topic.split("/")[1] for topic in topics if topic.endswith("/taxels")))
 
 
 @contextmanager

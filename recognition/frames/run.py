@@ -87,7 +87,7 @@ def _asked(options: FramesOptions, feeler: Feeler) -> Iterator[PadFrame]:
     if options.index >= count:
         raise PalpateError(f"--index {options.index}: {options.file} has frames 0 to {count - 1}")
     asked = (item for item in frames if item.frame.index == options.index)
-    return islice(asked, sum(count > options.index for count in feeler.frame_counts))
+    return islice(asked, sum(held > options.index for held in feeler.frame_counts))
 
 
 def _peak(felt: Felt, rest: Untouched) -> float:

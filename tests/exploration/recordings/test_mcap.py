@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
+from exploration.recordings.container import topics_at_end
 from exploration.recordings.episode import read_episode
 from exploration.recordings.mcap import RecordedEvent, RecordedFrame, Recorder, arrays, events, read
 from exploration.sensing.frame import TaxelFrame
@@ -68,9 +69,15 @@ def test_an_array_that_is_turned_to_the_object_late_is_read_as_the_others_are(tm
             name, shape = ("fingertip", (4, 4)) if i >= 300 else ("lts210", (10, 16))
             recorder.frame(name, TaxelFrame(np.full(shape, float(i)), i / 200, i), np.eye(4), np.zeros(6))
     assert arrays(path) == ("lts210", "fingertip")
-    cut = tmp_path / "cut.mcap"
-    cut.write_bytes(path.read_bytes()[:-100])  # without a whole summary the messages tell
-    assert arrays(cut) == ("lts210", "fingertip")
+    whole = path.read_bytes()
+    with path.open("rb") as file:
+        assert "/fingertip/taxels" in topics_at_end(file)
+    for data in (whole[:-100], whole[:-300] + b"?" + whole[-299:]):  # then the messages tell
+        other = tmp_path / "other.mcap"
+        other.write_bytes(data)
+        with other.open("rb") as file:
+            assert topics_at_end(file) == ()
+        assert arrays(other) == ("lts210", "fingertip")
     recording = read_episode(path)
     assert recording.sensor == "lts210,fingertip"
     assert [item.pad for item in recording.frames()] == [0] * 300 + [1] * 20
