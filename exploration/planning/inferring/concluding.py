@@ -112,7 +112,8 @@ def conclude(
     for lot in upright_walls(looked, found.graph.faces, beside):
         add(found, lot, _BY_RIM)
     add_left_holes(found, frontier, inside)
-    for slot in (as_seen(slot, mosaic) for slot in slots(frontier().known)):
+    seen = [as_seen(slot, mosaic) for slot in slots(frontier().known)]
+    for slot in seen:
         gone = flat_ends(slot, found.graph.faces, mosaic)
         found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in gone))
         _add_slot(found, slot)
@@ -129,6 +130,8 @@ def conclude(
     for lot, flat in rounded_corners(now.known, found.graph.faces):
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
+    for slot in seen:
+        _bound(found, slot)
     found.warnings.extend(rim.told() for rim in found.openings)
     found.warnings.extend(rim.told_odd() for rim in _odd(found))
 
@@ -232,12 +235,16 @@ def _add_ends(found: Findings, frontier: Callable[[], LocalFrontier], inside: Fl
 def _add_slot(found: Findings, slot: Slot) -> None:
     """Its sides first: where a rim has told where one of them is, its ends are as wide as that leaves."""
     change(found, slot.off)
-    known = found.graph.faces
-    change(found, lambda face: bounded(face, slot, known))
     walls = [add(found, lot, _BY_GAPS) for lot in slot.sides()]
     planes = [wall.shape for wall in walls if wall is not None and isinstance(wall.shape, Plane)]
     for lot in slot.between(planes).ends() if len(planes) == 2 else ():
         add(found, lot, _BY_GAPS, "cylinder")
+
+
+def _bound(found: Findings, slot: Slot) -> None:
+    """No wall beside it goes on past its round ends, whatever told of it."""
+    kept = [bounded(face, slot, found.graph.faces) for face in found.graph.faces]
+    found.graph = replace(found.graph, faces=tuple(face for face in kept if face is not None))
 
 
 def unexplained(rims: Sequence[SeenRim], faces: Sequence[Face]) -> list[SeenRim]:

@@ -15,7 +15,7 @@ from scipy.special import ndtr
 
 from exploration.planning.inferring.slots import Slot
 from exploration.planning.known.mosaic import Lattice, Mosaic
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -31,7 +31,8 @@ class SlotEndsConfig:
     widest_unsure: float = 8.0  # [mm] of a slot, up to which a picture is too soft to tell its corners
     beside: float = 2.5  # [mm] from an end, up to which a wall may be its own
     square: float = 0.95  # least cosine between the slot's way and that of a wall across it, or beside it
-    off: float = 0.8  # [mm] from a side, of what was inferred of it
+    off: float = 0.8  # [mm] from a side, of what was inferred of it,
+    begun: float = 0.5  # [mm] and past where a round end begins
 
 
 def as_seen(slot: Slot, mosaic: Mosaic, config: SlotEndsConfig = SlotEndsConfig()) -> Slot:
@@ -42,7 +43,7 @@ def as_seen(slot: Slot, mosaic: Mosaic, config: SlotEndsConfig = SlotEndsConfig(
         return slot
     seen = _reaching(slot, ahead, behind)
     short = [
-        0.0 if end is None or _is_round(seen, side, mosaic, config) is False else config.soft**2 / slot.width
+        0.0 if end is None or _is_round(seen, side, mosaic, config) is False else _short(slot, config)
         for end, side in zip(ends, (1.0, -1.0), strict=True)
     ]
     return _reaching(slot, ahead + short[0], behind + short[1])
@@ -59,8 +60,10 @@ def flat_ends(
     return found
 
 
-def bounded(face: Face, slot: Slot, faces: Sequence[Face], config: SlotEndsConfig = SlotEndsConfig()) -> Face:
-    """A face of which nothing is inferred along a side of a slot past where its round ends begin.
+def bounded(
+    face: Face, slot: Slot, faces: Sequence[Face], config: SlotEndsConfig = SlotEndsConfig()
+) -> Face | None:
+    """A face of which nothing is inferred along a side of a slot past where its round ends begin, if any is left.
 
     A rim looks straight a few millimeters farther than it is.  An end that one of the `faces` runs across is flat.
     """
@@ -73,11 +76,11 @@ def bounded(face: Face, slot: Slot, faces: Sequence[Face], config: SlotEndsConfi
     beside &= np.abs(away @ slot.axis) < 0.5 * slot.depth
     past = np.zeros(len(out), dtype=bool)
     for side in (1.0, -1.0):
-        if not any(_crosses(other, slot, side, config) for other in faces):
+        if not any(_across(other, slot, side, config).any() for other in faces):
             beyond = side * out - 0.5 * (slot.length - slot.width)
-            past |= (beyond > 0.0) & (beyond < 0.5 * slot.width + config.beside)
+            past |= (beyond > config.begun) & (beyond < 0.5 * slot.width + config.beside)
     kept = felt | ~(beside & past)
-    return face.only(kept) if kept.any() else face
+    return face.only(kept) if kept.any() else None
 
 
 def _reaching(slot: Slot, ahead: float, behind: float) -> Slot:
@@ -92,6 +95,11 @@ def _is_round(slot: Slot, side: float, mosaic: Mosaic, config: SlotEndsConfig) -
     shares = [_cornered(slot, side, up, mosaic, config) for up in (1.0, -1.0)]
     told = [share for share in shares if np.isfinite(share)]
     return float(np.mean(told)) > _between(slot, config) if told else None
+
+
+def _short(slot: Slot, config: SlotEndsConfig) -> float:
+    """[mm] that a round end seems to begin too early; no more where it is too narrow for that to hold."""
+    return config.soft**2 / max(slot.width, 4.0 * config.soft)
 
 
 def _between(slot: Slot, config: SlotEndsConfig) -> float:
@@ -134,12 +142,19 @@ def _share(slot: Slot, away: Floats, up: float, mosaic: Mosaic) -> Floats:
 
 
 def _crosses(face: Face, slot: Slot, side: float, config: SlotEndsConfig) -> bool:
-    """Whether an inferred flat face runs straight across one end of a slot."""
-    if not isinstance(face.fit, Fit) or face.fit.kind != "plane" or (face.contacts.touch != NOT_FELT).any():
-        return False
+    """Whether a face is inferred, and nothing but flat across one end of a slot."""
+    return bool((face.contacts.touch == NOT_FELT).all() and _across(face, slot, side, config).all())
+
+
+def _across(face: Face, slot: Slot, side: float, config: SlotEndsConfig) -> Bools:
+    """(n,) which contacts of a flat face lie at one end of a slot that it runs straight across."""
+    nowhere = np.zeros(len(face.contacts), dtype=bool)
+    if not isinstance(face.fit, Fit) or face.fit.kind != "plane":
+        return nowhere
+    if abs(float(face.fit.shape.direction @ slot.along)) < config.square:
+        return nowhere
     away = face.contacts.points - slot.center
     past = side * (away @ slot.along) - 0.5 * (slot.length - slot.width)
     across = np.abs(away @ np.cross(slot.axis, slot.along))
     within = 0.5 * slot.width + config.beside
-    at_end = (past > 0.0) & (past < within) & (across < within)
-    return bool(at_end.all() and abs(float(face.fit.shape.direction @ slot.along)) > config.square)
+    return np.asarray((past > 0.0) & (past < within) & (across < within))

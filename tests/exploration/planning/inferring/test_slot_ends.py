@@ -64,6 +64,11 @@ def test_a_flat_end_across_a_slot_is_none_where_the_faces_round_it_show_its_corn
     assert flat_ends(replace(SLOT, width=6.0), faces, Pictured()) == set()
 
 
+def test_of_a_narrow_slot_that_is_taken_for_round_no_end_is_put_far_past_what_was_seen():
+    narrow = replace(SLOT, width=3.0)
+    assert LONG - 1.5 < as_seen(narrow, Pictured()).length < LONG + 0.8
+
+
 @pytest.mark.parametrize("square", [False, True])
 def test_a_slot_ends_where_pictures_show_it(square):
     longer = replace(SLOT, center=SLOT.center + 1.5 * SLOT.along, length=SLOT.length + 4.0)
@@ -80,11 +85,17 @@ def test_a_wall_beside_a_slot_ends_where_the_round_end_begins():
     guessed, felt = (Contacts.of(places, looks, 0.1, 0.05, touch=touch) for touch in (NOT_FELT, 3))
     across = np.array([(end, CENTER[1] + t, z) for t in (-3.0, 0.0, 3.0) for z in (-2.0, 2.0)])
     flat = Contacts.of(across, np.tile([-1.0, 0.0, 0.0], (6, 1)), 0.1, 0.05, touch=NOT_FELT)
-    wall, known, end_wall = (
-        Face(number, fit("plane", lot), lot) for number, lot in enumerate((guessed, felt, flat))
+    lots = guessed, felt, flat, Contacts.of(flat.points, flat.normals, 0.1, 0.05, touch=3)
+    wall, known, end_wall, felt_end = (
+        Face(number, fit("plane", lot), lot) for number, lot in enumerate(lots)
     )
     left = bounded(wall, SLOT, [wall, known])
     assert left.contacts.points[:, 0].max() == pytest.approx(CENTER[0] + 9.0)
     assert len(left.contacts) == 6
     assert bounded(known, SLOT, [wall, known]) is known
-    assert bounded(wall, SLOT, [wall, end_wall]) is wall
+    assert bounded(wall, SLOT, [wall, end_wall]) is bounded(wall, SLOT, [wall, felt_end]) is wall
+    past = wall.only(places[:, 0] > CENTER[0] + 0.5 * (LONG - WIDE))
+    assert bounded(past, SLOT, [past]) is None
+    for lot in SLOT.sides():
+        own = Face(9, fit("plane", lot), lot)
+        assert bounded(own, SLOT, [own]) is own
