@@ -135,7 +135,7 @@ def test_the_commands_of_the_readme_run_one_after_another(desk):
     shutil.copytree(DOCS / "library", desk.folder / "DIR")
     shutil.copy(desk.folder / "runs" / "block" / "contacts.csv", desk.folder)
     write_step_box(desk.folder / "part.step", (60.0, 40.0, 12.0))
-    write_stl(desk.folder / "part.stl", (70.0, 50.0, 30.0))
+    write_stl(desk.folder / "part.stl", (36.0, 30.0, 24.0))
     said = {line: desk(line) for line in commands("README", "console") if " experiment " not in line}
     assert any("block" in text for line, text in said.items() if line.startswith("palpate recognize"))
     assert any("bracket" in text for line, text in said.items() if line.startswith("palpate identify"))
