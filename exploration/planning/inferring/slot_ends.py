@@ -143,7 +143,8 @@ def _share(slot: Slot, away: Floats, up: float, mosaic: Mosaic) -> Floats:
 
 def _crosses(face: Face, slot: Slot, side: float, config: SlotEndsConfig) -> bool:
     """Whether a face is inferred, and nothing but flat across one end of a slot."""
-    return bool((face.contacts.touch == NOT_FELT).all() and _across(face, slot, side, config).all())
+    at_end = _across(face, slot, side, config)
+    return bool(at_end.any() and at_end.all() and (face.contacts.touch == NOT_FELT).all())
 
 
 def _across(face: Face, slot: Slot, side: float, config: SlotEndsConfig) -> Bools:
