@@ -130,8 +130,8 @@ def conclude(
     for lot, flat in rounded_corners(now.known, found.graph.faces):
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
-    for slot in seen:
-        _bound(found, slot)
+    for slot in seen:  # last: whatever told of a wall, none goes on past round ends
+        found.graph = replace(found.graph, faces=bounded(found.graph.faces, slot))
     found.warnings.extend(rim.told() for rim in found.openings)
     found.warnings.extend(rim.told_odd() for rim in _odd(found))
 
@@ -239,12 +239,6 @@ def _add_slot(found: Findings, slot: Slot) -> None:
     planes = [wall.shape for wall in walls if wall is not None and isinstance(wall.shape, Plane)]
     for lot in slot.between(planes).ends() if len(planes) == 2 else ():
         add(found, lot, _BY_GAPS, "cylinder")
-
-
-def _bound(found: Findings, slot: Slot) -> None:
-    """No wall beside it goes on past its round ends, whatever told of it."""
-    kept = [bounded(face, slot, found.graph.faces) for face in found.graph.faces]
-    found.graph = replace(found.graph, faces=tuple(face for face in kept if face is not None))
 
 
 def unexplained(rims: Sequence[SeenRim], faces: Sequence[Face]) -> list[SeenRim]:

@@ -60,27 +60,33 @@ def flat_ends(
     return found
 
 
-def bounded(
-    face: Face, slot: Slot, faces: Sequence[Face], config: SlotEndsConfig = SlotEndsConfig()
-) -> Face | None:
-    """A face of which nothing is inferred along a side of a slot past where its round ends begin, if any is left.
+def bounded(faces: Sequence[Face], slot: Slot, config: SlotEndsConfig = SlotEndsConfig()) -> tuple[Face, ...]:
+    """The faces, of which nothing is inferred along a side of a slot past where its round ends begin.
 
-    A rim looks straight a few millimeters farther than it is.  An end that one of the `faces` runs across is flat.
+    A rim looks straight a few millimeters farther than it is.  An end that a face runs across is flat.
     """
+    ends = [
+        side for side in (1.0, -1.0) if not any(_across(face, slot, side, config).any() for face in faces)
+    ]
+    kept = [~_past_its_sides(face, slot, ends, config) for face in faces]
+    return tuple(
+        face.only(some) for face, some in zip(faces, kept, strict=True) if some.any() or not len(some)
+    )
+
+
+def _past_its_sides(face: Face, slot: Slot, ends: Sequence[float], config: SlotEndsConfig) -> Bools:
+    """(n,) which contacts of a flat face are inferred along a side of a slot, past where such ends begin."""
+    past = np.zeros(len(face.contacts), dtype=bool)
     if not isinstance(face.fit, Fit) or face.fit.kind != "plane":
-        return face
-    felt, away = face.contacts.touch != NOT_FELT, face.contacts.points - slot.center
-    across, out = np.cross(slot.axis, slot.along), away @ slot.along
+        return past
+    away, across = face.contacts.points - slot.center, np.cross(slot.axis, slot.along)
     beside = np.abs(np.abs(away @ across) - 0.5 * slot.width) < config.off
     beside &= np.abs(face.contacts.normals @ across) > config.square
     beside &= np.abs(away @ slot.axis) < 0.5 * slot.depth
-    past = np.zeros(len(out), dtype=bool)
-    for side in (1.0, -1.0):
-        if not any(_across(other, slot, side, config).any() for other in faces):
-            beyond = side * out - 0.5 * (slot.length - slot.width)
-            past |= (beyond > config.begun) & (beyond < 0.5 * slot.width + config.beside)
-    kept = felt | ~(beside & past)
-    return face.only(kept) if kept.any() else None
+    for side in ends:
+        beyond = side * (away @ slot.along) - 0.5 * (slot.length - slot.width)
+        past |= (beyond > config.begun) & (beyond < 0.5 * slot.width + config.beside)
+    return np.asarray(past & beside & (face.contacts.touch == NOT_FELT))
 
 
 def _reaching(slot: Slot, ahead: float, behind: float) -> Slot:

@@ -89,13 +89,13 @@ def test_a_wall_beside_a_slot_ends_where_the_round_end_begins():
     wall, known, end_wall, felt_end = (
         Face(number, fit("plane", lot), lot) for number, lot in enumerate(lots)
     )
-    left = bounded(wall, SLOT, [wall, known])
+    left, same = bounded([wall, known], SLOT)
     assert left.contacts.points[:, 0].max() == pytest.approx(CENTER[0] + 9.0)
     assert len(left.contacts) == 6
-    assert bounded(known, SLOT, [wall, known]) is known
-    assert bounded(wall, SLOT, [wall, end_wall]) is bounded(wall, SLOT, [wall, felt_end]) is wall
+    assert same is known
+    assert bounded([wall, end_wall], SLOT)[0] is bounded([wall, felt_end], SLOT)[0] is wall
     past = wall.only(places[:, 0] > CENTER[0] + 0.5 * (LONG - WIDE))
-    assert bounded(past, SLOT, [past]) is None
+    assert bounded([past], SLOT) == ()
     for lot in SLOT.sides():
         own = Face(9, fit("plane", lot), lot)
-        assert bounded(own, SLOT, [own]) is own
+        assert bounded([own], SLOT)[0] is own
