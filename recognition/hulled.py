@@ -17,7 +17,7 @@ from models.csg import Polyhedron
 from models.solid import TOLERANCE, Solid
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
-from primitives.shared_error import with_shared_error
+from primitives.touch_errors import fits_of_touches
 from recognition.assembly import Assembly, NotClosed
 from recognition.assembly.given import FittedFace, outward
 from recognition.assembly.hollowed import HOLLOW, hollowed
@@ -57,7 +57,7 @@ def hulled(
     hull = _hull(felt)
     if hull is None or _emptied(np.array(hull.points), free) > (_FULL if lacks else _EMPTY):
         return None
-    fits = tuple(outward(with_shared_error(face.fit, face.contacts)) for face in faces)
+    fits = tuple(outward(fit) for fit in fits_of_touches(faces))
     regularized = regularize(fits)
     places = [face.contacts.points[face.contacts.touch != NOT_FELT] for face in faces]
     known = Known(regularized.shapes, places, [False] * len(fits), felt[:0])

@@ -13,7 +13,7 @@ from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.plate import Plate
 from primitives.shapes import Plane, Shape
-from primitives.shared_error import with_shared_error
+from primitives.touch_errors import fits_of_touches
 from recognition.assembly.regularities import RegularityOptions, Regularized, regularize
 
 _HEARSAY = 4  # inferred contacts that count as much as one that was felt
@@ -73,7 +73,7 @@ class Given:
         plates: Sequence[Plate] = (),
     ) -> Given:
         """Faces with their planes turned outward, regularized together."""
-        fits = tuple(outward(with_shared_error(f.fit, f.contacts)) for f in faces)
+        fits = tuple(outward(fit) for fit in fits_of_touches(faces))
         regularized = regularize(fits, regularity)
         speaker = _speakers(len(fits), regularized)
         distinct = sorted(set(speaker))
