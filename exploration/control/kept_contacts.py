@@ -58,6 +58,11 @@ class TrustConfig:
     round: float = 0.9  # probability of being curved, below which it may be such a strip too
     narrow_floor: float = 0.06  # [mm]
     narrow_normal_floor: float = 0.1  # [rad]
+    ends: tuple[float, float] = (
+        0.2,
+        0.18,
+    )  # [mm, rad] over the square of the taxels across: error of a cut flat
+    # face that reaches the pad's end, beside which an edge goes unseen
     rims: tuple[float, ...] = (
         3.0,
         2.0,
@@ -104,6 +109,9 @@ def keep(
             found = _round(ring, seen, found) if ring else _on(surface.mask, seen, found)
             if not ring and _width(surface, seen.image) < (trust.crown if bends else trust.slender):
                 floor, normal_floor = trust.narrow_floor, trust.narrow_normal_floor
+            elif what.lines:
+                beside = _to_end(surface.mask) ** 2
+                floor, normal_floor = np.hypot((floor, normal_floor), np.divide(trust.ends, beside))
     else:
         found = _patch(seen, where, trust, what.kinds["curved"] > trust.domed)
     told = (
@@ -151,6 +159,12 @@ def _round(ring: Sequence[Arc], seen: Observation, contacts: Contacts) -> Contac
 def _taxels(mask: Bools, array: TaxelArray) -> Floats:
     rows, columns = np.nonzero(mask)
     return np.column_stack([array.x[columns], array.y[rows]])
+
+
+def _to_end(mask: Bools) -> float:
+    """How many taxels of a mask lie one behind the other up to an end of the pad; inf where it reaches none."""
+    ends = max(int(line.sum()) for line in (mask[0], mask[-1], mask[:, 0], mask[:, -1]))
+    return float(mask.sum()) / ends if ends else np.inf
 
 
 def _along(middle: Midline, contacts: Contacts, pose: Floats) -> Contacts:

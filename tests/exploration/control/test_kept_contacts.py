@@ -163,3 +163,30 @@ def test_a_step_that_the_skin_spans_is_not_taken_for_a_hollow_face():
     off = presses(recess, poses)
     assert len(off) > 5
     assert off.max() < 0.4
+
+
+def leans(width: float, beyond: float, frames: int):
+    """(n,) [sigma] that contacts of a strip lean across it, whose far edge lies by the outermost taxels."""
+    spec = load_sensor("lts210")
+    spec = replace(spec, electronics=replace(spec.electronics, noise=0.05))
+    solid, rng = Solid.from_csg(Cube((60.0, width, 30.0)).at(0.0, 0.0, -15.0)), np.random.default_rng(5)
+    found = []
+    for _ in range(10):
+        lean = np.radians(rng.uniform(-3.0, 3.0))
+        off = 0.5 * width + beyond - 9.0
+        turn = se3.rotation_exp([lean, 0.0, 0.0]) @ DOWN
+        start = se3.pose(turn, [rng.uniform(-4.0, 4.0), off, -0.5 + np.tan(lean) * off])
+        stage, arrays = simulate(solid, [spec], rng, start_pose=start)
+        kept = []
+        keep(dwell(Guard(stage, arrays, [Calibration.nominal(spec)]), frames), 1, 1, kept)
+        found.extend(np.arctan2(c.normals[0, 1], c.normals[0, 2]) / c.normal_sigma[0] for c in kept if len(c))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("frames", [1, 8])
+def test_a_strip_whose_edge_is_hidden_at_the_pads_end_says_that_it_may_lean(frames):
+    off = np.concatenate(
+        [leans(width, beyond, frames) for width in (7.4, 9.0) for beyond in (-0.5, 0.0, 0.5)]
+    )
+    assert len(off) > 30
+    assert np.sqrt(np.mean(off**2)) < 1.6
