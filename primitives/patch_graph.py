@@ -15,7 +15,7 @@ from scipy.special import chdtri
 from primitives.arrays import Bools, frozen
 from primitives.classify import RankedFit, RankOptions, rank, score, two_flats
 from primitives.errors import PalpateError
-from primitives.evidence import Contacts, EdgeTrace
+from primitives.evidence import NOT_FELT, Contacts, EdgeTrace
 from primitives.fit import Fit, NoFit, fit, refit
 
 
@@ -24,6 +24,7 @@ class MergeOptions:
     """When two lots of contacts lie on one face."""
 
     slack: float = 1.5  # factor on every sigma, for what the sensor model leaves out
+    scatter: float = 0.0  # [mm] that contacts err by beside their own sigmas, as the stage makes them
     significance: float = 1e-4  # a joint fit less likely than this is refused
     strained: float = 1.5  # chi2 per degree of freedom from which contacts that stray are looked for
     agreeing: float = 0.7  # share of the contacts that must agree on a shape for the rest to have strayed
@@ -39,6 +40,12 @@ class Face:
     fit: Fit | NoFit
     contacts: Contacts
     ranked: tuple[RankedFit, ...] = ()
+    scatter: float = 0.0  # [mm] that its contacts were taken to err by beside their own sigmas
+
+    @property
+    def weighed(self) -> Contacts:
+        """The contacts with the sigmas that they were fitted with."""
+        return _weighed(self.contacts, self.scatter)
 
     def only(self, kept: Bools) -> Face:
         """The face with those of its contacts alone, its fit as it was; itself where that is all or none."""
@@ -67,6 +74,12 @@ class PatchGraph:
     apart: tuple[tuple[Face, Face], ...] = field(
         default=(), repr=False, compare=False
     )  # which are known to be two
+
+    def scattered(self, scatter: float) -> PatchGraph:
+        """The graph of contacts that err by so much [mm] beside their own sigmas, its shapes fitted anew."""
+        options = replace(self.options, scatter=scatter)
+        faces = tuple(_refitted(face, options) for face in self.faces)
+        return replace(self, faces=faces, options=options, apart=())
 
     @property
     def next_id(self) -> int:
@@ -158,7 +171,7 @@ def join(first: Face, second: Face, options: MergeOptions) -> Fit | None:
 
     The shapes at hand are refitted first, which is quick; only where that fails is every kind tried.
     """
-    contacts = Contacts.concatenate([first.contacts, second.contacts])
+    contacts = _weighed(Contacts.concatenate([first.contacts, second.contacts]), options.scatter)
     for face in (first, second):
         if isinstance(face.fit, Fit):
             near = refit(face.fit.shape, face.fit.convex, contacts, options.rank.fit)
@@ -179,14 +192,28 @@ def ranked_face(face_id: int, contacts: Contacts, options: MergeOptions) -> Face
 
     Contacts that stray, as of a pad that lay half over an edge, stay with the face and out of its fit.
     """
-    ranked = rank(contacts, options=options.rank)
+    weighed = _weighed(contacts, options.scatter)
+    ranked = rank(weighed, options=options.rank)
     if ranked and ranked[0].fit.chi2 > options.strained * max(ranked[0].fit.dof, 1):
-        kept = _agreeing(ranked[0].fit.kind, contacts, options)
+        kept = _agreeing(ranked[0].fit.kind, weighed, options)
         if kept is not None:
-            again = rank(contacts.select(kept), options=options.rank)
+            again = rank(weighed.select(kept), options=options.rank)
             ranked = tuple(replace(r, fit=replace(r.fit, inliers=frozen(kept, bool))) for r in again)
     found = ranked[0].fit if ranked else NoFit(f"{len(contacts)} contacts determine no shape")
-    return Face(face_id, found, contacts, ranked)
+    return Face(face_id, found, contacts, ranked, options.scatter)
+
+
+def _weighed(contacts: Contacts, scatter: float) -> Contacts:
+    return replace(contacts, sigma=frozen(np.hypot(contacts.sigma, scatter))) if scatter else contacts
+
+
+def _refitted(face: Face, options: MergeOptions) -> Face:
+    """A face that was felt, fitted with other sigmas."""
+    if not isinstance(face.fit, Fit) or (face.contacts.touch == NOT_FELT).any():
+        return face
+    contacts = _weighed(face.contacts, options.scatter)
+    found = refit(face.fit.shape, face.fit.convex, contacts, options.rank.fit)
+    return replace(face, fit=found, scatter=options.scatter) if isinstance(found, Fit) else face
 
 
 def _agreeing(kind: str, contacts: Contacts, options: MergeOptions) -> Bools | None:

@@ -79,7 +79,7 @@ def known_face(graph: PatchGraph, contacts: Contacts, config: AttributionConfig)
         if (
             isinstance(face.fit, Fit)
             and len(contacts)
-            and np.median(_misfit(face, face.fit, contacts, config)) < 1.0
+            and np.median(_misfit(graph, face, contacts, config)) < 1.0
         ):
             return face.id
     return None
@@ -161,16 +161,18 @@ def without(contacts: Contacts, taken: Contacts) -> Contacts:
     return contacts.select(np.array([bytes(p) not in gone for p in contacts.points], dtype=bool))
 
 
-def _misfit(face: Face, fit: Fit, contacts: Contacts, config: AttributionConfig) -> Floats:
+def _misfit(graph: PatchGraph, face: Face, contacts: Contacts, config: AttributionConfig) -> Floats:
     """(n,) distance and turn from a fitted face, in units of what still belongs to it.
 
     A curved face that was felt at one end may lie farther off at the other than any contact errs.
     """
-    unsure = np.zeros(len(contacts))
+    fit, unsure = face.fit, np.zeros(len(contacts))
+    assert isinstance(fit, Fit)
     if fit.kind != "plane" and len(contacts):
-        sigma = distance_sigma(with_shared_error(fit, face.contacts), contacts.points)
+        sigma = distance_sigma(with_shared_error(fit, face.weighed), contacts.points)
         unsure = np.minimum(3.0 * sigma, config.unsure)
-    room = np.hypot(np.hypot(4.0 * contacts.sigma, config.near), unsure)
+    errs = np.hypot(contacts.sigma, graph.options.scatter)
+    room = np.hypot(np.hypot(4.0 * errs, config.near), unsure)
     off = np.abs(fit.shape.signed_distance(contacts.points)) / room
     side = 1.0 if fit.convex else -1.0
     facing = side * (fit.shape.normals(contacts.points) * contacts.normals).sum(axis=1)
@@ -183,7 +185,7 @@ def _owners(graph: PatchGraph, contacts: Contacts, config: AttributionConfig) ->
     best = np.ones(len(contacts))
     for face in graph.faces:
         if isinstance(face.fit, Fit) and len(contacts):
-            off = _misfit(face, face.fit, contacts, config)
+            off = _misfit(graph, face, contacts, config)
             closer = off < best
             owner[closer], best[closer] = face.id, off[closer]
     return owner

@@ -184,7 +184,7 @@ def flattened(graph: PatchGraph) -> PatchGraph:
 def _plane_of(face: Face) -> Fit | None:
     """The plane that says of a hardly curved face what there is to say."""
     bulge = _bulge(face)
-    flat = None if bulge is None else fit("plane", face.contacts)
+    flat = None if bulge is None else fit("plane", face.weighed)
     if bulge is None or not isinstance(flat, Fit) or not isinstance(face.fit, Fit):
         return None
     as_near = flat.rms < _AS_NEAR * face.fit.rms and _median_lean(flat, face.contacts) < _LEAN

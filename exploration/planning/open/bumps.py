@@ -38,7 +38,7 @@ def _before(face: Face, felt: Contacts, config: BumpsConfig) -> int:
     if not isinstance(face.fit, Fit) or face.fit.kind != "plane" or not len(felt):
         return 0
     side, shape = 1.0 if face.fit.convex else -1.0, face.fit.shape
-    unsure = distance_sigma(with_shared_error(face.fit, face.contacts), felt.points)
+    unsure = distance_sigma(with_shared_error(face.fit, face.weighed), felt.points)
     out = side * shape.signed_distance(felt.points) - config.sigmas * unsure
     alike = side * (shape.normals(felt.points) * felt.normals).sum(axis=1) > config.alike
     return int(((out > config.far) | ((out > config.before) & alike)).sum())

@@ -128,7 +128,7 @@ class Frontier:
         sigma = np.zeros((len(out), len(self.faces)))
         for k, face in enumerate(self.faces):
             assert isinstance(face.fit, Fit)
-            sigma[:, k] = distance_sigma(with_shared_error(face.fit, face.contacts), p.points)
+            sigma[:, k] = distance_sigma(with_shared_error(face.fit, face.weighed), p.points)
             if not isinstance(face.fit.shape, Plane) and len(face.contacts) < config.few_curved:
                 out[p.face == face.id] = 2.0
         rows, own = np.arange(len(out)), np.array([self.index[face] for face in p.face])

@@ -18,6 +18,7 @@ from exploration.planning.faces.attribution import (
     take_in,
     without,
 )
+from exploration.planning.faces.scatter import scatter_of
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
@@ -67,6 +68,10 @@ class Wall:
         return replace(self, point=self.pose[:3, 3] + far * way, heading=way)
 
 
+_EXACT = 0.02  # [mm] of scatter that fits allow for as it is
+_STEADY = 0.6, 1.3  # times what is believed of it, between which it stays
+
+
 class Study:
     """What the pad's contacts and sightings become."""
 
@@ -109,7 +114,15 @@ class Study:
         self.loose = taken.loose
         self.found.hollow |= taken.hollow
         self._rename(taken.gone)
+        self._weigh()
         return taken.home
+
+    def _weigh(self) -> None:
+        """Believe contacts as far as those of one face agree."""
+        graph, scatter = self.found.graph, scatter_of(self.found.graph, self.loose)
+        believed = graph.options.scatter
+        if scatter > _EXACT and not _STEADY[0] * believed < scatter < _STEADY[1] * believed:
+            self.found.graph = graph.scattered(scatter)
 
     def narrow_face(self, places: Floats, normal: Floats, looks: int = 1) -> int | None:
         """The id of a flat face at (n, 3) places that looks (3,) out, too narrow for a pad to lie on.
