@@ -1,6 +1,6 @@
 """What touches err by together, told by their disagreement, and the fits that heed it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -62,7 +62,7 @@ def heights(faces, fits):
     for face, found in zip(faces, fits, strict=True):
         at = face.contacts.points[[0, len(face.contacts) // 2]]
         off.extend(found.shape.project(at)[:, 2])
-        sigma.extend(distance_sigma(found, at) / np.sqrt(max(1.0, found.chi2 / found.dof)))
+        sigma.extend(distance_sigma(found, at))
     return np.array(off), np.array(sigma)
 
 
@@ -110,8 +110,64 @@ def test_round_faces_move_to_where_their_touches_put_them(shape):
     ring = shape.project(20 * np.column_stack([np.cos(t := np.arange(0, 6, 0.5)), np.sin(t), np.ones(12)]))
     fits = fits_of_touches(faces)
     off = np.concatenate([f.shape.signed_distance(ring) for f in fits])
-    sigma = np.concatenate([distance_sigma(f, ring) / np.sqrt(max(1.0, f.chi2 / f.dof)) for f in fits])
-    assert 0.7 < np.sqrt(np.mean((off / sigma) ** 2)) < 1.4
+    sigma = np.concatenate([distance_sigma(f, ring) for f in fits])
+    assert 0.6 < np.sqrt(np.mean((off / sigma) ** 2)) < 1.4
+    plain = np.concatenate([f.fit.shape.signed_distance(ring) for f in faces])
+    assert np.mean(off**2) < 0.5 * np.mean(plain**2)
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.01, 1.5e-3])
+def test_cones_that_are_nearly_cylinders_are_known_as_well(angle):
+    rng = np.random.default_rng(7)
+    cone = Cone([0, 0, 15.0 / np.tan(angle)], [0, 0, -1], angle)
+    turn, high = rng.uniform(0, 2 * np.pi, 120), rng.uniform(-10, 10, 120)
+    on = cone.project(np.column_stack([15 * np.cos(turn), 15 * np.sin(turn), high]))
+    normals = cone.normals(on)
+    touch = np.repeat(np.arange(30), 4)
+    contacts = Contacts.of(
+        on + 0.01 * rng.standard_normal((120, 1)) * normals, normals, 0.01, 0.01, touch=touch
+    )
+    found = Face(fit("cone", contacts), contacts)
+    again = fits_of_touches([found, *(plate(rng, 4) for _ in range(6))])[0]
+    ring = cone.project(np.array([[15.0, 0.0, 0.0], [0.0, 15.0, 5.0], [-15.0, 0.0, -5.0]]))
+    assert np.abs(again.shape.signed_distance(ring)).max() < 0.02
+    assert distance_sigma(again, ring).max() < 4 * distance_sigma(found.fit, ring).max()
+
+
+def test_what_a_fit_knows_beside_its_contacts_it_keeps_and_no_other_suffers():
+    rng = np.random.default_rng(8)
+    turn = np.arange(0, 2 * np.pi, np.pi / 4)
+    ring = np.column_stack([10 * np.cos(turn), 10 * np.sin(turn), np.zeros(8)])
+    felt = Contacts.of(ring + 0.005 * rng.standard_normal((8, 3)), sigma=0.01, touch=0)
+    up = np.array([0.0, 0.0, 30.0])
+    drawn = fit(
+        "cylinder", Contacts.of(np.concatenate([felt.points, felt.points + up, felt.points - up]), sigma=0.01)
+    )
+    assert isinstance(drawn, Fit)
+    hole = Face(replace(drawn, inliers=np.ones(8, dtype=bool)), felt)
+    plates = [plate(rng, 5, 0.05, 0.02) for _ in range(6)]
+    alone, beside = touch_errors(plates), touch_errors([hole, *plates])
+    assert beside.reading == pytest.approx(alone.reading, rel=0.1)
+    assert beside.touch == pytest.approx(alone.touch, rel=0.3)
+    again = fits_of_touches([hole, *plates])[0]
+    assert abs(again.shape.axis @ drawn.shape.axis) > np.cos(np.radians(0.05))
+    assert (np.linalg.eigvalsh(again.covariance) > 0).all()
+
+
+def test_normals_that_lean_alike_in_a_touch_count_as_one():
+    rng = np.random.default_rng(9)
+    leans = []
+    for _ in range(60):
+        at = rng.uniform(-3, 3, (40, 2))
+        lean = rng.normal(0, 0.004, 2)
+        n = np.column_stack([np.tile(lean, (40, 1)) + rng.normal(0, 0.001, (40, 2)), np.ones(40)])
+        n /= np.linalg.norm(n, axis=1, keepdims=True)
+        contacts = Contacts.of(np.column_stack([at, rng.normal(0, 0.05, 40)]), n, 0.05, 0.006, touch=0)
+        face = Face(fit("plane", contacts), contacts)
+        found = fits_of_touches([face])[0]
+        turned = np.arccos(min(1.0, abs(found.shape.normal[2])))
+        leans.append(turned / np.sqrt(np.trace(found.covariance[1:, 1:])))
+    assert 0.5 < np.sqrt(np.mean(np.square(leans))) < 1.3
 
 
 def test_contacts_that_are_each_their_own_touch_say_nothing_of_touches():
