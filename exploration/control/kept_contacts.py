@@ -162,9 +162,9 @@ def _taxels(mask: Bools, array: TaxelArray) -> Floats:
 
 
 def _to_end(mask: Bools) -> float:
-    """How many taxels of a mask lie one behind the other up to an end of the pad; inf where it reaches none."""
-    ends = max(int(line.sum()) for line in (mask[0], mask[-1], mask[:, 0], mask[:, -1]))
-    return float(mask.sum()) / ends if ends else np.inf
+    """How many taxels deep a mask is from an end of the pad that it lies along; inf where it reaches none."""
+    sides = [side for side in (mask, mask[::-1], mask.T, mask.T[::-1]) if side[:2].any()]
+    return min((float(np.median(s[:, s[:2].any(axis=0)].sum(axis=0))) for s in sides), default=np.inf)
 
 
 def _along(middle: Midline, contacts: Contacts, pose: Floats) -> Contacts:
