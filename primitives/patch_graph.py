@@ -81,6 +81,10 @@ class PatchGraph:
         faces = tuple(_refitted(face, options) for face in self.faces)
         return replace(self, faces=faces, options=options, apart=())
 
+    def believed(self, contacts: Contacts) -> Contacts:
+        """Contacts of it, with what the stage adds to the sigmas of those that were felt."""
+        return _weighed(contacts, self.options.scatter)
+
     @property
     def next_id(self) -> int:
         """The id of a face that is added."""
@@ -204,16 +208,26 @@ def ranked_face(face_id: int, contacts: Contacts, options: MergeOptions) -> Face
 
 
 def _weighed(contacts: Contacts, scatter: float) -> Contacts:
-    return replace(contacts, sigma=frozen(np.hypot(contacts.sigma, scatter))) if scatter else contacts
+    """Contacts with what the stage adds to the sigmas of those that were felt."""
+    if not scatter:
+        return contacts
+    added = np.where(contacts.touch == NOT_FELT, 0.0, scatter)
+    return replace(contacts, sigma=frozen(np.hypot(contacts.sigma, added)))
 
 
 def _refitted(face: Face, options: MergeOptions) -> Face:
-    """A face that was felt, fitted with other sigmas."""
+    """A face that was felt, fitted with other sigmas; one that was never ranked keeps its shape and its strays."""
     if not isinstance(face.fit, Fit) or (face.contacts.touch == NOT_FELT).any():
         return face
-    contacts = _weighed(face.contacts, options.scatter)
+    if face.ranked:
+        again = ranked_face(face.id, face.contacts, options)
+        return again if isinstance(again.fit, Fit) else face
+    kept = face.fit.inliers
+    contacts = _weighed(face.contacts.select(kept), options.scatter)
     found = refit(face.fit.shape, face.fit.convex, contacts, options.rank.fit)
-    return replace(face, fit=found, scatter=options.scatter) if isinstance(found, Fit) else face
+    if not isinstance(found, Fit):
+        return face
+    return replace(face, fit=replace(found, inliers=kept), scatter=options.scatter)
 
 
 def _agreeing(kind: str, contacts: Contacts, options: MergeOptions) -> Bools | None:
@@ -245,7 +259,9 @@ def _settled(first: Face, second: Face, options: MergeOptions) -> bool:
 
 def _least_score(face: Face, options: MergeOptions) -> float:
     if isinstance(face.fit, Fit):
-        return score(face.fit, options.rank, options.slack**2)
+        alike = face if face.scatter == options.scatter else _refitted(face, options)
+        assert isinstance(alike.fit, Fit)
+        return score(alike.fit, options.rank, options.slack**2)
     return 3.0 * float(np.log(max(len(face.contacts), 2)))  # too few to fit: a plane could hold them all
 
 

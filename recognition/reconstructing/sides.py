@@ -31,7 +31,8 @@ def turned_out(graph: PatchGraph) -> PatchGraph:
     links = linked(nearest(lifted(points[some], normals[some]), min(_LINKS + 1, len(some)))[1])
     sense = senses(points[some], normals[some], of[some], known, links)
     turned = [_turned(face, fit, float(s)) for (face, fit), s in zip(fitted, sense, strict=True)]
-    return PatchGraph((*turned, *(face for face in graph.faces if not isinstance(face.fit, Fit))))
+    nameless = (face for face in graph.faces if not isinstance(face.fit, Fit))
+    return PatchGraph((*turned, *nameless), options=graph.options)
 
 
 def _as_felt(contacts: Contacts, fit: Fit) -> float:

@@ -135,7 +135,7 @@ def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
         if isinstance(face.fit, Fit) and len(face.contacts) < _FEW:
             off = np.abs(face.fit.shape.signed_distance(face.contacts.points))
             tells = face.contacts.sigma <= _HOPELESS
-            sigma = face.contacts.sigma[tells]
+            sigma = face.weighed.sigma[tells]
             few = len(sigma) < min(_TELLING, len(off))
             over = np.average(off[tells] ** 2 - sigma**2, weights=sigma**-2) if len(sigma) else 0.0
             scatter = float(np.sqrt(max(0.0, over)))

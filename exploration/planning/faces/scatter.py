@@ -1,65 +1,78 @@
 """By how much contacts of one face disagree beyond their own sigmas, as the stage that carried the pad makes them.
 
-A stage that errs puts each reading a little off, and every touch.  The faces so far tell by how much: how the
-readings of a touch scatter about their mean, and how far the touches of a face lie apart; the medians of these, so
-that a few which lie on no such face say nothing.  Contacts held to be of no face count as touches of the one that
-they lie beside, or errors larger than was believed could never show.
+What the faces so far tell of it is `touch_errors`.  Contacts held to be of no face count as those of the one that
+they lie beside, or errors larger than was believed could never show.  Where the readings of a touch, and the
+touches of a face, scatter as little as on an exact stage nothing more is asked.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from primitives.arrays import Bools, Floats
-from primitives.evidence import NOT_FELT, Contacts
+from primitives.evidence import Contacts
 from primitives.fit import Fit
-from primitives.patch_graph import Face, PatchGraph
+from primitives.patch_graph import PatchGraph
+from primitives.touch_errors import touch_errors
 
+_EXACT = 0.015  # [mm] of scatter that fits allow for as it is
+_MOST = 0.3  # [mm] beyond which faces and not the stage are wrong
 _BESIDE = 0.4  # [mm] from a face, within which contacts that none explains may be of it
 _FACING = 0.998  # least cosine between their normals and its own
-_LEAST = 3  # readings of a touch that tell how they scatter, and touches that tell how they do
+_LEAST = 3  # readings of a touch, or touches, that tell how they scatter
 _NORMAL = 1.48  # standard deviations of a normal distribution to its median distance
 
 
+@dataclass(frozen=True)
+class _Touched:
+    """A fit, and all contacts that may be of it."""
+
+    fit: Fit
+    contacts: Contacts
+
+    def readings(self) -> list[Floats]:
+        """How far the readings of each touch lie off the face [mm]; those of a flat frame have one normal."""
+        c, off = self.contacts, self.fit.shape.signed_distance(self.contacts.points)
+        alike = (c.normals[1:] == c.normals[:-1]).all(axis=1) & (c.touch[1:] == c.touch[:-1])
+        starts = np.flatnonzero(np.concatenate([[True], ~alike]))
+        means = np.add.reduceat(off, starts) / np.diff([*starts, len(off)])
+        return [means[c.touch[starts] == touch] for touch in np.unique(c.touch)]
+
+
 def scatter_of(graph: PatchGraph, loose: Contacts) -> float:
-    """[mm] the standard deviation that stage and touches add to every contact; 0 while too few tell."""
-    within: list[float] = []
-    between: list[float] = []
-    for face in graph.faces:
-        if not isinstance(face.fit, Fit):
-            continue
-        own = list(_touches(face.fit, face.contacts))
-        lost = list(_touches(face.fit, loose.select(_beside(face, face.fit, loose))))
-        within.extend(float(off.std(ddof=1)) for off in own if len(off) >= _LEAST)
-        count = len(own) + len(lost)
-        if count > 1:
-            grown = np.sqrt(count / (count - 1))
-            between.extend(grown * abs(float(off.mean())) for off in (*own, *lost))
+    """[mm] the standard deviation that stage and touches add to every contact; 0 on an exact stage."""
+    faces = [
+        _Touched(
+            face.fit,
+            Contacts.concatenate([face.contacts, loose.select(_beside(face.fit, face.contacts, loose))]),
+        )
+        for face in graph.faces
+        if isinstance(face.fit, Fit) and len(face.contacts)
+    ]
+    if not faces or _agree(faces):
+        return 0.0
+    errors = touch_errors(faces)
+    return min(float(np.hypot(errors.reading, errors.touch)), _MOST)
+
+
+def _agree(faces: list[_Touched]) -> bool:
+    """Whether most readings and touches scatter no more than on an exact stage."""
+    told = [face.readings() for face in faces]
+    within = [float(off.std(ddof=1)) for off in chain(*told) if len(off) >= _LEAST]
+    between = [abs(float(off.mean())) for touches in told if len(touches) > 1 for off in touches]
     reading = float(np.median(within)) if len(within) >= _LEAST else 0.0
     touch = _NORMAL * float(np.median(between)) if len(between) >= _LEAST else 0.0
-    return float(np.hypot(reading, touch))
+    return float(np.hypot(reading, touch)) < _EXACT
 
 
-def _touches(fit: Fit, contacts: Contacts) -> Iterator[Floats]:
-    """How far the readings of each touch lie off the face [mm]; those of a frame have one normal."""
-    if not len(contacts):
-        return
-    off = fit.shape.signed_distance(contacts.points)
-    alike = (contacts.normals[1:] == contacts.normals[:-1]).all(axis=1)
-    starts = np.flatnonzero(np.concatenate([[True], ~(alike & (contacts.touch[1:] == contacts.touch[:-1]))]))
-    means = np.add.reduceat(off, starts) / np.diff([*starts, len(off)])
-    touch = contacts.touch[starts]
-    for one in np.unique(touch[touch != NOT_FELT]):
-        yield means[touch == one]
-
-
-def _beside(face: Face, fit: Fit, loose: Contacts) -> Bools:
-    """(n,) which loose contacts may be of a face after all: over where it was felt, and facing as it does."""
+def _beside(fit: Fit, felt: Contacts, loose: Contacts) -> Bools:
+    """(n,) which loose contacts may be of a face after all: they lie on it where it was felt, and face alike."""
     side = 1.0 if fit.convex else -1.0
     near = np.abs(fit.shape.signed_distance(loose.points)) < _BESIDE
     facing = side * (fit.shape.normals(loose.points) * loose.normals).sum(axis=1) > _FACING
-    low, high = face.contacts.points.min(axis=0) - _BESIDE, face.contacts.points.max(axis=0) + _BESIDE
-    inside = ((loose.points > low) & (loose.points < high)).all(axis=1)
+    reach = np.linalg.norm(felt.points - felt.points.mean(axis=0), axis=1).max()
+    inside = np.linalg.norm(loose.points - felt.points.mean(axis=0), axis=1) < reach
     return np.asarray(near & facing & inside)

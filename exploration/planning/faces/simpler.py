@@ -34,7 +34,7 @@ def _simpler(face: Face) -> Face:
     if not isinstance(own, Fit) or own.kind not in _BENT or len(face.contacts) < _FEW:
         return face
     for kind in _SIMPLER:
-        found = fit(kind, face.contacts, _ROBUST)
+        found = fit(kind, face.weighed, _ROBUST)
         if not isinstance(found, Fit) or found.inliers.mean() < _KEPT:
             continue
         near = _rms(own, face.contacts.points[found.inliers])

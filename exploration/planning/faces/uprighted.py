@@ -79,7 +79,7 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     """The cylinder along the direction that its contacts like best; None where its own fit explains more."""
     if not isinstance(face.fit, Fit) or face.fit.kind == "plane":
         return None
-    felt = face.contacts.select(face.fit.inliers)
+    felt = face.weighed.select(face.fit.inliers)
     if not len(felt) or (felt.touch == NOT_FELT).any() or not np.isfinite(felt.normals).all():
         return None
     shape = face.fit.shape

@@ -68,8 +68,8 @@ class Wall:
         return replace(self, point=self.pose[:3, 3] + far * way, heading=way)
 
 
-_EXACT = 0.02  # [mm] of scatter that fits allow for as it is
-_STEADY = 0.6, 1.3  # times what is believed of it, between which it stays
+_MORE = 1.2  # times the contacts, from which it is asked again how far they agree
+_STEADY = 0.75, 1.25  # times what is believed of their scatter, between which that stays
 
 
 class Study:
@@ -78,6 +78,7 @@ class Study:
     def __init__(self, pad: Pad, found: Findings, config: AttributionConfig) -> None:
         self.pad, self.found, self.config = pad, found, config
         self.loose = Contacts.of([])  # what no face explains yet
+        self._weighed = 0  # contacts when it was last asked how far they agree
         self._left_loose = 0  # contacts of which no face could be made
         self.seen: list[tuple[Sighting, int]] = []  # edges, each with the face that it was seen from
         self.walls: list[Wall] = []
@@ -114,15 +115,22 @@ class Study:
         self.loose = taken.loose
         self.found.hollow |= taken.hollow
         self._rename(taken.gone)
-        self._weigh()
-        return taken.home
+        gone = self._weigh()
+        return gone.get(taken.home, taken.home) if taken.home is not None else None
 
-    def _weigh(self) -> None:
-        """Believe contacts as far as those of one face agree."""
+    def _weigh(self) -> dict[int, int]:
+        """Believe contacts as far as those of one face agree; the faces that turn out to be others."""
+        count = len(self.loose) + sum(len(face.contacts) for face in self.found.graph.faces)
+        if count < _MORE * self._weighed:
+            return {}
+        self._weighed = count
         graph, scatter = self.found.graph, scatter_of(self.found.graph, self.loose)
         believed = graph.options.scatter
-        if scatter > _EXACT and not _STEADY[0] * believed < scatter < _STEADY[1] * believed:
-            self.found.graph = graph.scattered(scatter)
+        if _STEADY[0] * believed <= scatter <= _STEADY[1] * believed:
+            return {}
+        self.found.graph, gone = graph.scattered(scatter).merge_faces()
+        self._rename(gone)
+        return gone
 
     def narrow_face(self, places: Floats, normal: Floats, looks: int = 1) -> int | None:
         """The id of a flat face at (n, 3) places that looks (3,) out, too narrow for a pad to lie on.
