@@ -98,7 +98,7 @@ def reconstruct(
     body = best_body(shaped, box, free, options.run_on, Contacts.concatenate(loose), plates)
     assembly, felt = body.assembly, body.felt
     loose += [face.contacts for face in body.left_out]
-    contacts = Contacts.concatenate([*(face.contacts for face in felt), *loose])
+    contacts = graph.believed(Contacts.concatenate([*(face.contacts for face in felt), *loose]))
     fit_of_contact = np.repeat(
         [*range(len(felt)), *(NO_FACE for _ in loose)],
         [len(table) for table in (*(face.contacts for face in felt), *loose)],

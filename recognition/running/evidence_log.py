@@ -26,7 +26,7 @@ from primitives.arrays import Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.evidence import Contacts, EdgeTrace
 from primitives.fit import Fit, NoFit
-from primitives.patch_graph import Face, PatchGraph
+from primitives.patch_graph import Face, MergeOptions, PatchGraph
 from primitives.plate import Plate
 from primitives.shapes import Cone, Cylinder, Plane, Shape, Sphere, Torus
 
@@ -48,9 +48,9 @@ class Explored:
 
     @property
     def contacts(self) -> Contacts:
-        """All of them, face by face, and last those of none."""
+        """All of them, face by face, and last those of none, each as far as it is to be believed."""
         faces = sorted(self.graph.faces, key=lambda face: isinstance(face.fit, NoFit))
-        return Contacts.concatenate([face.contacts for face in faces])
+        return self.graph.believed(Contacts.concatenate([face.contacts for face in faces]))
 
 
 class EvidenceLog:
@@ -80,7 +80,15 @@ class EvidenceLog:
             self._announce(CONTACTS, {"rows": fresh})
         free = np.concatenate([np.empty((0, 3)), *found.inside]).tolist()
         plates = [_told_plate(plate) for plate in found.plates]
-        self._announce(FACES, {"faces": faces, "free_mm": free, "plates": plates, "workspace_mm": self._box})
+        scatter = found.graph.options.scatter
+        told = {
+            "faces": faces,
+            "scatter_mm": scatter,
+            "free_mm": free,
+            "plates": plates,
+            "workspace_mm": self._box,
+        }
+        self._announce(FACES, told)
         self._told, self._places = found.graph.faces, len(found.inside)
 
     def _rows(self, contacts: Contacts, fresh: list[list[float | None]]) -> Ints:
@@ -113,10 +121,14 @@ def explored(path: Path) -> Explored | None:
         free = np.array(last["free_mm"], dtype=float).reshape(-1, 3)
         plates = tuple(_plate(plate) for plate in last.get("plates", ()))
         box = np.array(last["workspace_mm"], dtype=float).reshape(2, 3)
+        scatter = float(last.get("scatter_mm", 0.0))
         ended = str(told[ENDED][-1]["why"]) if told[ENDED] else CUT_SHORT
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise PalpateError(f"{path}: its faces are not as this version writes them ({error})") from None
-    return Explored(PatchGraph(faces), traces, box, free if len(free) else None, plates, ended)
+    options = MergeOptions(scatter=scatter)
+    return Explored(
+        PatchGraph(faces, options=options), traces, box, free if len(free) else None, plates, ended
+    )
 
 
 def _table(c: Contacts) -> Floats:

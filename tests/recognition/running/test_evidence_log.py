@@ -85,3 +85,15 @@ def test_a_recording_of_something_else_tells_nothing_and_a_strange_one_is_named(
         recorder.event(0.0, "faces", {"faces": [{"id": 0}]})
     with pytest.raises(PalpateError, match="not as this version writes them"):
         explored(path)
+
+
+def test_what_the_stage_adds_to_sigmas_comes_back_and_is_believed(found, tmp_path):
+    path = tmp_path / "episode.mcap"
+    found.graph = found.graph.scattered(0.04)
+    with Recorder(path) as recorder:
+        EvidenceLog(lambda kind, detail: recorder.event(0.0, kind, detail), BOX).note(found)
+    again = explored(path)
+    assert again is not None
+    assert again.graph.options.scatter == 0.04
+    assert np.allclose(again.graph.faces[0].contacts.sigma, 0.01)
+    assert np.allclose(again.contacts.sigma[:90], np.hypot(0.01, 0.04))
