@@ -35,6 +35,7 @@ class PlateWallsConfig:
     freeform: float = 0.4  # share of an outline that walls leave, from which it is made by none
     step: float = 0.5  # [mm] between the places of an outline
     longer: float = 8.0  # [mm] of a straight piece, without
+    many: int = 12  # such pieces of one outline, that are teeth and no walls
     trim: float = 1.5  # [mm] of its ends, which the rubber rounds
     bends: float = 0.15  # [mm] of its sagitta at most
     told: float = 0.5  # share of a piece that known walls make, from which it is theirs
@@ -54,6 +55,7 @@ def plate_walls(
 ) -> list[tuple[Contacts, str]]:
     """Contacts of each wall of a plate that none of its `faces` is, which nobody felt, and its kind."""
     found: list[tuple[Contacts, str]] = []
+    flat: list[tuple[Contacts, str]] = []
     for rim in plate.there:
         places = evenly(rim, config.step)
         left = np.abs(depth_inside(plate.missing, places)) < config.borders
@@ -68,8 +70,8 @@ def plate_walls(
         for corner, after in zip(rim, np.roll(rim, -1, axis=0), strict=True):
             piece = _straight(places, left, corner, after, config)
             if piece is not None:
-                found.append((_wall(plate, *piece, config), "plane"))
-    return found
+                flat.append((_wall(plate, *piece, config), "plane"))
+    return [*found, *flat] if len(flat) <= config.many else found
 
 
 def _straight(

@@ -23,6 +23,7 @@ from primitives.arrays import Bools, Floats
 from primitives.outlines import simplified, traced
 from primitives.plate import Plate
 from primitives.pose import frame_along, pose
+from primitives.soft_outlines import sharpened
 
 
 @dataclass(frozen=True)
@@ -82,14 +83,15 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     seen = [mosaic.picture(own.fit.shape.anchor, _outward(own), lattice) for own in sides]
     share, known = np.array([own.share for own in seen]), np.all([own.known for own in seen], axis=0)
     both, neither = np.where(known, share.min(axis=0), 0.0), 1.0 - share.max(axis=0)
-    there = _rims(both, lattice.step, config)
+    there = _rims(both, known, lattice.step, config)
     felt = distance_transform_edt(~_touched(cells, lattice)) * lattice.step < config.touched
     gone = _beyond(np.where(felt & ~known, 0.0, neither), known | felt, config.beyond / lattice.step)
     gone = np.minimum(gone, neither)  # of a place that one side alone shows, too
     if len(sides) == 1 or thick > config.blind:
         gone[binary_fill_holes(both > 0.5)] = 0.0
     origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
-    return Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), len(sides) == 1)
+    missing = _rims(gone, known & (gone == neither), lattice.step, config)
+    return Plate(pose(turn, turn @ origin), thick, there, missing, len(sides) == 1)
 
 
 def _touched(cells: Floats, lattice: Lattice) -> Bools:
@@ -130,8 +132,10 @@ def _steps(group: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig) -> 
             ledges = [own for own, height in zip(seen, heights, strict=True) if low < height < high]
             gone = _over(seen[upper], seen[lower], ledges, lattice, config)
             origin = np.array([*lattice.origin, heights[upper] - 0.5 * thick])
-            there = _rims(np.where(seen[upper].known, seen[upper].share, 0.0), lattice.step, config)
-            yield Plate(pose(turn, turn @ origin), thick, there, _rims(gone, lattice.step, config), step=True)
+            top = seen[upper]
+            there = _rims(np.where(top.known, top.share, 0.0), top.known, lattice.step, config)
+            missing = _rims(gone, top.known & (gone == 1.0 - top.share), lattice.step, config)
+            yield Plate(pose(turn, turn @ origin), thick, there, missing, step=True)
 
 
 def _over(
@@ -153,10 +157,11 @@ def _beyond(share: Floats, known: Bools, reach: float) -> Floats:
     return np.where(away <= reach, share[tuple(nearest)], 0.0)
 
 
-def _rims(share: Floats, step: float, config: PlatesConfig) -> tuple[Floats, ...]:
-    """Closed rims [mm from the lattice's origin] of where a share is over one half."""
+def _rims(share: Floats, told: Bools, step: float, config: PlatesConfig) -> tuple[Floats, ...]:
+    """Closed rims [mm from the lattice's origin] of what looks like a share, where the pictures have `told` it."""
     fine = zoom(share, config.finer, order=1, grid_mode=True, mode="nearest")
-    return tuple(
+    half = [
         simplified(((loop - 0.5 * config.finer) / config.finer)[:, ::-1] * step, config.straight)[:-1]
         for loop in traced(fine > 0.5)
-    )
+    ]
+    return sharpened(share, told, half, step)

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from exploration.planning.inferring.concluding import _add_outlines
 from exploration.planning.inferring.plate_walls import along_it, denies, freeform, plate_walls
@@ -29,8 +30,11 @@ def side(number, height, up):
     return KnownFace(face, face.fit, 1.0 if face.fit.convex else -1.0, points, NOWHERE)
 
 
+SOFT = 1.3  # [mm]
+
+
 class Drawn:
-    """A mosaic that knows, of a plane at some height, a share at every place within a radius of 28 mm."""
+    """A mosaic that knows, of a plane at some height, a share within 28 mm, as soft as images are."""
 
     config = SimpleNamespace(step=0.5)
 
@@ -42,7 +46,8 @@ class Drawn:
         flat = lattice.origin + lattice.step * np.stack([i, j], axis=-1)
         world = flat @ lattice.along.T
         known = np.hypot(world[..., 0], world[..., 1]) < 28.0
-        return Picture(np.where(known, self.share_of(world, float(anchor[2])), 0.0), known)
+        share = gaussian_filter(self.share_of(world, float(anchor[2])), SOFT / lattice.step, mode="nearest")
+        return Picture(np.where(known, share, 0.0), known)
 
 
 def soft(depth):

@@ -1,0 +1,265 @@
+"""Outlines of a soft picture: the polygon of fewest corners whose own soft picture is the one that was seen.
+
+A picture that is soft by s shows what a Gaussian of that width makes of a region.  Where it comes to one half
+corners are cut off, and a hole of radius r ends s^2 / 2r early.  A polygon's own picture is compared with it
+instead, near the outline, and the corners are moved to the least squares of the difference (Gauss and Newton): an
+edge that moves out by d adds d N2(x - e; s) per mm of it to the picture at x.  With P the corners' covariance, one
+that lies h off the line c between its neighbors costs h^2 / (c P c') if it has to lie on it; the cheapest are
+taken out until each costs more than it says (our derivation).  A rim that a circle explains as well becomes one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import binary_erosion, gaussian_filter
+from scipy.sparse import csr_matrix, diags, hstack
+from scipy.spatial import KDTree
+
+from primitives.arrays import Bools, Floats, Ints
+
+
+@dataclass(frozen=True)
+class SoftOutlineConfig:
+    """What a picture tells of a corner."""
+
+    soft: tuple[float, ...] = (0.4, 0.8, 1.1, 1.3, 1.5, 1.7)  # [mm] that a picture may be soft by
+    reach: float = 3.0  # times that, from an outline, within which the picture tells of it
+    alike: float = 8.0  # [mm^2] of a picture in which its errors are one
+    least: float = 0.015  # of a share, that a picture errs at least
+    price: float = 10.0  # [chi2] that a corner must gain
+    unseen: float = 0.4  # of what was seen, that the end of what is known counts as an outline
+    inside: float = 3.0  # [mm] from what is not known, where a picture tells how soft it is
+    sample: float = 0.4  # [mm] between samples of an edge
+    finer: int = 4  # times as fine as the picture, in which a polygon is drawn
+    loose: float = 1.0  # [mm] that corners are expected to move
+    move: float = 0.6  # [mm] that they move at a time at most
+    share: float = 0.34  # of the corners, that are taken out at a time at most
+    passes: int = 10
+    small: float = 6.0  # [mm^2] of a rim that stays as it is
+    most: int = 400  # corners of which it is asked
+    round_corners: int = 48  # of a circle
+
+
+def sharpened(
+    share: Floats,
+    known: Bools,
+    rims: Sequence[Floats],
+    step: float,
+    config: SoftOutlineConfig = SoftOutlineConfig(),
+) -> tuple[Floats, ...]:
+    """Closed rims of (n, 2) corners [mm] for an (n, m) picture, from those where its share is one half.
+
+    Cell (i, j) of the picture has its middle at step (i, j); where nothing is `known` its share is 0, and rims end
+    there as before.  They run round the region one way, and round its holes the other.
+    """
+    asked = [rim for rim in rims if abs(area(rim)) > config.small]
+    if not asked or sum(map(len, asked)) > config.most:
+        return tuple(rims)
+    told = _well_inside(known, step, config)
+    trust = np.where(known, 1.0, config.unseen)
+    fits = [_Fit(share, trust, asked, step, soft, config) for soft in config.soft]
+    best = min(fits, key=lambda fit: float(np.square(fit.off(asked)[told]).sum()))
+    for _ in range(2):
+        best.improve(2.0 * config.least)
+    off = best.misfit()[told[tuple(best.cells.T)]]
+    sigma = max(config.least, float(np.sqrt(np.mean(off**2))) if len(off) else 0.0)
+    for _ in range(config.passes):
+        if not best.improve(sigma, prune=True):
+            break
+    best.improve(sigma)
+    made = [_or_circle(best, k, sigma, config) for k in range(len(best.rims))]
+    left = [rim for rim in rims if abs(area(rim)) <= config.small]
+    return (*_better(best, asked, made), *left)
+
+
+def _well_inside(known: Bools, step: float, config: SoftOutlineConfig) -> Bools:
+    """(n, m) where a picture tells how soft it is: where what is not known begins it ends at once."""
+    inside = np.asarray(binary_erosion(known, iterations=int(np.ceil(config.inside / step))))
+    return inside if inside.any() else known
+
+
+def area(rim: Floats) -> float:
+    """[mm^2] inside a closed rim of (n, 2) corners, negative where it runs clockwise."""
+    x, y = rim.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def drawn(rims: Sequence[Floats], shape: tuple[int, int], step: float, finer: int = 4) -> Floats:
+    """(n, m) share of each cell of a lattice that lies inside an odd number of rims."""
+    rows, columns = shape[0] * finer, shape[1] * finer
+    x = (np.arange(rows) + 0.5) / finer - 0.5
+    turns = np.zeros((rows, columns + 1))
+    for rim in rims:
+        corners = rim / step
+        for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            first, last = (int(np.ceil((end + 0.5) * finer - 0.5)) for end in sorted((x0, x1)))
+            i = np.arange(max(first, 0), min(last, rows))
+            if not len(i):
+                continue
+            at = np.clip((y0 + (x[i] - x0) / (x1 - x0) * (y1 - y0) + 0.5) * finer, 0.0, columns)
+            j = np.minimum(at.astype(np.int64), columns - 1)
+            sign = np.sign(x1 - x0)
+            np.add.at(turns, (i, j), sign * (1.0 - at + j))
+            np.add.at(turns, (i, j + 1), sign * (at - j))
+    inside = np.abs(np.cumsum(turns, axis=1)[:, :columns])
+    return np.asarray(inside.reshape(shape[0], finer, shape[1], finer).mean(axis=(1, 3)))
+
+
+class _Fit:
+    """Polygons beside the picture that they are to explain."""
+
+    def __init__(
+        self,
+        share: Floats,
+        trust: Floats,
+        rims: Sequence[Floats],
+        step: float,
+        soft: float,
+        config: SoftOutlineConfig,
+    ) -> None:
+        self.share, self.trust, self.step, self.soft, self.config = share, trust, step, soft, config
+        self.rims = [np.array(rim, dtype=float) for rim in rims]
+        self.side = np.sign(area(max(self.rims, key=lambda rim: abs(area(rim)))))
+        cells = np.argwhere(trust > 0.0)
+        away = KDTree(self._samples()[0]).query(cells * step, distance_upper_bound=config.reach * soft)[0]
+        self.cells = cells[np.isfinite(away)]
+
+    def misfit(self, rims: Sequence[Floats] | None = None) -> Floats:
+        """(p,) by how much more the picture shows near the outline than that of the polygons."""
+        return np.asarray(self.off(self.rims if rims is None else rims)[tuple(self.cells.T)])
+
+    def off(self, rims: Sequence[Floats]) -> Floats:
+        """(n, m) by how much more the picture shows than that of rims, as far as it is trusted."""
+        return np.asarray(self.trust * (self.share - self.seen(rims)))
+
+    def seen(self, rims: Sequence[Floats]) -> Floats:
+        """(n, m) the picture that rims would give."""
+        shape = self.share.shape[0], self.share.shape[1]
+        sharp = drawn(rims, shape, self.step, self.config.finer)
+        return np.asarray(gaussian_filter(sharp, self.soft / self.step, mode="constant"))
+
+    def improve(self, sigma: float, prune: bool = False) -> int:
+        """Move all corners to the least squares, take those out that are not worth it, and tell how many."""
+        config, corners = self.config, np.concatenate(self.rims)
+        count, off, slope = len(corners), self.misfit(), self._slope()
+        weight = self.step**2 / (config.alike * sigma**2)
+        covariance = np.linalg.inv((slope.T @ slope).toarray() * weight + np.eye(2 * count) / config.loose**2)
+        moved = np.clip(covariance @ (slope.T @ off) * weight, -config.move, config.move)
+        rim = np.repeat(np.arange(len(self.rims)), [len(each) for each in self.rims])
+        kept = np.ones(count, dtype=bool)
+        if prune:
+            kept = self._pruned(corners, moved, covariance, rim)
+        moved = np.clip(moved, -2.0 * config.move, 2.0 * config.move)
+        places = corners + moved.reshape(2, count).T
+        self.rims = [places[(rim == k) & kept] for k in range(len(self.rims))]
+        return count - int(kept.sum())
+
+    def _pruned(self, corners: Floats, moved: Floats, covariance: Floats, rim: Ints) -> Bools:
+        """(n,) which corners are worth what they say; those left are `moved` to make up for the others."""
+        config, count = self.config, len(corners)
+        kept, left = np.ones(count, dtype=bool), np.bincount(rim)
+        after = _next(self.rims)
+        before = np.empty_like(after)
+        before[after] = np.arange(count)
+        while count - kept.sum() < max(4, config.share * count):
+            places, own = corners + moved.reshape(2, count).T, np.flatnonzero(kept & (left[rim] > 3))
+            if not len(own):
+                break
+            one, other = before[own], after[own]
+            line, at = places[other] - places[one], places[own] - places[one]
+            long = np.maximum(np.linalg.norm(line, axis=1), 1e-9)
+            across = np.column_stack([line[:, 1], -line[:, 0]]) / long[:, None]
+            along = (at * line).sum(axis=1) / long**2
+            height = (at * across).sum(axis=1)
+            weights = np.column_stack([np.ones(len(own)), along - 1.0, -along])
+            slope = np.concatenate([weights * across[:, :1], weights * across[:, 1:]], axis=1)
+            three = np.column_stack([own, one, other])
+            rows = np.concatenate([three, three + count], axis=1)
+            spread = np.einsum("ki,kij,kj->k", slope, covariance[rows[:, :, None], rows[:, None, :]], slope)
+            cost = height**2 / np.maximum(spread, 1e-12)
+            cost[(along < -0.2) | (along > 1.2)] = np.inf
+            k = int(np.argmin(cost))
+            if cost[k] > config.price:
+                break
+            column = covariance[:, rows[k]] @ slope[k]
+            moved -= column * (height[k] / spread[k])
+            covariance -= np.outer(column, column) / spread[k]
+            kept[own[k]], after[one[k]], before[other[k]] = False, other[k], one[k]
+            left[rim[own[k]]] -= 1
+        return kept
+
+    def _samples(self) -> tuple[Floats, Ints, Floats, Floats]:
+        """(q, 2) places on edges, (q,) whose they are and how far along, and (q, 2) ways out, of their length."""
+        start, after = np.concatenate(self.rims), _next(self.rims)
+        line = start[after] - start
+        count: Ints = np.maximum(2, np.ceil(np.linalg.norm(line, axis=1) / self.config.sample)).astype(
+            np.int64
+        )
+        edge = np.repeat(np.arange(len(start)), count)
+        along = np.concatenate([(np.arange(n) + 0.5) / n for n in count.tolist()])
+        out = self.side * np.column_stack([line[:, 1], -line[:, 0]]) / count[:, None]
+        return start[edge] + along[:, None] * line[edge], edge, along, out[edge]
+
+    def _slope(self) -> csr_matrix:
+        """(p, 2n) derivative of the polygons' picture by the x, then the y, of their corners."""
+        at, edge, along, out = self._samples()
+        places, after = self.cells * self.step, _next(self.rims)
+        near = KDTree(places).query_ball_point(at, self.config.reach * self.soft)
+        rows = np.concatenate([np.asarray(each, dtype=np.int64) for each in near])
+        columns = np.repeat(np.arange(len(at)), [np.size(each) for each in near])
+        squared = ((places[rows] - at[columns]) ** 2).sum(axis=1) / self.soft**2
+        density = (
+            np.exp(-0.5 * squared) / (2.0 * np.pi * self.soft**2) * self.trust[tuple(self.cells.T)][rows]
+        )
+        spread = csr_matrix((density, (rows, columns)), shape=(len(places), len(at)))
+        each = np.arange(len(at))
+        ends = csr_matrix(
+            (
+                np.concatenate([1.0 - along, along]),
+                (np.tile(each, 2), np.concatenate([edge, after[edge]])),
+            ),
+            shape=(len(at), len(after)),
+        )
+        by_axis = [spread @ (diags(out[:, axis]) @ ends) for axis in (0, 1)]
+        return csr_matrix(hstack(by_axis))
+
+
+def _next(rims: Sequence[Floats]) -> Ints:
+    """(n,) the corner after each, of all rims."""
+    first = np.cumsum([0, *(len(rim) for rim in rims)])
+    return np.concatenate(
+        [f + np.roll(np.arange(len(rim)), -1) for f, rim in zip(first[:-1], rims, strict=True)]
+    )
+
+
+def _better(fit: _Fit, old: Sequence[Floats], made: Sequence[Floats]) -> list[Floats]:
+    """Each rim as it was made, where that explains more of the picture, and is not turned inside out."""
+
+    def squares(rims: Sequence[Floats]) -> float:
+        return float(np.square(fit.off(rims)).sum())
+
+    best, least = list(old), squares(old)
+    for k, rim in enumerate(made):
+        trial = [*best[:k], rim, *best[k + 1 :]]
+        if area(rim) * area(old[k]) > 0.0 and (off := squares(trial)) < least:
+            best, least = trial, off
+    return best
+
+
+def _or_circle(fit: _Fit, k: int, sigma: float, config: SoftOutlineConfig) -> Floats:
+    """A rim, or the circle that explains the picture as well as its corners do."""
+    rim = fit.rims[k]
+    size = area(rim)
+    closed = np.roll(rim, -1, axis=0)
+    cross = rim[:, 0] * closed[:, 1] - closed[:, 0] * rim[:, 1]
+    center = ((rim + closed) * cross[:, None]).sum(axis=0) / (6.0 * size)
+    turn = np.sign(size) * 2.0 * np.pi * np.arange(config.round_corners) / config.round_corners
+    radius = np.sqrt(abs(size) / (0.5 * config.round_corners * np.sin(2.0 * np.pi / config.round_corners)))
+    circle = center + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    weight = fit.step**2 / (config.alike * sigma**2)
+    worse = fit.misfit([*fit.rims[:k], circle, *fit.rims[k + 1 :]])
+    loss = weight * float(worse @ worse - fit.misfit() @ fit.misfit())
+    return circle if loss < 0.5 * config.price * (2 * len(rim) - 3) else rim
