@@ -154,6 +154,29 @@ def test_what_a_fit_knows_beside_its_contacts_it_keeps_and_no_other_suffers():
     assert (np.linalg.eigvalsh(again.covariance) > 0).all()
 
 
+@pytest.mark.parametrize("stage", [0.0, 0.05])
+def test_a_low_ring_that_was_drawn_out_stays_upright(stage):
+    rng = np.random.default_rng(10)
+    tilts = []
+    for _ in range(12):
+        turn, high = rng.uniform(0, 2 * np.pi, 8), rng.uniform(-1, 1, 8)
+        out = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(8)])
+        off = rng.normal(0, np.hypot(0.01, stage), (8, 1))
+        points = (10.0 + off) * out + high[:, None] * [0.0, 0.0, 1.0]
+        leaning = out + rng.normal(0, 0.03, (8, 3))
+        leaning /= np.linalg.norm(leaning, axis=1, keepdims=True)
+        felt = Contacts.of(points, leaning, 0.01, 0.03, touch=np.repeat(np.arange(4), 2))
+        sigma = np.full(24, np.hypot(0.01, stage))
+        lots = [felt.points + step * np.array([0.0, 0.0, 1.0]) for step in (0.0, 15.0, -15.0)]
+        drawn = Contacts.of(np.concatenate(lots), np.tile(leaning, (3, 1)), sigma, 0.03)
+        made = fit("cylinder", drawn)
+        assert isinstance(made, Fit)
+        face = Face(replace(made, inliers=np.ones(8, dtype=bool)), felt)
+        found = fits_of_touches([face, *(plate(rng, 4, stage) for _ in range(4))])[0]
+        tilts.append(np.arccos(min(1.0, abs(found.shape.axis @ made.shape.axis))))
+    assert np.degrees(np.mean(tilts)) < 0.15
+
+
 def test_normals_that_lean_alike_in_a_touch_count_as_one():
     rng = np.random.default_rng(9)
     leans = []

@@ -33,13 +33,17 @@ class _Touched:
     fit: Fit
     contacts: Contacts
 
-    def readings(self) -> list[Floats]:
-        """How far the readings of each touch lie off the face [mm]; those of a flat frame have one normal."""
+    def readings(self) -> list[tuple[Floats, float]]:
+        """How far the readings of each touch lie off the face, and their own sigma [mm].
+
+        Those of a flat frame have one normal.
+        """
         c, off = self.contacts, self.fit.shape.signed_distance(self.contacts.points)
         alike = (c.normals[1:] == c.normals[:-1]).all(axis=1) & (c.touch[1:] == c.touch[:-1])
         starts = np.flatnonzero(np.concatenate([[True], ~alike]))
         means = np.add.reduceat(off, starts) / np.diff([*starts, len(off)])
-        return [means[c.touch[starts] == touch] for touch in np.unique(c.touch)]
+        of = c.touch[starts]
+        return [(means[of == touch], float(np.median(c.sigma[c.touch == touch]))) for touch in np.unique(of)]
 
 
 def scatter_of(graph: PatchGraph, loose: Contacts) -> float:
@@ -55,17 +59,26 @@ def scatter_of(graph: PatchGraph, loose: Contacts) -> float:
     if not faces or _agree(faces):
         return 0.0
     errors = touch_errors(faces)
-    return min(float(np.hypot(errors.reading, errors.touch)), _MOST)
+    return 0.0 if errors is None else min(float(np.hypot(errors.reading, errors.touch)), _MOST)
 
 
 def _agree(faces: list[_Touched]) -> bool:
-    """Whether most readings and touches scatter no more than on an exact stage."""
+    """Whether most readings and touches scatter no more than their own sigmas and an exact stage explain."""
     told = [face.readings() for face in faces]
-    within = [float(off.std(ddof=1)) for off in chain(*told) if len(off) >= _LEAST]
-    between = [abs(float(off.mean())) for touches in told if len(touches) > 1 for off in touches]
+    within = [_beyond(float(off.std(ddof=1)), own) for off, own in chain(*told) if len(off) >= _LEAST]
+    between = [
+        _beyond(_NORMAL * abs(float(off.mean())), own)
+        for touches in told
+        if len(touches) > 1
+        for off, own in touches
+    ]
     reading = float(np.median(within)) if len(within) >= _LEAST else 0.0
-    touch = _NORMAL * float(np.median(between)) if len(between) >= _LEAST else 0.0
+    touch = float(np.median(between)) if len(between) >= _LEAST else 0.0
     return float(np.hypot(reading, touch)) < _EXACT
+
+
+def _beyond(scatter: float, own: float) -> float:
+    return float(np.sqrt(max(0.0, scatter**2 - own**2)))
 
 
 def _beside(fit: Fit, felt: Contacts, loose: Contacts) -> Bools:

@@ -43,6 +43,23 @@ def test_an_exact_stage_adds_next_to_nothing():
     assert scatter_of(graph_of(touches(np.random.default_rng(1), 12, 0.0, 0.0)), NONE) < 0.008
 
 
+@pytest.mark.parametrize("sigma", [0.03, 0.06, 0.1])
+def test_what_contacts_say_themselves_that_they_err_is_no_scatter(sigma):
+    rng = np.random.default_rng(4)
+    exact = touches(rng, 12, 0.0, 0.0)
+    points = exact.points + rng.normal(0, sigma, (len(exact), 1)) * [0.0, 0.0, 1.0]
+    assert (
+        scatter_of(graph_of(Contacts.of(points, exact.normals, sigma, 0.004, touch=exact.touch)), NONE) == 0.0
+    )
+
+
+def test_lone_contacts_tell_nothing_of_touches():
+    rng = np.random.default_rng(5)
+    points = np.column_stack([rng.uniform(-30, 30, (20, 2)), rng.normal(0, 0.2, 20)])
+    lone = Contacts.of(points, np.tile([0.0, 0.0, 1.0], (20, 1)), 0.01, 0.004, touch=np.arange(20))
+    assert scatter_of(graph_of(lone), NONE) == 0.0
+
+
 def test_what_was_held_to_lie_beside_the_face_counts():
     rng = np.random.default_rng(2)
     near, far = touches(rng, 6, 0.0, 0.01), touches(rng, 12, 0.0, 0.2, first=6)
