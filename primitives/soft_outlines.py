@@ -52,8 +52,8 @@ def sharpened(
 ) -> tuple[Floats, ...]:
     """Closed rims of (n, 2) corners [mm] for an (n, m) picture, from those where its share is one half.
 
-    Cell (i, j) of the picture has its middle at step (i, j); where nothing is `known` its share is 0, and rims end
-    there as before.  They run round the region one way, and round its holes the other.
+    Cell (i, j) of the picture has its middle at step (i, j); where it is not `known` to be as soft as it was seen,
+    less is made of it.  Rims run round the region one way, and round its holes the other.
     """
     asked = [rim for rim in rims if abs(area(rim)) > config.small]
     if not asked or sum(map(len, asked)) > config.most:
@@ -70,7 +70,8 @@ def sharpened(
         if not best.improve(sigma, prune=True):
             break
     best.improve(sigma)
-    made = [_or_circle(best, k, sigma, config) for k in range(len(best.rims))]
+    squares = float(np.square(best.misfit()).sum())
+    made = [_or_circle(best, k, squares, sigma, config) for k in range(len(best.rims))]
     left = [rim for rim in rims if abs(area(rim)) <= config.small]
     return (*_better(best, asked, made), *left)
 
@@ -88,7 +89,7 @@ def area(rim: Floats) -> float:
 
 
 def drawn(rims: Sequence[Floats], shape: tuple[int, int], step: float, finer: int = 4) -> Floats:
-    """(n, m) share of each cell of a lattice that lies inside an odd number of rims."""
+    """(n, m) share of each cell of a lattice inside rims, of which those of holes run the other way."""
     rows, columns = shape[0] * finer, shape[1] * finer
     x = (np.arange(rows) + 0.5) / finer - 0.5
     turns = np.zeros((rows, columns + 1))
@@ -104,7 +105,7 @@ def drawn(rims: Sequence[Floats], shape: tuple[int, int], step: float, finer: in
             sign = np.sign(x1 - x0)
             np.add.at(turns, (i, j), sign * (1.0 - at + j))
             np.add.at(turns, (i, j + 1), sign * (at - j))
-    inside = np.abs(np.cumsum(turns, axis=1)[:, :columns])
+    inside = np.minimum(np.abs(np.cumsum(turns, axis=1)[:, :columns]), 1.0)
     return np.asarray(inside.reshape(shape[0], finer, shape[1], finer).mean(axis=(1, 3)))
 
 
@@ -180,9 +181,9 @@ class _Fit:
             rows = np.concatenate([three, three + count], axis=1)
             spread = np.einsum("ki,kij,kj->k", slope, covariance[rows[:, :, None], rows[:, None, :]], slope)
             cost = height**2 / np.maximum(spread, 1e-12)
-            cost[(along < -0.2) | (along > 1.2)] = np.inf
+            cost[(along < -0.2) | (along > 1.2) | (spread < 1e-12)] = np.inf
             k = int(np.argmin(cost))
-            if cost[k] > config.price:
+            if not cost[k] <= config.price:
                 break
             column = covariance[:, rows[k]] @ slope[k]
             moved -= column * (height[k] / spread[k])
@@ -249,8 +250,8 @@ def _better(fit: _Fit, old: Sequence[Floats], made: Sequence[Floats]) -> list[Fl
     return best
 
 
-def _or_circle(fit: _Fit, k: int, sigma: float, config: SoftOutlineConfig) -> Floats:
-    """A rim, or the circle that explains the picture as well as its corners do."""
+def _or_circle(fit: _Fit, k: int, squares: float, sigma: float, config: SoftOutlineConfig) -> Floats:
+    """A rim, or the circle that explains the picture as well as its corners do, which leave these squares."""
     rim = fit.rims[k]
     size = area(rim)
     closed = np.roll(rim, -1, axis=0)
@@ -261,5 +262,5 @@ def _or_circle(fit: _Fit, k: int, sigma: float, config: SoftOutlineConfig) -> Fl
     circle = center + radius * np.column_stack([np.cos(turn), np.sin(turn)])
     weight = fit.step**2 / (config.alike * sigma**2)
     worse = fit.misfit([*fit.rims[:k], circle, *fit.rims[k + 1 :]])
-    loss = weight * float(worse @ worse - fit.misfit() @ fit.misfit())
+    loss = weight * (float(worse @ worse) - squares)
     return circle if loss < 0.5 * config.price * (2 * len(rim) - 3) else rim

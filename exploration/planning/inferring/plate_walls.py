@@ -55,8 +55,8 @@ def plate_walls(
 ) -> list[tuple[Contacts, str]]:
     """Contacts of each wall of a plate that none of its `faces` is, which nobody felt, and its kind."""
     found: list[tuple[Contacts, str]] = []
-    flat: list[tuple[Contacts, str]] = []
     for rim in plate.there:
+        flat: list[tuple[Contacts, str]] = []
         places = evenly(rim, config.step)
         left = np.abs(depth_inside(plate.missing, places)) < config.borders
         left &= ~_told(plate, places, faces, config)
@@ -71,7 +71,8 @@ def plate_walls(
             piece = _straight(places, left, corner, after, config)
             if piece is not None:
                 flat.append((_wall(plate, *piece, config), "plane"))
-    return [*found, *flat] if len(flat) <= config.many else found
+        found += flat if len(flat) <= config.many else []
+    return found
 
 
 def _straight(

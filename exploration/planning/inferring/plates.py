@@ -125,6 +125,7 @@ def _steps(group: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig) -> 
     lattice = Lattice.over(cells, turn[:, :2], mosaic.config.step, config.margin)
     heights = [float(own.fit.shape.anchor @ up) for own in group]
     seen = [mosaic.picture(own.fit.shape.anchor, up, lattice) for own in group]
+    rims: dict[int, tuple[Floats, ...]] = {}  # of each that is the upper one of a step
     for upper, lower in permutations(range(len(group)), 2):
         thick = heights[upper] - heights[lower]
         if config.step[0] < thick < config.step[1]:
@@ -133,9 +134,10 @@ def _steps(group: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig) -> 
             gone = _over(seen[upper], seen[lower], ledges, lattice, config)
             origin = np.array([*lattice.origin, heights[upper] - 0.5 * thick])
             top = seen[upper]
-            there = _rims(np.where(top.known, top.share, 0.0), top.known, lattice.step, config)
+            if upper not in rims:
+                rims[upper] = _rims(np.where(top.known, top.share, 0.0), top.known, lattice.step, config)
             missing = _rims(gone, top.known & (gone == 1.0 - top.share), lattice.step, config)
-            yield Plate(pose(turn, turn @ origin), thick, there, missing, step=True)
+            yield Plate(pose(turn, turn @ origin), thick, rims[upper], missing, step=True)
 
 
 def _over(

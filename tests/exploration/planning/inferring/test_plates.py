@@ -249,6 +249,20 @@ def test_a_round_piece_is_a_cylinder_that_looks_to_its_axis():
     assert ((hole.normals[:, :2] * away).sum(axis=1) < 0.0).all()
 
 
+def windows(world, height):
+    x, y = np.abs(world[..., 0]), world[..., 1]
+    square = 19.0 - np.maximum(x, np.abs(y))
+    holes = [np.maximum(np.abs(world[..., 0] - at) - 5.5, np.abs(y) - 5.5) for at in (-12.5, 12.5)]
+    above = np.maximum(x - 5.5, np.abs(y - 11.5) - 5.5)
+    return soft(np.minimum.reduce([square, *holes, above, np.maximum(x - 5.5, np.abs(y + 11.5) - 5.5)]))
+
+
+def test_each_of_many_square_holes_has_its_walls():
+    (plate,) = plates([TOP, BOTTOM], Drawn(windows))
+    flat = [lot for lot, kind in plate_walls(plate, []) if kind == "plane"]
+    assert len(flat) >= 16
+
+
 def toothed(world, height):
     x, y = world[..., 0], world[..., 1]
     return soft(18.0 + 4.0 * np.sign(np.sin(9.0 * np.arctan2(y, x))) - np.hypot(x, y))
