@@ -55,6 +55,12 @@ def simplified(points: Floats, tolerance: float) -> Floats:
     return points[kept]
 
 
+def signed_area(outline: Floats) -> float:
+    """Of (n, 2) corners, positive where they run counterclockwise (the shoelace formula)."""
+    after = np.roll(outline, -1, axis=0)
+    return float(outline[:, 0] @ after[:, 1] - outline[:, 1] @ after[:, 0]) / 2
+
+
 def depth_inside(rims: Sequence[Floats], places: Floats) -> Floats:
     """(n,) how far (n, 2) places lie inside an odd number of closed rims of (m, 2) corners; negative outside.
 

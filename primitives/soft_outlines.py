@@ -19,6 +19,7 @@ from scipy.sparse import csr_matrix, diags, hstack
 from scipy.spatial import KDTree
 
 from primitives.arrays import Bools, Floats, Ints
+from primitives.outlines import signed_area
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def sharpened(
     Cell (i, j) of the picture has its middle at step (i, j); where it is not `known` to be as soft as it was seen,
     less is made of it.  Rims run round the region one way, and round its holes the other.
     """
-    asked = [rim for rim in rims if abs(area(rim)) > config.small]
+    asked = [rim for rim in rims if abs(signed_area(rim)) > config.small]
     if not asked or sum(map(len, asked)) > config.most:
         return tuple(rims)
     told = _well_inside(known, step, config)
@@ -72,7 +73,7 @@ def sharpened(
     best.improve(sigma)
     squares = float(np.square(best.misfit()).sum())
     made = [_or_circle(best, k, squares, sigma, config) for k in range(len(best.rims))]
-    left = [rim for rim in rims if abs(area(rim)) <= config.small]
+    left = [rim for rim in rims if abs(signed_area(rim)) <= config.small]
     return (*_better(best, asked, made), *left)
 
 
@@ -80,12 +81,6 @@ def _well_inside(known: Bools, step: float, config: SoftOutlineConfig) -> Bools:
     """(n, m) where a picture tells how soft it is: where what is not known begins it ends at once."""
     inside = np.asarray(binary_erosion(known, iterations=int(np.ceil(config.inside / step))))
     return inside if inside.any() else known
-
-
-def area(rim: Floats) -> float:
-    """[mm^2] inside a closed rim of (n, 2) corners, negative where it runs clockwise."""
-    x, y = rim.T
-    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def drawn(rims: Sequence[Floats], shape: tuple[int, int], step: float, finer: int = 4) -> Floats:
@@ -123,7 +118,7 @@ class _Fit:
     ) -> None:
         self.share, self.trust, self.step, self.soft, self.config = share, trust, step, soft, config
         self.rims = [np.array(rim, dtype=float) for rim in rims]
-        self.side = np.sign(area(max(self.rims, key=lambda rim: abs(area(rim)))))
+        self.side = np.sign(signed_area(max(self.rims, key=lambda rim: abs(signed_area(rim)))))
         cells = np.argwhere(trust > 0.0)
         away = KDTree(self._samples()[0]).query(cells * step, distance_upper_bound=config.reach * soft)[0]
         self.cells = cells[np.isfinite(away)]
@@ -245,7 +240,7 @@ def _better(fit: _Fit, old: Sequence[Floats], made: Sequence[Floats]) -> list[Fl
     best, least = list(old), squares(old)
     for k, rim in enumerate(made):
         trial = [*best[:k], rim, *best[k + 1 :]]
-        if area(rim) * area(old[k]) > 0.0 and (off := squares(trial)) < least:
+        if signed_area(rim) * signed_area(old[k]) > 0.0 and (off := squares(trial)) < least:
             best, least = trial, off
     return best
 
@@ -253,7 +248,7 @@ def _better(fit: _Fit, old: Sequence[Floats], made: Sequence[Floats]) -> list[Fl
 def _or_circle(fit: _Fit, k: int, squares: float, sigma: float, config: SoftOutlineConfig) -> Floats:
     """A rim, or the circle that explains the picture as well as its corners do, which leave these squares."""
     rim = fit.rims[k]
-    size = area(rim)
+    size = signed_area(rim)
     closed = np.roll(rim, -1, axis=0)
     cross = rim[:, 0] * closed[:, 1] - closed[:, 0] * rim[:, 1]
     center = ((rim + closed) * cross[:, None]).sum(axis=0) / (6.0 * size)

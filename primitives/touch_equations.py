@@ -72,14 +72,13 @@ class Equations:
         leans = np.column_stack([steps[n:], residuals[n:], _leans(fit.shape, problem)])
         distances[:, : self.parameters + 1] *= contacts.sigma[:, None]
         weight = 1.0 / ((1.0 - SHARE) * contacts.sigma**2)
-        self.products = np.zeros(
-            (int(touch[-1]) + 1, distances.shape[1], distances.shape[1])
-        )  # of each touch
+        columns = distances.shape[1]
+        self.products = np.zeros((int(touch[-1]) + 1, columns, columns))  # of each touch
         turned = np.tile(touch[problem.felt], 2)
         for t, product in enumerate(self.products):
             mine, beside = distances[touch == t], leans[turned == t]
             product += (mine * weight[touch == t][:, None]).T @ mine + beside.T @ beside / (1.0 - SHARE)
-        firsts = _firsts(_readings(contacts))
+        firsts = first_of_readings(contacts)
         self.weights = np.add.reduceat(weight, firsts)  # of each reading
         self.sums = np.add.reduceat(distances * weight[:, None], firsts)  # of each reading
         self.touch = touch[firsts]  # of each reading
@@ -193,11 +192,11 @@ def _inverse(matrix: Floats) -> Floats | None:
     return np.asarray((vectors / values) @ vectors.T * np.outer(scale, scale))
 
 
-def _readings(contacts: Contacts) -> Ints:
-    """(n,) which reading, of contacts in the order of their touches: those of a flat frame have one normal."""
+def first_of_readings(contacts: Contacts) -> Ints:
+    """Where each reading begins, of contacts touch by touch: those of a flat frame have one normal."""
     alike = (contacts.normals[1:] == contacts.normals[:-1]).all(axis=1)
     alike &= contacts.touch[1:] == contacts.touch[:-1]
-    return np.concatenate([[0], np.cumsum(~alike)])
+    return np.flatnonzero(np.concatenate([[True], ~alike]))
 
 
 def _firsts(ordered: Ints) -> Ints:

@@ -58,11 +58,8 @@ class TrustConfig:
     round: float = 0.9  # probability of being curved, below which it may be such a strip too
     narrow_floor: float = 0.06  # [mm]
     narrow_normal_floor: float = 0.1  # [rad]
-    ends: tuple[float, float] = (
-        0.2,
-        0.18,
-    )  # [mm, rad] over the square of the taxels across: error of a cut flat
-    # face that reaches the pad's end, beside which an edge goes unseen
+    # over the square of the taxels across: error of a cut face at the pad's end, where an edge goes unseen
+    ends: tuple[float, float] = (0.2, 0.18)  # [mm, rad]
     rims: tuple[float, ...] = (
         3.0,
         2.0,

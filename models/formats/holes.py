@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.leaves.polygons import crosses_itself, polygon_distance, signed_area, triangulated
+from models.leaves.polygons import crosses_itself, polygon_distance, triangulated
 from primitives.arrays import Floats, Ints
+from primitives.outlines import signed_area
 from primitives.pose import frame_along
 
 

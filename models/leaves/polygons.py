@@ -4,14 +4,9 @@ import numpy as np
 
 from models.leaves.distances import segment_distance
 from primitives.arrays import Bools, Floats, Ints
+from primitives.outlines import signed_area
 
 STRAIGHT = 1e-9  # of the polygon's size: a corner this close to the line of its neighbors is none
-
-
-def signed_area(outline: Floats) -> float:
-    """Of (n, 2) corners, positive where they run counterclockwise (the shoelace formula)."""
-    after = np.roll(outline, -1, axis=0)
-    return float(outline[:, 0] @ after[:, 1] - outline[:, 1] @ after[:, 0]) / 2
 
 
 def cleaned(outline: Floats) -> Floats:

@@ -8,9 +8,10 @@ import numpy as np
 
 from models.leaves.distances import box_distance, positive_length
 from models.leaves.expression import Primitive
-from models.leaves.polygons import cleaned, crosses_itself, polygon_distance, signed_area
+from models.leaves.polygons import cleaned, crosses_itself, polygon_distance
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
+from primitives.outlines import signed_area
 
 
 @dataclass(frozen=True, repr=False)

@@ -5,8 +5,8 @@ import pytest
 from scipy.ndimage import gaussian_filter, zoom
 
 from primitives.arcs import arcs
-from primitives.outlines import depth_inside, simplified, traced
-from primitives.soft_outlines import area, drawn, sharpened
+from primitives.outlines import depth_inside, signed_area, simplified, traced
+from primitives.soft_outlines import drawn, sharpened
 
 STEP, SHAPE = 0.5, (120, 140)
 MIDDLE = 0.5 * STEP * np.array(SHAPE)
@@ -52,7 +52,7 @@ WHOLE = np.ones(SHAPE, dtype=bool)
 
 def test_a_polygon_covers_of_each_cell_what_it_covers():
     inside = drawn([BLOCK], SHAPE, STEP)
-    assert inside.sum() * STEP**2 == pytest.approx(abs(area(BLOCK)), rel=1e-6)
+    assert inside.sum() * STEP**2 == pytest.approx(abs(signed_area(BLOCK)), rel=1e-6)
     i, j = np.meshgrid(np.arange(SHAPE[0]), np.arange(SHAPE[1]), indexing="ij")
     depth = depth_inside([BLOCK], STEP * np.column_stack([i.ravel(), j.ravel()])).reshape(SHAPE)
     assert (inside[depth > STEP] == 1.0).all()

@@ -16,6 +16,7 @@ from primitives.arrays import Bools, Floats
 from primitives.evidence import Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import PatchGraph
+from primitives.touch_equations import first_of_readings
 from primitives.touch_errors import touch_errors
 
 _EXACT = 0.015  # [mm] of scatter that fits allow for as it is
@@ -34,13 +35,9 @@ class _Touched:
     contacts: Contacts
 
     def readings(self) -> list[tuple[Floats, float]]:
-        """How far the readings of each touch lie off the face, and their own sigma [mm].
-
-        Those of a flat frame have one normal.
-        """
+        """How far the readings of each touch lie off the face, and their own sigma [mm]."""
         c, off = self.contacts, self.fit.shape.signed_distance(self.contacts.points)
-        alike = (c.normals[1:] == c.normals[:-1]).all(axis=1) & (c.touch[1:] == c.touch[:-1])
-        starts = np.flatnonzero(np.concatenate([[True], ~alike]))
+        starts = first_of_readings(c)
         means = np.add.reduceat(off, starts) / np.diff([*starts, len(off)])
         of = c.touch[starts]
         return [(means[of == touch], float(np.median(c.sigma[c.touch == touch]))) for touch in np.unique(of)]

@@ -11,8 +11,9 @@ from models.formats.openscad import sizes
 from models.formats.openscad.affine import SIX_DIGITS, TRANSFORMS, matrix_of
 from models.formats.openscad.shapes import Shape
 from models.formats.openscad.sided import polygon
-from models.leaves.polygons import polygon_distance, signed_area
+from models.leaves.polygons import polygon_distance
 from primitives.arrays import Floats
+from primitives.outlines import signed_area
 
 _GROUPS = frozenset({"group", "union", "color", "render"})
 

@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.leaves.polygons import cleaned, crosses_itself, polygon_distance, signed_area, triangulated
+from models.leaves.polygons import cleaned, crosses_itself, polygon_distance, triangulated
+from primitives.outlines import signed_area
 
 SQUARE = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])
 COMB = np.array(
