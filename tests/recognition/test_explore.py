@@ -252,3 +252,13 @@ def test_an_interrupt_leaves_the_recording_whole_and_no_summary(monkeypatch, tmp
         replaced_run(monkeypatch, tmp_path, moves)
     assert {entry.name for entry in (tmp_path / "run").iterdir()} == {"config.toml", "episode.mcap"}
     assert sum(isinstance(item, RecordedFrame) for item in read(tmp_path / "run" / "episode.mcap")) == 50
+
+
+def test_on_a_stage_that_errs_a_block_is_one_cube_and_its_contacts_say_how_far_they_err(tmp_path):
+    options = ExploreOptions("block", pose_noise=0.05, noise=0.05, seed=3, out=tmp_path / "run")
+    summary = run(options, lambda _: None)
+    sigma = np.loadtxt(tmp_path / "run" / "contacts.csv", delimiter=",", skiprows=1, usecols=6)
+    assert summary["closed"]
+    assert summary["csg"]["leaves"] == 1
+    assert (tmp_path / "run" / "model.csg").read_text().count("cube(") == 1
+    assert 0.03 < np.median(sigma) < 0.12  # of a contact and its reading together 0.056
