@@ -55,8 +55,16 @@ class Region:
         return float(self._section.area())
 
     def grown(self, by: float) -> Region:
-        """By so many mm all round, its corners as they are; a negative number takes away."""
-        return Region(self._section.offset(by, JoinType.Miter))
+        """By so many mm all round, its corners as they are; a negative number takes away.
+
+        What is outside shrinks: the library goes by the lowest outline, and takes a hole that touches the outer one
+        there for that.
+        """
+        if not self:
+            return Region()
+        margin = 2.0 * abs(by) + 1.0
+        near, far = (_frame(self._section, many * margin) for many in (1.0, 2.0))
+        return Region(near - (far - self._section).offset(-by, JoinType.Miter))
 
     def opened(self, by: float) -> Region:
         """Without what is narrower than 2 `by` mm."""
@@ -94,6 +102,13 @@ def section(mesh: Any, world_from_plane: Floats) -> Region:
     turn = world_from_plane[:3, :3].T
     back = np.column_stack([turn, -turn @ world_from_plane[:3, 3]])
     return Region(mesh.transform(back).slice(0.0))
+
+
+def _frame(part: Any, margin: float) -> Any:
+    """A box round a part, with so many mm on each side."""
+    x0, y0, x1, y1 = part.bounds()
+    wide, high = x1 - x0 + 2.0 * margin, y1 - y0 + 2.0 * margin
+    return CrossSection.square((wide, high)).translate((x0 - margin, y0 - margin))
 
 
 def _halves(part: Any, x: float) -> list[Any]:

@@ -49,3 +49,18 @@ def test_depth_is_positive_inside():
     depth = region.depth(np.array([[-8.0, 0.0], [4.0, 0.0], [13.0, 0.0]]))
     np.testing.assert_allclose(depth, [2.0, -2.0, -3.0], atol=0.05)
     assert (Region().depth(np.zeros((2, 2))) == -np.inf).all()
+
+
+def test_a_region_with_a_hole_that_touches_its_outermost_corner_shrinks_as_others_do():
+    """A library that takes that hole for the outline leaves nothing."""
+    outer = np.array([[40.9, 60.0], [62.13570805, 78.32317711], [65.6, 79.46444751], [72.3, 60.0]])
+    hole = outer[2] - [1e-8, 0.0] + [
+        [0.0, 0.0], [1.0971, -3.3293], [-4.0, -4.2], [-6.6343, -3.3379], [-6.6305, -2.1844],
+        [-4.98474705, -1.64222354], [-0.69285839, -0.22825408],
+    ]  # fmt: skip
+    region = Region.of([outer, hole])
+    for by in (0.05, 0.3, 0.8):
+        assert 0.0 < region.area - region.grown(-by).area < 110.0 * by
+        assert 0.0 < region.grown(by).area - region.area < 200.0 * by
+        assert region.opened(by).area > region.area - 20.0 * by
+    assert not Region().grown(1.0)
