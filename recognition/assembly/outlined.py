@@ -44,6 +44,8 @@ class OutlinedConfig:
     untold: float = 0.03  # and share of that, which may lie past it
     under: float = 0.5  # share of what is below an upper side, from which a body has ended there
     past: float = 0.5  # [mm] that what takes away reaches out of the plate
+    near: float = 0.5  # [mm] from a part of a plate, within which a contact holds it
+    film: float = 0.15  # [mm] half the width of what a cut leaves along a side of the body
     deep: float = 1.0  # [mm] from both sides, or a third of the thickness, where a contact is on neither
     inside: float = 0.8  # [mm] in a piece, from which a contact or a free place contradicts it
     ended: float = 1.2  # [mm] past where both sides end, from which a contact is no error of the outline
@@ -195,13 +197,19 @@ def _past(
 
 
 def _cut_loose(between: Region, gone: Region, plate: Plate, felt: Floats, config: OutlinedConfig) -> Region:
-    """What a cut leaves hanging in the air, as beyond where anybody looked: nothing was felt on it."""
+    """What a cut leaves hanging in the air, as beyond where anybody looked: nothing was felt on it.
+
+    Nor does a film along a side that the cut comes close to hold anything.
+    """
     own = transform_points(inverse(plate.pose), felt)
     own = own[np.abs(own[:, 2]) < 0.5 * plate.thick + config.deep, :2]
     loose = Region()
     for whole in between.pieces:
-        for part in sorted((whole - gone).pieces, key=lambda part: part.area)[:-1]:
-            if not part.opened(config.narrow) or not (part.depth(own) > 0.0).any():
+        left = whole - gone
+        firm = left.opened(config.film)
+        loose |= left - firm
+        for part in sorted(firm.pieces, key=lambda part: part.area)[:-1]:
+            if not part.opened(config.narrow) or not (part.depth(own) > -config.near).any():
                 loose |= part
     return loose
 

@@ -168,6 +168,17 @@ def test_a_leg_that_was_always_by_itself_at_those_levels_is_not_cut_loose():
     assert 0.0 < legs.solid.volume - made.solid.volume < 8.0 * 6.0 * 31.0
 
 
+def test_corners_that_a_film_holds_together_are_cut_loose():
+    """What is missing ends a hair inside the sides of a box, which are felt between, and before its corners."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
+    disc = 17.0 * np.column_stack([np.cos(turn), np.sin(turn)])
+    half = np.array([[29.9, -13.0], [29.9, 13.0], [23.0, 19.9], [-23.0, 19.9]])
+    seen = np.concatenate([half, -half])
+    felt = world([0.0, 0.0, 5.0], [29.97, 0.0, 0.0], [0.0, -19.97, 0.0])
+    made = outlined(body(), [plate([disc], [seen, disc])], None, felt)
+    assert abs(made.solid.volume - np.pi * 289.0 * 10.0) < 60.0
+
+
 def test_a_cut_goes_on_out_of_the_body_unless_something_was_felt_there():
     high = body(60.0, 40.0, 30.0)  # the plate is its middle 10 mm
     through = outlined(high, [plate([], [NOTCH])], None, NOTHING)
