@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import binary_erosion
 from scipy.spatial import KDTree
+from scipy.special import chdtri
 
 from exploration.control.feel import FeelConfig, Felt, NotTouching, feel
 from exploration.devices.guard import Observation
@@ -31,7 +32,8 @@ from primitives.evidence import Contacts
 class TrustConfig:
     """Which frames are good enough to become contacts; the rest only steer."""
 
-    misfit: float = 1.8  # chi2 per degree of freedom of a flat patch
+    misfit: float = 1.8  # chi2 per degree of freedom of a flat patch,
+    chance: float = 1e-3  # or what noise alone exceeds as seldom as this, where so few taxels see it
     curved_misfit: float = 4.0  # of a curved one
     area: float = 15.0  # [response widths^2] in contact
     flat_area: float = 38.0  # [response widths^2] in contact, where the surface is taken for flat
@@ -217,7 +219,9 @@ def _trusted(surface: LocalSurface, image: TactileImage, trust: TrustConfig) -> 
         if _hollow(surface) and float(surface.mask.mean()) < trust.whole:
             return False
         return inside and not sharp and _misfit(surface) < trust.curved_misfit and area >= trust.area
-    if _misfit(surface) >= trust.misfit or area < trust.flat_area:
+    dof = max(surface.dof, 1)
+    most = max(trust.misfit, float(chdtri(dof, trust.chance)) / dof)
+    if _misfit(surface) >= most or area < trust.flat_area:
         return False
     tilt, slender = trust.slanting
     return float(np.hypot(*surface.normal[:2])) <= tilt or _width(surface, image) >= slender
