@@ -25,6 +25,7 @@ from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from primitives import pose as se3
 from primitives.arrays import Floats
+from primitives.evidence import Contacts
 
 
 @dataclass(frozen=True)
@@ -82,16 +83,22 @@ class Ledges:
         return bool(corner + self.config.spare < rim.radius)
 
     def _go_down(self, rim: RoundRim) -> Done:
-        """Come down about a hole's axis, and press whatever it ends at."""
+        """Come down about a hole's axis, and press whatever it ends at, until a frame tells a face."""
         self._tried.note(rim.center)
         place = rim.center + self.config.before * rim.axis
-        way = rim.places(self.config.floor_ways)[1][0]
-        if self.reach.sound(se3.pose(se3.frame_along(-rim.axis, way), place), AS_IT_CAME):
-            home = self.study.take_in(self.study.pad.feel())
+        led = met = False
+        for way in rim.places(self.config.floor_ways)[1]:
+            sounded = self.reach.sound(se3.pose(se3.frame_along(-rim.axis, way), place), AS_IT_CAME)
+            led, met = led or self.reach.led, met or sounded
+            felt = self.study.pad.feel() if sounded else Contacts.of([])
+            home = self.study.take_in(felt) if len(felt) else None
             self.reach.come_out()
-            return home, "felt where a hole ends"
-        self.reach.come_out()
-        return None, "went down a hole and met nothing" if self.reach.led else "no way led into a hole"
+            if home is not None:
+                return home, "felt where a hole ends"
+            if not sounded and self.reach.led:
+                break
+        told = "met what told no face" if met else "met nothing"
+        return None, f"went down a hole and {told}" if led else "no way led into a hole"
 
     def _feel_floor(self, rim: RoundRim, aside: float) -> Done:
         """Come down beside the axis, onto what an array in the middle went past."""

@@ -18,6 +18,7 @@ from exploration.sensing.spec import load_sensor
 from models.csg import Cone, Cube, Cylinder
 from models.solid import Solid
 from primitives import pose as se3
+from primitives.evidence import Contacts
 
 UP = np.array([0.0, 0.0, 1.0])
 SPECS = [load_sensor("fingertip")]
@@ -111,3 +112,23 @@ def test_a_hole_that_goes_through_or_is_too_narrow_shows_no_end():
     guessed = RoundRim(rim.center, UP, 7.0, 1.0, 0)
     for other in (narrow, guessed):
         assert explored(PLATE, [other])[0].next([]) is None
+
+
+def test_an_end_that_a_first_frame_does_not_tell_is_pressed_again_at_another_turn():
+    rim = RoundRim(np.array([0.0, 0.0, 7.0]), UP, 8.0, 0.02, 0, measured=True)
+    ledges, found = explored(Cube((80.0, 60.0, 14.0)) - Cylinder(8.0, 14.0).at(0.0, 0.0, 4.0), [rim])
+    feel, told, turns = ledges.study.pad.feel, [], []
+
+    def doubtful():
+        turns.append(ledges.study.pad.guard.world_from_sensor[:3, 0])
+        told.append(feel() if turns[1:] else Contacts.of([]))
+        return told[-1]
+
+    ledges.study.pad.feel = doubtful
+    home, note = ledges.next([])()
+    assert note == "felt where a hole ends"
+    assert abs(turns[0] @ turns[1]) < 0.8
+    assert found.graph.faces[0].id == home
+    ledges, found = explored(Cube((80.0, 60.0, 14.0)) - Cylinder(8.0, 14.0).at(0.0, 0.0, 4.0), [rim])
+    ledges.study.pad.feel = lambda: Contacts.of([])
+    assert ledges.next([])() == (None, "went down a hole and met what told no face")
