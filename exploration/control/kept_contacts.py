@@ -22,6 +22,7 @@ from exploration.sensing.surfaces.domed_patch import domed_patch
 from exploration.sensing.surfaces.flat_patch import flat_patch
 from exploration.sensing.surfaces.local_surface import LocalSurface
 from exploration.sensing.surfaces.midline import Midline
+from exploration.sensing.surfaces.outlined_patch import outlined_patch
 from exploration.sensing.touch import Touch, perceive
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats, frozen
@@ -62,6 +63,10 @@ class TrustConfig:
     narrow_normal_floor: float = 0.1  # [rad]
     # over the square of the taxels across: error of a cut face at the pad's end, where an edge goes unseen
     ends: tuple[float, float] = (0.2, 0.18)  # [mm, rad]
+    outlined: tuple[float, float] = (
+        0.015,
+        0.006,
+    )  # [mm, rad] error of a face whose outline its own picture tells
     rims: tuple[float, ...] = (
         3.0,
         2.0,
@@ -188,6 +193,14 @@ def _patch(
     if felt and not len(found):
         inner = felt.inner & _off_border(seen.image, trust.unseen)
         found = _on(inner, seen, flat_patch(seen.image, inner, *where))
+    outlined = outlined_patch(seen.image) if felt and not len(found) else None
+    if outlined is not None:
+        found = _on(outlined.inner, seen, outlined.contacts(*where))
+        found = replace(
+            found,
+            sigma=np.hypot(found.sigma, trust.outlined[0]),
+            normal_sigma=np.hypot(found.normal_sigma, trust.outlined[1]),
+        )
     return found
 
 

@@ -204,3 +204,12 @@ def test_a_few_taxels_on_a_flat_face_are_refused_as_seldom_as_many():
         keep(dwell(Guard(stage, arrays, [Calibration.nominal(spec)]), 8), 1, 1, kept)
         told += bool(kept)
     assert told >= 148
+
+
+def test_a_notched_ring_narrower_than_the_pad_is_felt_flat():
+    ring = Cylinder(48.0, 8.0) - Cylinder(40.0, 10.0)
+    for turn in np.arange(-0.6, 0.7, 0.3):
+        ring = ring - Cylinder(2.5, 10.0).at(46.0 * np.cos(turn), 46.0 * np.sin(turn), 0.0)
+    off, sigma, counts = errors(ring.at(-38.0, 0.0, -4.0), 0.0, 8, presses=24)
+    assert np.mean(np.array(counts) > 0) > 0.9
+    assert np.quantile(np.abs(off / sigma), 0.95) < 2.0  # but for one over a notch, beside the ring
