@@ -36,7 +36,7 @@ class LedgesConfig:
     spare: float = (
         0.4  # [mm] between its corners and the wall, where it goes down the middle of a measured one
     )
-    covers: float = 1.5  # [mm] of the ledge, at least, that its skin must reach over
+    covers: float = 1.0  # [mm] of the ledge, at least, that its skin must reach over
     nearer: float = 2.5  # [mm] to the axis, of the second time
     before: float = 4.0  # [mm] over the mouth, from where it comes
     ways: int = 8  # round the axis, that are looked at for room
@@ -149,7 +149,9 @@ class Ledges:
         tare(pad.guard)
         seen = advance(pad.guard, down, self.config.before + far + self.config.past, ApproachConfig().speed)
         if seen is not None:
-            at = se3.transform_points(seen.world_from_sensor, np.array([[*strongest(seen.image), 0.0]]))[0]
+            image = seen.image
+            pressed = -float(np.max(image.depth, where=np.isfinite(image.sigma), initial=0.0))
+            at = se3.transform_points(seen.world_from_sensor, np.array([[*strongest(image), pressed]]))[0]
             deep = float((rim.center - at) @ rim.axis)
             off = float(np.linalg.norm(at - rim.center + deep * rim.axis))
             self.study.found.stopped.append(Stopped(rim.center, off, deep))

@@ -1,5 +1,7 @@
 """A small array finds out how a hole narrows that it has room in beside the axis."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -45,8 +47,17 @@ def test_it_is_stopped_as_deep_twice_by_a_ledge(deep):
     assert move is not None
     move()
     assert len(found.stopped) == 2
-    assert np.allclose([stop.deep for stop in found.stopped], deep, atol=0.5)
+    assert np.allclose([stop.deep for stop in found.stopped], deep, atol=0.15)
     assert ledges.next([]) is None
+
+
+def test_a_ledge_hardly_wider_than_the_room_beside_the_array_is_reached():
+    wide, far = replace(WIDE, radius=12.7), replace(FAR, radius=9.8)
+    hole = Cylinder(9.8, 30.0) | Cylinder(12.7, 20.0).at(0.0, 0.0, 9.0)
+    ledges, found = explored(Cube((80.0, 60.0, 14.0)) - hole, [wide, far])
+    ledges.next([])()
+    (stop,) = found.stopped
+    assert stop.deep == pytest.approx(8.0, abs=0.15)
 
 
 def test_it_is_stopped_deeper_nearer_to_the_axis_by_a_slope():
