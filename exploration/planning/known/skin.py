@@ -45,3 +45,11 @@ class Skin:
             self.free.add(free_cells(seen, felt))
             self.pits.look(seen)
             self.mosaic.look(seen, None if self._told is None else self._told.beside)
+
+    def dwell(self, seen: Observation) -> None:
+        """Picture what a pad shows that lies still: pressed in full, its frames averaged.
+
+        In passing it is looked at when it first touches, when a place shows hardly more than noise.
+        """
+        if feel(seen.image):
+            self.mosaic.look(seen, None if self._told is None else self._told.beside)

@@ -177,6 +177,7 @@ class Pad:
         self.guard.cost.strokes += 1
         keep(seen, self.guard.cost.touches, self.guard.cost.strokes, kept)
         felt = feel(seen.image)
+        self.skin.dwell(seen)
         self.lie(touched_cells(seen, felt) if felt else np.empty((0, 3)))
         return self._own(Contacts.concatenate(kept))
 

@@ -37,3 +37,15 @@ def test_what_lies_on_what_is_told_to_stand_beside_the_object_makes_no_picture_o
     seen = skin.mosaic.picture(np.zeros(3), np.array([0.0, 0.0, 1.0]), LATTICE).known
     assert seen[:12].any()
     assert not seen[24:].any()
+
+
+def test_what_a_pad_shows_that_lies_still_is_pictured_though_it_touched_there_before():
+    skin = Skin()
+    light = pressed(0.0, 0.1)
+    light.world_from_sensor = pose(DOWN, [0.0, 0.0, -0.1])
+    skin.look(light)
+    assert not known(skin)
+    skin.look(pressed(0.0))
+    assert not known(skin)
+    skin.dwell(pressed(0.0))
+    assert known(skin)
