@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.control.procedures.land import AS_TOLD
+from exploration.control.procedures.settle import AS_IT_CAME
 from exploration.control.sighting import Sighting
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.lying import lying_places
@@ -36,6 +38,7 @@ class OpenSurfaceConfig:
     flush: float = (
         0.6  # [mm] from a pad that lies on a face, within which places of that face are: no boss tilts it
     )
+    level: float = 0.99  # least cosine between the two
     lain: int = 2  # times that a pad lay over a place, from which another touch tells no more of it
     apart: float = 9.0  # [mm] between such places that are one
     guessed: float = 1.0  # [mm] 1 sigma of where a face that there is no room on may end
@@ -113,19 +116,44 @@ class OpenSurface:
         places = list(lying_places(left, chosen, self.alongs(left.normals[chosen]), self.study.pad.size))
         for pose in places:
             if self.reach.clear(pose):
-                met = self.reach.touch(pose)
-                if met:
-                    self._lain.append((self.study.pad.guard.world_from_sensor, face))
-                home = self.study.face_here() if met else None
-                self._nothing += [pose] if self.reach.led and not met else []
-                self._missed[face] = 0 if home == face else self._missed.get(face, 0) + 1
-                note = "what seemed open was not there" if home is None else "came down on what was open"
-                return home, note
+                return self._lie(pose, face)
         self._tried.note(point)
         over = self._from_over(places) if places else None
         if over is None:
             self.study.found.barred += self._ends_before(point, left.normals[chosen], face)
         return over or (None, "the pad has no room on what is open")
+
+    def _lie(self, pose: Floats, face: int) -> Done:
+        """Come down on a face at a (4, 4) pose: rolling flush, or as it came where it rolls off a narrow land."""
+        met = self.reach.touch(pose)
+        there = met and self._lies_on(face)
+        home = self.study.face_here() if met else None
+        if home is None and not there and self._rolled(pose):
+            there = self.reach.touch(pose, False, AS_IT_CAME, AS_TOLD) and self._lies_on(face)
+            home = self.study.take_in(self.study.pad.feel()) if there else None
+        if met or there:
+            self._lain.append((self.study.pad.guard.world_from_sensor, face))
+        elif self.reach.led:
+            self._nothing.append(pose)
+        if home == face or not there:
+            self._missed[face] = 0 if home == face else self._missed.get(face, 0) + 1
+        if home is None:
+            return None, "what was open told no face" if there else "what seemed open was not there"
+        return home, "came down on what was open"
+
+    def _rolled(self, pose: Floats) -> bool:
+        """Whether the pad has turned from a (4, 4) pose, at which it met something then."""
+        return float(pose[:3, 2] @ self.study.pad.guard.world_from_sensor[:3, 2]) < self.config.level
+
+    def _lies_on(self, face: int) -> bool:
+        """Whether the pad lies where a face is, though it may not be able to tell it."""
+        fit, pose = self.study.found.fit_of(face), self.study.pad.guard.world_from_sensor
+        if fit is None:
+            return False
+        at = pose[None, :3, 3]
+        faces = (1.0 if fit.convex else -1.0) * float(fit.shape.normals(at)[0] @ -pose[:3, 2])
+        off = abs(float(fit.shape.signed_distance(at)[0]))
+        return off < self.config.off and faces > self.config.level
 
     def _ends_before(self, point: Floats, normal: Floats, face: int) -> list[SeenRim]:
         """A flat face's edge as it may be where it was felt last before an open (3,) place, to be looked at."""

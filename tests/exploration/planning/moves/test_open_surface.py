@@ -3,11 +3,14 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from exploration.control.procedures.settle import AS_IT_CAME
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.moves.open_surface import OpenSurface, OpenSurfaceConfig
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.touching.findings import ExplorerConfig
+from primitives import pose as se3
 from primitives.shapes import Plane
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -24,7 +27,8 @@ def pad_that_lands_on(faces, contacts):
     found = SimpleNamespace(graph=faces_found, barred=[], fit_of=lambda face: None)
     study = SimpleNamespace(pad=pad, found=found, face_here=lambda: faces.pop(0))
 
-    def touch(pose):
+    def touch(pose, *_):
+        pad.guard.world_from_sensor = pose
         if faces[0] is None:
             faces.pop(0)
             return False
@@ -94,6 +98,29 @@ def test_what_a_pad_lay_over_twice_is_not_come_down_on_again():
     assert len(surface.left(opened).points) == 5
     surface.come_down(opened, 1)
     assert np.allclose(surface.left(opened).points, points[3:])
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_a_pad_that_rolls_off_a_narrow_land_lies_there_as_it_came(told):
+    study, reach = pad_that_lands_on([], range(99))
+    flat = SimpleNamespace(kind="plane", shape=Plane(np.zeros(3), UP), convex=True)
+    study.found.fit_of, landings = lambda face: flat, []
+
+    def touch(pose, give=False, settling=None, landing=None):
+        landings.append(settling)
+        rolled = se3.pose(se3.rotation_exp([0.6, 0.0, 0.0]) @ pose[:3, :3], pose[:3, 3])
+        study.pad.guard.world_from_sensor = pose if settling else rolled
+        return settling is not None
+
+    reach.touch, study.pad.feel, study.take_in = touch, lambda: "felt", lambda felt: 7 if told else None
+    surface = OpenSurface(study, reach, ExplorerConfig(), OpenSurfaceConfig(misses=1))
+    opened = Predicted(np.array([[0.0, 0.0, 0.0], [40.0, 0.0, 0.0]]), np.tile(UP, (2, 1)), np.array([7, 7]))
+    home, note = surface.come_down(opened, 0)
+    assert (home, note) == (
+        (7, "came down on what was open") if told else (None, "what was open told no face")
+    )
+    assert landings == [None, AS_IT_CAME]
+    assert len(surface.left(opened).points) == 2
 
 
 def boss_in_the_way(top, met=True):
