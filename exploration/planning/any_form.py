@@ -20,6 +20,7 @@ from exploration.devices.guard import Collision, OverPress
 from exploration.planning.inferring.concluding import conclude, unexplained
 from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
 from exploration.planning.inferring.inferred_walls import stops_of
+from exploration.planning.moves.along_land import AlongLand
 from exploration.planning.moves.climbing import Climbing
 from exploration.planning.moves.drafted import Drafted
 from exploration.planning.moves.entering import Entering
@@ -84,7 +85,7 @@ class AnyForm:
         self._slipped = Slipped(study, self.reach) if later else None
         self._ledges = Ledges(study, self.reach) if later else None
         self._holes, self._rim_looks = RoundHoles(study, self.reach), RimLooks(study, self.reach)
-        self._wall_tops = WallTops(study, self.reach)
+        self._wall_tops, self._lands = WallTops(study, self.reach), AlongLand(study, self.reach)
         self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
         self._climbing, self._vain = Climbing(study, self.reach), 0
         self._looking = Looking(study, self.reach, LOOK_AGAIN if later else LookingConfig())
@@ -170,6 +171,7 @@ class AnyForm:
             self._soonest(lain, rims)
             or self._climbing.next(lain)
             or self._come_down(left)
+            or self._lands.next()
             or self._nameless.next()
             or (self._looking.next() if self._entering else self._look(frontier))
             or (self._drafted.next() if self._drafted else None)

@@ -88,6 +88,10 @@ class Mosaic:
         self.config = config
         self._images: list[_Image] = []
 
+    def __len__(self) -> int:
+        """How many images there are."""
+        return len(self._images)
+
     def look(self, seen: Observation, own: Callable[[Floats], Bools] | None = None) -> None:
         """Remember an image, where (n, 3) places are the object's `own` or nothing's."""
         array, pose = seen.image.array, seen.world_from_sensor
