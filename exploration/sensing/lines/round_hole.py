@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
@@ -34,6 +35,7 @@ from primitives.shapes import Shape
 
 _LEAST = 12  # taxels of a look
 _STEP = 0.05  # [mm] of the slope of what is not a circle
+_OPPOSED = -0.7  # cosine of the ways out of a face at two of its ends, at most
 _LEVEL = 0.003  # 1 sigma of how a face leans against a pad that is told to be flush
 
 
@@ -132,7 +134,19 @@ def fit_round_hole(
             best = found
         if best is not None and best.misfit < config.sure:
             break
-    return best
+    width = max((response_of(image).mean_width for image, _ in frames), default=0.0)
+    return None if best is None or _squeezed(best, ends, width) else best
+
+
+def _squeezed(hole: RoundHole, ends: Sequence[tuple[Shape, float]], width: float) -> bool:
+    """Whether its face is seen to end beside it on two opposite sides: a gap in a band looks no different."""
+    at = hole.center[None]
+    near = [
+        side * shape.normals(shape.project(at))[0]
+        for shape, side in ends
+        if -side * float(shape.signed_distance(at)[0]) - hole.radius < width
+    ]
+    return any(float(one @ other) < _OPPOSED for one, other in combinations(near, 2))
 
 
 def _fitted(

@@ -160,6 +160,28 @@ def test_a_hole_is_seen_beside_the_edges_of_its_face():
     assert blind is None or abs(blind.radius - 5.6) > 0.1 or np.linalg.norm(blind.center[:2]) > 0.1
 
 
+def test_a_gap_in_a_band_is_no_hole_and_a_hole_that_the_band_has_room_for_is():
+    """Of a gap nothing but its two sides shows, as of a hole as wide as the band."""
+    width = rubber(SPREAD, PAD.pitch).mean_width
+
+    def band(half, missing):
+        return lambda at: (
+            1.0 - (ndtr((half - at[:, 1]) / width) - ndtr((-half - at[:, 1]) / width)) * (1.0 - missing(at))
+        )
+
+    rng, down = np.random.default_rng(3), np.diag([1.0, -1.0, -1.0])
+    for half, missing, radius in (
+        (3.0, lambda at: ndtr((2.6 - at[:, 0]) / width) - ndtr((-2.6 - at[:, 0]) / width), None),
+        (5.5, lambda at: of_disc(np.linalg.norm(at, axis=1) / width, 3.0 / width), 3.0),
+    ):
+        frames = [over_missing(band(half, missing), se3.pose(down, [0.3, 0.0, 0.0]), rng)]
+        side = np.array([0.0, half, 0.0])
+        ends = [(Plane(side, np.eye(3)[1]), 1.0), (Plane(-side, np.eye(3)[1]), -1.0)]
+        found = fit_round_hole(frames, np.zeros(3), UP, 3.0, ends=ends)
+        assert (found is None) == (radius is None)
+        assert radius is None or abs(found.radius - radius) < max(4.0 * found.sigma, 0.05)
+
+
 def test_a_hole_near_an_edge_that_nobody_knows_of_is_measured_by_what_is_at_its_rim():
     """A knuckle's end; and past the edges that are told the face may go on, as where a plate begins."""
     rng = np.random.default_rng(3)
