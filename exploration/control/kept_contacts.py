@@ -64,9 +64,9 @@ class TrustConfig:
     # over the square of the taxels across: error of a cut face at the pad's end, where an edge goes unseen
     ends: tuple[float, float] = (0.2, 0.18)  # [mm, rad]
     outlined: tuple[float, float] = (
-        0.015,
-        0.006,
-    )  # [mm, rad] error of a face whose outline its own picture tells
+        0.03,
+        0.012,
+    )  # of a face whose outline its picture tells: four err as one
     rims: tuple[float, ...] = (
         3.0,
         2.0,
@@ -117,7 +117,7 @@ def keep(
                 beside = _to_end(surface.mask) ** 2
                 floor, normal_floor = np.hypot((floor, normal_floor), np.divide(trust.ends, beside))
     else:
-        found = _patch(seen, where, trust, what.kinds["curved"] > trust.domed)
+        found, (floor, normal_floor) = _patch(seen, where, trust, what.kinds["curved"] > trust.domed)
     told = (
         len(found)
         and float(found.normal_sigma.max()) < trust.turned
@@ -179,8 +179,11 @@ def _along(middle: Midline, contacts: Contacts, pose: Floats) -> Contacts:
 
 def _patch(
     seen: Observation, where: tuple[Floats, int, int, int], trust: TrustConfig, domed: bool
-) -> Contacts:
-    """Contacts of a face of any outline, perhaps a dome, as far inside its rim as it is wide enough for."""
+) -> tuple[Contacts, tuple[float, float]]:
+    """Contacts of a face of any outline, perhaps a dome, as far inside its rim as it is wide enough for.
+
+    And their floors [mm, rad].
+    """
     found = Contacts.of([])
     felt: Felt | NotTouching = NotTouching()
     for rim in trust.rims:
@@ -195,13 +198,8 @@ def _patch(
         found = _on(inner, seen, flat_patch(seen.image, inner, *where))
     outlined = outlined_patch(seen.image) if felt and not len(found) else None
     if outlined is not None:
-        found = _on(outlined.inner, seen, outlined.contacts(*where))
-        found = replace(
-            found,
-            sigma=np.hypot(found.sigma, trust.outlined[0]),
-            normal_sigma=np.hypot(found.normal_sigma, trust.outlined[1]),
-        )
-    return found
+        return _on(outlined.inner, seen, outlined.contacts(*where)), trust.outlined
+    return found, (trust.floor[0], trust.normal_floor[0])
 
 
 def _off_border(image: TactileImage, widths: float) -> Bools:

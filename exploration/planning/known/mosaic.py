@@ -131,15 +131,23 @@ class Mosaic:
         share: Floats = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
         return Band(share, known, low + config.step * np.arange(count, dtype=np.float64))
 
-    def picture(self, anchor: Floats, normal: Floats, lattice: Lattice) -> Picture:
-        """Of the plane through a (3,) place, of (3,) outward normal, on a lattice in it."""
+    def pictured(self, anchor: Floats, normal: Floats) -> Floats:
+        """(n, 3) [mm] the middles of pads that lay on the plane through a (3,) place, of (3,) outward normal."""
+        return np.array([image.pose[:3, 3] for image in self._flush(anchor, normal)]).reshape(-1, 3)
+
+    def _flush(self, anchor: Floats, normal: Floats) -> list[_Image]:
         low, high = self.config.pressed
-        flush = [
+        return [
             image
             for image in self._images
             if -float(image.pose[:3, 2] @ normal) > self.config.flush
             and low < float((anchor - image.pose[:3, 3]) @ normal) < high
         ]
+
+    def picture(self, anchor: Floats, normal: Floats, lattice: Lattice) -> Picture:
+        """Of the plane through a (3,) place, of (3,) outward normal, on a lattice in it."""
+        low, high = self.config.pressed
+        flush = self._flush(anchor, normal)
         if not flush:
             return Picture(np.zeros(lattice.shape), np.zeros(lattice.shape, dtype=bool))
         places, depth, sigma = (

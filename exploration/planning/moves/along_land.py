@@ -13,17 +13,16 @@ import numpy as np
 from exploration.control.procedures.land import AS_TOLD
 from exploration.control.procedures.settle import AS_IT_CAME
 from exploration.planning.open.land_ends import LandEnd, land_ends
-from exploration.planning.touching.findings import Attempts, Done
+from exploration.planning.touching.findings import Done
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from primitives import pose as se3
 from primitives.arrays import Floats
 from primitives.patch_graph import PatchGraph
 
-_BESIDE = 6.0  # [mm] between ends that are one
 _AHEAD = 0.25  # of the pad's length past an end, where its middle lies: a land may bend
-_STRAY = 4.0  # [mm] that a pad is raised at most for places felt beside a land's edges,
-_RAISED = 6.0  # [mm] of which so many are looked through
+_BESIDE = 0.25  # of its shorter side, between ends that are one
+_STRAY = 4.0  # [mm] that a pad is raised at most for places felt beside a land's edges
 
 
 class AlongLand:
@@ -31,21 +30,33 @@ class AlongLand:
 
     def __init__(self, study: Study, reach: Reach) -> None:
         self.study, self.reach = study, reach
-        self._tried = Attempts(1, _BESIDE)
+        self._tried: list[LandEnd] = []
         self._last: tuple[tuple[PatchGraph, int], list[LandEnd]] | None = None
 
     def next(self) -> Callable[[], Done] | None:
         """A touch past the nearest end that has room."""
-        left = [end for end in self._ends() if not self._tried.given_up(end.point)]
+        left = [end for end in self._ends() if not self._given_up(end)]
         if not left:
             return None
         seconds = self.reach.seconds_to(np.array([e.point for e in left]), np.array([e.normal for e in left]))
         for k in np.argsort(seconds):
-            room = [pose for pose in self._places(left[k]) if self.reach.off(pose, _RAISED) < _STRAY]
-            if room:
+            if room := [pose for pose in self._places(left[k]) if self._has_room(pose)]:
                 return partial(self._go_on, left[k], room)
-            self._tried.note(left[k].point)
+            self._tried.append(left[k])
         return None
+
+    def _given_up(self, end: LandEnd) -> bool:
+        """Whether one there, that looks the same way, was tried."""
+        beside = _BESIDE * min(self.study.pad.size)
+        return any(
+            float(np.linalg.norm(end.point - other.point)) < beside and float(end.normal @ other.normal) > 0.0
+            for other in self._tried
+        )
+
+    def _has_room(self, pose: Floats) -> bool:
+        """Whether a pad has room at a (4, 4) pose, or a little over it."""
+        up = self.reach.off(pose, _STRAY)
+        return self.reach.clear(pose @ se3.pose(translation=[0.0, 0.0, -up]))
 
     def _ends(self) -> list[LandEnd]:
         """Of this moment: the last ones, where nothing was felt or pictured since."""
@@ -63,7 +74,7 @@ class AlongLand:
         ]
 
     def _go_on(self, end: LandEnd, poses: list[Floats]) -> Done:
-        self._tried.note(end.point)
+        self._tried.append(end)
         for pose in poses:
             if self.reach.touch(pose, True, AS_IT_CAME, AS_TOLD):
                 return self.study.take_in(self.study.pad.feel()), "went on along a land"

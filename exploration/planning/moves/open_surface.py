@@ -38,7 +38,7 @@ class OpenSurfaceConfig:
     flush: float = (
         0.6  # [mm] from a pad that lies on a face, within which places of that face are: no boss tilts it
     )
-    level: float = 0.99  # least cosine between the two
+    level: float = 0.99  # least cosine between a pad and the face that it lies on, or where it was to lie
     lain: int = 2  # times that a pad lay over a place, from which another touch tells no more of it
     apart: float = 9.0  # [mm] between such places that are one
     guessed: float = 1.0  # [mm] 1 sigma of where a face that there is no room on may end
@@ -128,10 +128,11 @@ class OpenSurface:
         met = self.reach.touch(pose)
         there = met and self._lies_on(face)
         home = self.study.face_here() if met else None
-        if home is None and not there and self._rolled(pose):
-            there = self.reach.touch(pose, False, AS_IT_CAME, AS_TOLD) and self._lies_on(face)
+        if home is None and not there and self.reach.led and self._rolled(pose):
+            met = self.reach.touch(pose, False, AS_IT_CAME, AS_TOLD)
+            there = met and self._lies_on(face)
             home = self.study.take_in(self.study.pad.feel()) if there else None
-        if met or there:
+        if met:
             self._lain.append((self.study.pad.guard.world_from_sensor, face))
         elif self.reach.led:
             self._nothing.append(pose)

@@ -22,10 +22,10 @@ from primitives.pose import frame_along
 
 @dataclass(frozen=True)
 class LandEndsConfig:
-    """What goes on."""
+    """What is a land, and goes on."""
 
     contacts: int = 8  # of a face, at least
-    margin: float = 25.0  # [mm] round these, over which its picture is drawn
+    margin: float = 25.0  # [mm] round these and all pads that lay on it, over which its picture is drawn
     share: float = 0.65  # of the face under the skin, from which a place is well on it,
     bare: float = 0.35  # and up to which it is off it
     smooth: float = 1.5  # [mm] over which the way out is taken
@@ -50,7 +50,7 @@ class LandEnd:
 def land_ends(
     faces: Sequence[Face], mosaic: Mosaic, config: LandEndsConfig = LandEndsConfig()
 ) -> list[LandEnd]:
-    """Of all flat faces that were felt often enough to know how they lie; the widest end of each first."""
+    """Of all flat faces that were felt often enough to know how they lie."""
     found: list[LandEnd] = []
     for face in faces:
         felt = face.contacts.points[face.contacts.touch != NOT_FELT]
@@ -58,7 +58,8 @@ def land_ends(
             continue
         shape = face.fit.shape
         normal = shape.direction if face.fit.convex else -shape.direction
-        lattice = Lattice.over(felt, frame_along(normal)[:, :2], mosaic.config.step, config.margin)
+        over = np.concatenate([felt, mosaic.pictured(shape.anchor, normal)])
+        lattice = Lattice.over(over, frame_along(normal)[:, :2], mosaic.config.step, config.margin)
         height = float(shape.anchor @ normal) * normal
         for at, way in _ends(mosaic.picture(shape.anchor, normal, lattice), lattice, config):
             found.append(LandEnd(height + lattice.along @ at, lattice.along @ way, normal))
@@ -72,6 +73,8 @@ def _ends(seen: Picture, lattice: Lattice, config: LandEndsConfig) -> list[tuple
         return []
     border = seen.known & (seen.share > config.share) & binary_dilation(~seen.known)
     pieces, count = label(border, np.ones((3, 3)))
+    if count == 0:
+        return []
     to_rim = distance_transform_edt(~off) * lattice.step
     down, right = np.gradient(gaussian_filter(seen.known.astype(float), config.smooth / lattice.step))
     ends: list[tuple[Floats, Floats]] = []
@@ -88,8 +91,11 @@ def _ends(seen: Picture, lattice: Lattice, config: LandEndsConfig) -> list[tuple
 
 
 def _drawn(known: Bools, lattice: Lattice, at: Floats, config: LandEndsConfig) -> bool:
-    """Whether a picture shows what is about a (2,) place."""
-    i, j = np.indices(known.shape)
-    places = lattice.origin + lattice.step * np.stack([i, j], axis=-1)
-    disc = np.linalg.norm(places - at, axis=-1) < config.around
-    return bool(disc.any()) and float(known[disc].mean()) > config.drawn
+    """Whether a picture shows what is round a (2,) place."""
+    middle, reach = (
+        np.round((at - lattice.origin) / lattice.step).astype(int),
+        int(config.around / lattice.step),
+    )
+    low, high = np.maximum(middle - reach, 0), np.maximum(middle + reach + 1, 0)
+    beside = known[low[0] : high[0], low[1] : high[1]]
+    return bool(beside.size) and float(beside.mean()) > config.drawn

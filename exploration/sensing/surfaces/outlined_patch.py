@@ -9,14 +9,15 @@ cell of a fine lattice that the face covers, B the blur of the skin and of the t
 For a given M that is linear in d and g.  For a given plane, depth over plane is the picture of M alone: M is drawn
 where a level, at first that picture, exceeds one half, and the level is moved by what the picture so drawn leaves
 (our derivation, after Landweber's iteration).  Both in turn; a taxel counts the less, the more an outline that is
-a little off would change it.  A dome or an edge of two faces has no such picture, and leaves too much.
+a little off would change it.  An edge of two faces or a dome has no such picture and leaves too much, but for one
+that bends less than an outline may be off: ask only of frames that no smooth surface explains.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import distance_transform_edt, map_coordinates
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.response import Response, response_of
@@ -34,7 +35,9 @@ class OutlinedPatchConfig:
     sharp: float = 6.0  # share of a cell over its level: an outline is about one cell wide
     rounds: int = 8
     step: float = 0.7  # of what is left, by which the level moves
+    deepest: float = 0.97  # quantile of the depths, that is taken for the face's: a taxel may stray
     high: float = 0.5  # of the deepest taxels, beyond which a taxel tells where to begin
+    least: float = 0.2  # of these, that a plane is taken for at least, where it leaves the pad
     above: float = 0.9  # share of the weight of those that lie over the plane to begin with
     off: float = 0.15  # [mm] of an outline, as far as a taxel is believed
     systematic: float = 0.02  # of the deepest taxels: what the model leaves out
@@ -82,7 +85,7 @@ def outlined_patch(
     if not living.any():
         return None
     depth = np.where(living, image.depth, 0.0)
-    most = float(np.quantile(depth[living], 0.97))
+    most = float(np.quantile(depth[living], config.deepest))
     high = living & (depth > config.high * most)
     if high.sum() < config.taxels:
         return None
@@ -90,16 +93,17 @@ def outlined_patch(
     plane = _over(rows[high], depth[high], config)
     lattice = _Lattice.under(image, config)
     noise = np.hypot(np.where(living, image.sigma, np.inf), config.systematic * most)
+    nearest = tuple(distance_transform_edt(~living, return_distances=False, return_indices=True))
     level: Floats | None = None
     for _ in range(config.rounds):
-        above = np.maximum(rows @ plane, 0.4 * config.high * most)
-        level = lattice.finer(depth / above) if level is None else level
+        above = np.maximum(rows @ plane, config.least * most)
+        level = lattice.finer((depth / above)[nearest]) if level is None else level
         seen = lattice.seen(np.clip(config.sharp * (level - 0.5) + 0.5, 0.0, 1.0))
         steep = np.hypot(*np.gradient(seen[..., 0], array.pitch[1], array.pitch[0]))
         weight = 1.0 / np.hypot(noise, config.off * above * steep)
         weighed = (seen * weight[..., None]).reshape(-1, 3)
         plane = np.linalg.lstsq(weighed, (depth * weight).ravel(), rcond=None)[0]
-        left = depth - seen @ plane
+        left = np.where(living, depth - seen @ plane, 0.0)
         level = level + config.step * lattice.finer(left / above)
     counts = living & ((seen[..., 0] > config.seen) | (depth > 4.0 * noise))
     misfit = float(((left * weight)[counts] ** 2).sum()) / max(int(counts.sum()) - 3, 1)

@@ -123,6 +123,25 @@ def test_a_pad_that_rolls_off_a_narrow_land_lies_there_as_it_came(told):
     assert len(surface.left(opened).points) == 2
 
 
+@pytest.mark.parametrize("led", [True, False])
+def test_it_comes_down_again_only_where_it_has_rolled_and_counts_no_miss_for_lying(led):
+    study, reach = pad_that_lands_on([], range(99))
+    flat = SimpleNamespace(kind="plane", shape=Plane(np.zeros(3), UP), convex=True)
+    study.found.fit_of, landings, reach.led = lambda face: flat, [], led
+
+    def touch(pose, *_):
+        landings.append(pose)
+        study.pad.guard.world_from_sensor = se3.pose(se3.rotation_exp([0.6, 0.0, 0.0]) @ pose[:3, :3])
+        return False
+
+    reach.touch = touch
+    surface = OpenSurface(study, reach, ExplorerConfig(), OpenSurfaceConfig(lain=1))
+    opened = Predicted(np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]]), np.tile(UP, (2, 1)), np.array([7, 7]))
+    assert surface.come_down(opened, 0) == (None, "what seemed open was not there")
+    assert len(landings) == (2 if led else 1)
+    assert len(surface.left(opened).points) == (0 if led else 2)
+
+
 def boss_in_the_way(top, met=True):
     """A surface, whose open place something felt leaves no room at; its top was felt, or was not."""
     study, reach = pad_that_lands_on([9 if met else None], ())

@@ -1,5 +1,6 @@
 """Where flat faces go on past what their pictures show."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -54,6 +55,34 @@ def test_a_land_goes_on_at_both_ends_of_its_picture_and_nowhere_beside(bar):
         assert end.normal == pytest.approx([0.0, 0.0, 1.0], abs=0.01)
 
 
+def test_it_goes_on_all_the_same_wherever_the_land_lies(bar):
+    there, felt = bar
+    mosaic = pictured(there, [((0.0, 0.0), 0.0)])
+    move = pose(rotation_exp([0.4, -0.7, 1.1]), [50.0, -20.0, 80.0])
+    moved = Mosaic()
+    moved._images = [
+        replace(image, pose=move @ image.pose, places=transform_points(move, image.places))
+        for image in mosaic._images
+    ]
+    contacts = felt.contacts
+    turned = replace(
+        contacts, points=transform_points(move, contacts.points), normals=contacts.normals @ move[:3, :3].T
+    )
+    ends = land_ends([ranked_face(0, turned, MergeOptions())], moved)
+    assert len(ends) == 2
+    back = np.array([transform_points(np.linalg.inv(move), end.point[None])[0] for end in ends])
+    assert np.sort(back[:, 0]) == pytest.approx([-14.4, 14.4], abs=1.5)
+    assert np.abs(back[:, 1:]).max() < 1.0
+    ways = np.array([move[:3, :3].T @ end.way for end in ends])
+    assert (ways[:, 0] * back[:, 0] > 14.0).all()
+
+
+def test_a_land_that_is_pictured_far_from_its_contacts_goes_on_there(bar):
+    there, felt = bar
+    ends = land_ends([felt], pictured(there, [((x, 0.0), 0.0) for x in (0.0, 21.0, 42.0)]))
+    assert max(end.point[0] for end in ends) == pytest.approx(56.4, abs=1.5)
+
+
 def test_it_does_not_where_the_picture_shows_its_end(bar):
     there, felt = bar
     mosaic = pictured(lambda at: there(at) * (np.abs(at[:, 0]) < 9.0), [((0.0, 0.0), 0.0)])
@@ -65,8 +94,8 @@ def test_a_gap_in_the_picture_of_a_land_is_an_end_and_a_wide_face_has_none(bar):
     beside = [((-17.5, 0.0), 0.0), ((17.5, 0.0), 0.0)]
     inner = [end for end in land_ends([felt], pictured(there, beside)) if abs(end.point[0]) < 10.0]
     assert len(inner) == 2
-    strokes = [((x, y), 0.0) for x in np.arange(-60.0, 61.0, 6.0) for y in (-12.0, 12.0)]
-    wide = land_ends([felt], pictured(lambda at: np.ones(len(at)), strokes))
+    strokes = [((x, y), 0.0) for x in np.arange(-60.0, 1.0, 6.0) for y in (-12.0, 12.0)]
+    wide = land_ends([felt], pictured(lambda at: (at[:, 0] > -60.0).astype(float), strokes))
     assert wide == []
 
 
