@@ -165,7 +165,8 @@ def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> I
     """
     between, gone = _between(body, plate, config), Region()
     at_sides = between if plate.thick < config.thick else _at_sides(body, plate, config)
-    for part in (between & Region.of(plate.missing)).opened(config.narrow).pieces:
+    missing = Region.of(plate.missing) - Region.of(plate.there)  # of a thin ring a soft picture shows neither
+    for part in (between & missing).opened(config.narrow).pieces:
         if not (part & at_sides).opened(config.narrow):
             continue
         strays = _against(part, felt, plate, config)

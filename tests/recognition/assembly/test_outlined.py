@@ -168,6 +168,13 @@ def test_a_leg_that_was_always_by_itself_at_those_levels_is_not_cut_loose():
     assert 0.0 < legs.solid.volume - made.solid.volume < 8.0 * 6.0 * 31.0
 
 
+def test_nothing_is_missing_where_the_sides_are():
+    """Of a thin land a soft picture shows little, and outlines of what is and what is not may cross there."""
+    land = [box(60.0, 40.0), box(54.0, 34.0)]
+    made = outlined(body(), [plate(land, [box(56.0, 36.0)])], None, NOTHING)
+    assert abs(made.solid.volume - (24000.0 - 54.0 * 34.0 * 10.0)) < 1.0
+
+
 def test_corners_that_a_film_holds_together_are_cut_loose():
     """What is missing ends a hair inside the sides of a box, which are felt between, and before its corners."""
     turn = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
