@@ -57,8 +57,8 @@ class Region:
     def grown(self, by: float) -> Region:
         """By so many mm all round, its corners as they are; a negative number takes away.
 
-        What is outside shrinks: the library goes by the lowest outline, and takes a hole that touches the outer one
-        there for that.
+        What is outside shrinks: the library goes by the outline that reaches farthest, and takes a hole that
+        touches the outer one there for that.
         """
         if not self:
             return Region()
