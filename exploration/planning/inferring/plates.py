@@ -19,7 +19,7 @@ from scipy.ndimage import binary_fill_holes, distance_transform_edt, zoom
 
 from exploration.planning.known.mosaic import Lattice, Mosaic, Picture
 from exploration.planning.open.known_face import KnownFace
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Bools, Floats, Ints
 from primitives.outlines import simplified, traced
 from primitives.plate import Plate
 from primitives.pose import frame_along, pose
@@ -146,11 +146,23 @@ def _over(
     """Share of what is missing over and beside a floor up to the face above it, but for ledges between them."""
     over = np.where(floor.there & ~top.there, floor.share, 0.0)
     gone = np.where(top.known, 1.0 - top.share, over)
-    away = distance_transform_edt(~floor.there) if floor.there.any() else np.full(lattice.shape, np.inf)
-    gone[away * lattice.step > config.foot] = 0.0
+    if not floor.there.any():
+        return np.zeros(lattice.shape)
+    away, nearest = distance_transform_edt(~floor.there, return_indices=True)
+    gone[(away * lattice.step > config.foot) | _behind(top, nearest.astype(np.int64))] = 0.0
     for ledge in ledges:
         gone = np.where(ledge.known, np.minimum(gone, 1.0 - ledge.share), gone)
     return np.asarray(gone, dtype=np.float64)
+
+
+def _behind(top: Picture, nearest: Ints) -> Bools:
+    """(n, m) whether the upper face lies between a place and (2, n, m) that of the floor nearest to it.
+
+    So is a bore behind the wall of a tube, whose foot the floor is.
+    """
+    here = np.indices(top.share.shape)
+    ways = [np.round(here + part * (nearest - here)).astype(np.int64) for part in (0.25, 0.5, 0.75)]
+    return np.asarray(np.any([top.there[way[0], way[1]] for way in ways], axis=0), dtype=bool)
 
 
 def _beyond(share: Floats, known: Bools, reach: float) -> Floats:
