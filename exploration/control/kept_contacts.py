@@ -63,10 +63,8 @@ class TrustConfig:
     narrow_normal_floor: float = 0.1  # [rad]
     # over the square of the taxels across: error of a cut face at the pad's end, where an edge goes unseen
     ends: tuple[float, float] = (0.2, 0.18)  # [mm, rad]
-    outlined: tuple[float, float] = (
-        0.03,
-        0.012,
-    )  # of a face whose outline its picture tells: four err as one
+    # [mm, rad] error of a face whose outline its picture tells: its four contacts err as one
+    outlined: tuple[float, float] = (0.03, 0.012)
     rims: tuple[float, ...] = (
         3.0,
         2.0,

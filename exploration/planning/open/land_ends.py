@@ -30,9 +30,7 @@ class LandEndsConfig:
     bare: float = 0.35  # and up to which it is off it
     smooth: float = 1.5  # [mm] over which the way out is taken
     wide: float = 2.0  # [mm] of an end, at least
-    narrow: float = (
-        13.0  # [mm] from a rim, as far as which all of it is: a wider face is open where no pad lay
-    )
+    narrow: float = 13.0  # [mm] of all of it from a rim, at most: a wider face is open where no pad lay
     ahead: float = 3.5  # [mm] past it, where nothing is drawn yet,
     around: float = 2.0  # [mm] round that,
     drawn: float = 0.3  # but for this share
@@ -92,10 +90,8 @@ def _ends(seen: Picture, lattice: Lattice, config: LandEndsConfig) -> list[tuple
 
 def _drawn(known: Bools, lattice: Lattice, at: Floats, config: LandEndsConfig) -> bool:
     """Whether a picture shows what is round a (2,) place."""
-    middle, reach = (
-        np.round((at - lattice.origin) / lattice.step).astype(int),
-        int(config.around / lattice.step),
-    )
+    middle = np.round((at - lattice.origin) / lattice.step).astype(int)
+    reach = int(config.around / lattice.step)
     low, high = np.maximum(middle - reach, 0), np.maximum(middle + reach + 1, 0)
     beside = known[low[0] : high[0], low[1] : high[1]]
     return bool(beside.size) and float(beside.mean()) > config.drawn

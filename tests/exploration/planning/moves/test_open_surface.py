@@ -124,7 +124,7 @@ def test_a_pad_that_rolls_off_a_narrow_land_lies_there_as_it_came(told):
 
 
 @pytest.mark.parametrize("led", [True, False])
-def test_it_comes_down_again_only_where_it_has_rolled_and_counts_no_miss_for_lying(led):
+def test_it_comes_down_again_only_where_there_was_a_way(led):
     study, reach = pad_that_lands_on([], range(99))
     flat = SimpleNamespace(kind="plane", shape=Plane(np.zeros(3), UP), convex=True)
     study.found.fit_of, landings, reach.led = lambda face: flat, [], led
