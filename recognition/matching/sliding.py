@@ -1,11 +1,13 @@
-"""Poses that a likely one slides to along what the contacts tell least: round an axis, or along a bar.
+"""Poses that a likely one slides or turns to: along what the contacts tell least, and about the principal axes.
 
 Where a body is nearly one of revolution, or nearly a bar, a few contacts in a hole or at an end alone tell how far
 it is turned or shifted.  A descent finds them only from close by; elsewhere they pass for contacts that stray.  So
 the whole way is tried: with the covariance C of (v, w) and the size s, the twist x is the eigenvector of
-D C D, D = diag(1, s / 2), that belongs to its largest value, as a turn or a shift, whichever it is more of.  Of
-the poses along it those are kept that cost least on the distance field, neighbors too, for the field blurs what is
-smaller than its cells (our derivation).
+D C D, D = diag(1, s / 2), that belongs to its largest value, as a turn or a shift, whichever it is more of.  A
+body that looks nearly the same a turn further is not loose there: a gear with a keyway, by a tooth.  The axis of
+such turns is a principal one of its surface, and all turns about these are tried as well.  Of all these poses those
+are kept that cost least on the distance field, neighbors too, for the field blurs what
+is smaller than its cells (our derivation).
 """
 
 from __future__ import annotations
@@ -32,13 +34,28 @@ class SlideConfig:
 def slid(h: Hypothesis, begun: Begun, target: Target, search: SearchConfig,
          config: SlideConfig = SlideConfig()) -> Floats:  # fmt: skip
     """(k, 3, 4) poses object_from_world beside that of a hypothesis, best first."""
-    twist, longest = _loosest(h.covariance, 0.5 * target.size)
-    count = max(3, int(longest / config.step))
-    shares = np.linspace(-longest, longest, 2 * count + 1)
-    about = pose(None, target.center) @ exp(shares[:, None] * twist) @ pose(None, -target.center)
-    poses = np.ascontiguousarray((about @ inverse(h.pose))[:, :3])
+    arm = 0.5 * target.size
+    ways = [_along(target.center, *_loosest(h.covariance, arm), config.step)]
+    middle, axes = _principal(target)
+    ways += [
+        _along(middle, np.concatenate([np.zeros(3), axis / arm]), np.pi * arm, config.step) for axis in axes
+    ]
+    poses = np.ascontiguousarray((np.concatenate(ways) @ inverse(h.pose))[:, :3])
     costs = scored(begun, target, poses, search)
     return poses[np.argsort(costs, kind="stable")[: config.kept]]
+
+
+def _along(middle: Floats, twist: Floats, longest: float, step: float) -> Floats:
+    """(k, 4, 4) moves by a (6,) twist a millimeter [1/mm], up to the longest [mm] to either side."""
+    count = max(3, int(longest / step))
+    shares = np.linspace(-longest, longest, 2 * count + 1)
+    return np.asarray(pose(None, middle) @ exp(shares[:, None] * twist) @ pose(None, -middle))
+
+
+def _principal(target: Target) -> tuple[Floats, Floats]:
+    """(3,) the middle of the surface and (3, 3) its principal axes, one a row."""
+    middle = target.points.mean(axis=0)
+    return middle, np.linalg.eigh(np.cov((target.points - middle).T))[1].T
 
 
 def _loosest(covariance: Floats, arm: float) -> tuple[Floats, float]:
