@@ -7,8 +7,8 @@
     weigh       names, poses and "unknown" against each other
 
 Where the belief is not settled by the first objects of the shortlist, or what is decided does not fit, the next
-ones are searched too, and at last a few hundred.  Where nothing fits even then, the likeliest poses are slid
-(`sliding`).
+ones are searched too, and at last a few hundred.  Where that settles nothing either, more poses of each are looked
+at more closely, and the likeliest are slid and turned (`sliding`).
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ class MatchConfig:
     search: SearchConfig = field(default_factory=SearchConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     sift: SiftConfig = field(default_factory=SiftConfig)
+    closer: SiftConfig = field(default_factory=lambda: SiftConfig(each=24, far=12.0, rounds=5))
     first: int = 16  # objects of the shortlist that are searched at once
     then: int = 48  # that are searched where these settle nothing
     at_last: int = 160  # that are searched where these settle nothing, either
@@ -58,7 +59,7 @@ class MatchConfig:
     unusual: float = 2.5  # standard deviations of a fit, beyond which more objects are searched
     believed: int = 4  # poses of an object that were believed, and are looked at before new ones
     polished: int = 24  # of these, refined again to the least mean distance
-    slid: int = 2  # poses that are slid along what is known least of them, where nothing fits
+    slid: int = 2  # poses that are slid and turned, where nothing is settled
     most: int = 400  # contacts that are searched with; of more, those that lie farthest apart
     weighed: int = 1500  # contacts that weigh what was found; of more, every so many-th
     again: int = 16  # hypotheses that these weigh
@@ -110,7 +111,10 @@ def _matched(whole: Evidence, library: Mapping[str, Entry], prior: Prior | None,
         belief = _weighed(modes, library, evidence, prior, unknown, config)
         if _settled(belief, config) and _fits(belief, evidence, config):
             break
-    if modes and not _fits(belief, evidence, config):
+    else:
+        modes = refining.closer(found, config.closer)
+        belief = _weighed(modes, library, evidence, prior, unknown, config)
+    if modes and not (_settled(belief, config) and _fits(belief, evidence, config)):
         modes = refining.beside(modes, begun, config.search)
         belief = _weighed(modes, library, evidence, prior, unknown, config)
     if told_where and not belief.hypotheses:

@@ -44,7 +44,15 @@ class Refining:
 
     def modes(self, found: Mapping[str, Found]) -> list[Mode]:
         """The modes of those poses that may be among the likeliest of all."""
-        kept = self._sieve.through(found)
+        return self._from(self._sieve, found)
+
+    def closer(self, found: Mapping[str, Found], sift: SiftConfig) -> list[Mode]:
+        """The same, with all poses looked at anew, as `sift` has it."""
+        self._modes.clear()
+        return self._from(Sieve(self.library, self._seen, self.evidence, self.noise, sift), found)
+
+    def _from(self, sieve: Sieve, found: Mapping[str, Found]) -> list[Mode]:
+        kept = sieve.through(found)
         modes = [mode for name, poses in kept.items() for mode in self._of(name, poses)]
         return sharpened(modes, self.library, self._seen, self.evidence, self.prior, self.noise)
 

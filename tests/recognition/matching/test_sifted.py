@@ -9,9 +9,12 @@ from models.library import Library
 from models.solid import Solid
 from primitives.evidence import Contacts
 from recognition.matching import Evidence, match
+from recognition.matching.evidence import Prior
 from recognition.matching.hypotheses import Found
 from recognition.matching.likelihood import NoiseConfig
+from recognition.matching.match import MatchConfig
 from recognition.matching.modes import Felt
+from recognition.matching.refining import Refining
 from recognition.matching.sifted import Sieve, SiftConfig, _best
 from recognition.recognizing.answer import warnings_of
 
@@ -58,3 +61,16 @@ def test_no_pose_far_behind_on_the_field_is_looked_at_but_one_that_was_given() -
     }
     untold = replace(evidence, scale_known=False)
     assert looked_at(untold, block=Found(poses, costs)) == {"block": 3}
+
+
+def test_what_was_left_out_is_looked_at_once_it_is_asked_for_closer() -> None:
+    library = Library.of({name: Solid.from_csg(BODIES[name]) for name in ("block", "bar")})
+    sides = np.concatenate([np.eye(3), -np.eye(3)])
+    evidence = Evidence(Contacts.of(20.0 * sides, sides, 0.1, 0.02))
+    config, far = MatchConfig(), SiftConfig().far * len(sides)
+    poses = np.eye(4)[None, :3]
+    found = {"block": Found(poses, np.array([1.1 * far])), "bar": Found(poses, np.array([0.0]))}
+    prior = Prior.around(evidence.contacts)
+    refining = Refining(library, evidence, prior, config.noise, config.sift, config.polished, config.slid)
+    assert {m.hypothesis.name for m in refining.modes(found)} == {"bar"}
+    assert max(refining.closer(found, config.closer), key=lambda m: m.log_known).hypothesis.name == "block"
