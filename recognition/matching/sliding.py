@@ -5,9 +5,9 @@ it is turned or shifted.  A descent finds them only from close by; elsewhere the
 the whole way is tried: with the covariance C of (v, w) and the size s, the twist x is the eigenvector of
 D C D, D = diag(1, s / 2), that belongs to its largest value, as a turn or a shift, whichever it is more of.  A
 body that looks nearly the same a turn further is not loose there: a gear with a keyway, by a tooth.  The axis of
-such turns is a principal one of its surface, and all turns about these are tried as well.  Of all these poses those
-are kept that cost least on the distance field, neighbors too, for the field blurs what
-is smaller than its cells (our derivation).
+such turns is a principal one of its surface, and all turns about these are tried as well.  Of all these poses
+those are kept that cost least on the distance field, neighbors too, for the field blurs what is smaller than its
+cells (our derivation).
 """
 
 from __future__ import annotations
