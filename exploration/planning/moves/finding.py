@@ -16,6 +16,7 @@ from primitives.arrays import Floats
 
 _SHORT = 5.0  # [mm] of the end of a sweep, from where something stopped it
 _GOLDEN = 0.6180339887498949  # of what was touched, from one look to the next: spreads them evenly
+_AT_ONE_PLACE = 8  # looks, after which the search goes on where nothing was ever lain on
 
 
 class Finding:
@@ -27,9 +28,10 @@ class Finding:
         self.touches = 0  # until it was found
         self.looked = 0  # times that the object was looked for again
         self._met: Floats | None = None  # (4, 4) where it was found
+        self._left: list[tuple[Floats, Floats]] | None = None  # ways down that were not gone yet
 
     def find(self) -> bool:
-        """Sweep the workspace until something is met; false where nothing is.
+        """Sweep the workspace, or on over it, until something is met; false where nothing is.
 
         An object that nothing holds up is near the middle; what lies on a table is at the bottom, and noise there
         may let a pad settle onto the table.
@@ -37,9 +39,10 @@ class Finding:
         floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
         box = np.array([*self.box[:2], floor, *self.box[3:]])
         over = deepening_sweeps if self.told is None else sweeps
-        left = list(over(box, self.pad.size, self.config.feature))
-        while left and not self.config.spent(self.guard.cost):
-            start, end = left.pop(0)
+        if self._left is None:
+            self._left = list(over(box, self.pad.size, self.config.feature))
+        while self._left and not self.config.spent(self.guard.cost):
+            start, end = self._left.pop(0)
             begun = self.pad.way_back.length
             try:
                 for stop in from_above(self.guard.world_from_sensor, start, box[5]):
@@ -57,7 +60,7 @@ class Finding:
                 place = (error.seen.world_from_sensor if error.seen else self.guard.world_from_sensor)[:3, 3]
             if place[2] > end[2, 3] + _SHORT:
                 self._go_back(begun)
-                left = beside_first(not_below(left, place), place)
+                self._left = beside_first(not_below(self._left, place), place)
         return False
 
     def _go_back(self, begun: int) -> None:
@@ -70,11 +73,16 @@ class Finding:
                 return
 
     def look_again(self) -> Done:
-        """Come down again where something was touched, each time elsewhere and from another side."""
+        """Come down again where something was touched, each time elsewhere and from another side.
+
+        What passed for a touch, as a disturbed signal may, has nothing there: the search goes on.
+        """
         cells = np.concatenate([np.empty((0, 3)), *(points for points, _ in self.pad.felt)])
         facing = np.concatenate([np.empty((0, 3)), *(normals for _, normals in self.pad.felt)])
         tried = self.looked
         self.looked += 1
+        if not len(cells) and self.looked % _AT_ONE_PLACE == 0 and self.find():
+            return self.study.face_here(), "searched on, where nothing was found again"
         here = self.guard.world_from_sensor if self._met is None else self._met
         point, normal = here[:3, 3], -here[:3, 2]
         if len(cells):

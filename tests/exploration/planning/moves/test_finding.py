@@ -64,3 +64,32 @@ def test_a_pad_that_settles_onto_the_table_has_not_found_what_lies_on_it():
     assert len(down) > 1
     assert np.abs(guard.world_from_sensor[:3, 3]).max() < 50.0
     assert guard.world_from_sensor[2, 3] > 2.5
+
+
+def over_nothing(seed):
+    """A pad high over a block at noise of 5 %, and its box."""
+    spec, start = load_sensor("lts210"), se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 140.0])
+    solid, rng = Solid.from_csg(Cube((70.0, 50.0, 20.0))), np.random.default_rng(seed)
+    stage, arrays = simulate(solid, [spec], rng, noise=0.05, start_pose=start)
+    guard = Guard(stage, arrays, [Calibration.nominal(arrays[0].spec)])
+    box = np.array([-150.0, -150.0, -150.0, 150.0, 150.0, 150.0])
+    return Pad(guard, box, lambda kind, detail: None), box
+
+
+def test_noise_alone_is_no_touch():
+    pad, _ = over_nothing(seed=0)
+    assert not any(pad.touches() for _ in range(2500))
+
+
+def test_the_search_goes_on_where_what_passed_for_a_touch_was_none():
+    pad, box = over_nothing(seed=0)
+    study = Study(pad, Findings(), AttributionConfig())
+    finding, come_down = Finding(study, box, ExplorerConfig(), None), pad.come_down
+    pad.come_down = lambda *way: True
+    assert finding.find()
+    pad.come_down = come_down
+    for _ in range(12):
+        if pad.felt and study.found.graph.faces:
+            break
+        finding.look_again()
+    assert study.found.graph.faces
