@@ -72,6 +72,9 @@ _BY_CIRCLE = "a round wall that no pad could lie on is inferred from the circle 
 _BY_BAND = (
     "a groove round a cylinder is inferred from where its wall is not; it is taken for half as deep as wide"
 )
+_BY_BOTTOM = (
+    "a groove round a cylinder is inferred from where its wall is not and what was felt of its bottom"
+)
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between two directions that are one
 _WALLS = 4.0  # [mm] round an opening, within which its walls are
@@ -97,9 +100,10 @@ def conclude(
     add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     for groove in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
-        add_own(found, groove.contacts, _BY_BAND, "torus")
-        left = tuple(face for face in found.graph.faces if face.id not in groove.instead)
-        found.graph = replace(found.graph, faces=left)
+        before = found.graph
+        add_own(found, groove.contacts, _BY_BOTTOM if groove.felt else _BY_BAND, "torus")
+        if found.graph is not before:
+            found.graph = replace(found.graph, faces=groove.stands_beside(found.graph.faces))
     _add_ends(found, frontier, inside)
     through = slots(known := frontier().known)
     looked, beside = _open_rims(found, known, through)

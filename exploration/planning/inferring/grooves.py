@@ -1,23 +1,25 @@
 """Grooves round cylinders, in which no array has room.
 
 A pad that lies along a cylinder shows where its wall is and where it is not (`Mosaic.band`).  Where the wall is
-missing between two heights, and that in every direction from which it was seen, a groove runs round it.  How deep
-that is nobody felt.  It is taken for round, half as deep as wide, which is what a groove of a rope is; one of an
-O-ring is somewhat deeper (ISO 3601-2), one of a retaining ring somewhat shallower (DIN 471).  So its face is
-marked as inferred (our derivation).
+missing between two heights, and that in every direction from which it was seen, a groove runs round it.  Where a
+small array felt its bottom, that tells how deep it is, and that it is round (`groove_tubes`).  Else it is taken
+for round, half as deep as wide, which is what a groove of a rope is; one of an O-ring is somewhat deeper (ISO
+3601-2), one of a retaining ring somewhat shallower (DIN 471).  So its face is marked as inferred (our derivation).
 
 A pad that lay on the narrow walls beside a groove, and sagged into that, may have read a ring that leans from the
-cylinder.  The groove stands in for such a face.
+cylinder, or a plane that touches it.  The groove stands in for such a face, and one whose bottom was felt for what
+was read or inferred in it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
+from exploration.planning.inferring.groove_tubes import Tube, half_round, tube_felt
 from exploration.planning.known.mosaic import Band, Mosaic
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import around
@@ -49,10 +51,20 @@ class GroovesConfig:
         0.03,
         0.3,
     )  # [rad] from the cylinder's axis: a ring that was read there is none
+    around_it: float = 0.5  # [mm] beyond the groove, that what it stands in for may lie
     ring: int = 16  # places round it
-    tube: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)  # [rad] from its bottom, where they are
+    tube: tuple[float, ...] = (
+        -0.64,
+        -0.32,
+        0.0,
+        0.32,
+        0.64,
+    )  # of the way from its bottom out, where they are
     sigma: float = 0.5  # [mm]
     normal_sigma: float = 0.05  # [rad]
+
+
+_ON_IT = 0.2  # [mm] from a wall, within which a contact is on it
 
 
 @dataclass(frozen=True)
@@ -61,6 +73,23 @@ class Groove:
 
     contacts: Contacts
     instead: frozenset[int]  # ids of faces that it stands in for
+    felt: bool  # whether its bottom was
+    wall: Cylinder
+    low: float  # [mm] heights along it, between which it is not
+    high: float
+
+    def stands_beside(self, faces: Sequence[Face]) -> tuple[Face, ...]:
+        """Faces without those that it stands in for, and without contacts on the wall where that is not.
+
+        A pad that lay on the wall on both sides has its contact between them, in the air.
+        """
+        left = [face for face in faces if face.id not in self.instead]
+        return tuple(replace(face, contacts=face.contacts.select(~self._in_air(face))) for face in left)
+
+    def _in_air(self, face: Face) -> Bools:
+        up, deep = _beside(face.contacts, self.wall)
+        between = (up > self.low) & (up < self.high) & (np.abs(deep) < _ON_IT)
+        return np.asarray(between & (face.contacts.touch != NOT_FELT))
 
 
 def grooves(
@@ -78,11 +107,27 @@ def grooves(
         up = (own.cells - shape.anchor) @ shape.direction
         seen = mosaic.band(shape, float(up.min()) - config.wide[0], float(up.max()) + config.wide[0])
         for low, high in _gaps(seen, config):
-            instead = {face.id for face in faces if _misread(face, shape, low, high, config)}
-            felt = any(_felt(face, shape, low, high, config) for face in faces if face.id not in instead)
-            if config.wide[0] < high - low < config.wide[1] * shape.radius and not felt:
-                found.append(Groove(_ring(shape, low, high, config), frozenset(instead)))
+            if config.wide[0] < high - low < config.wide[1] * shape.radius:
+                found += _of(faces, shape, low, high, config)
     return found
+
+
+def _of(
+    faces: Sequence[Face], shape: Cylinder, low: float, high: float, config: GroovesConfig
+) -> list[Groove]:
+    """The groove between two heights, if it is one."""
+    instead = {face.id for face in faces if _misread(face, shape, low, high, config)}
+    felt = [_felt(face, shape, low, high, config) for face in faces if face.id not in instead]
+    if all(len(lot) < config.few for lot in felt):
+        ring = _ring(shape, half_round(low, high), config)
+        return [Groove(ring, frozenset(instead), False, shape, low, high)]
+    bottom = Contacts.concatenate(felt)
+    tube = tube_felt(*_beside(bottom, shape), bottom.normals @ shape.direction, low, high)
+    if tube is None:
+        return []
+    instead |= {face.id for face in faces if _within(face, shape, low, high, tube.depth, config)}
+    ring = Contacts.concatenate([bottom, _ring(shape, tube, config)])
+    return [Groove(ring, frozenset(instead), True, shape, low, high)]
 
 
 def _gaps(seen: Band, config: GroovesConfig) -> Iterator[tuple[float, float]]:
@@ -111,24 +156,36 @@ def _all_round(known: Bools, config: GroovesConfig) -> bool:
     return len(turns) >= config.sectors and around(turns) > config.around
 
 
-def _felt(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> bool:
-    """Whether a face was felt in a gap, under the cylinder and looking out as that does."""
+def _felt(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> Contacts:
+    """What was felt of a face in a gap, under the cylinder and looking out as that does."""
     felt = face.contacts.select(face.contacts.touch != NOT_FELT)
     up, deep = _beside(felt, shape)
     facing = (felt.normals * shape.normals(felt.points)).sum(axis=1)
-    inside = (up > low) & (up < high) & (deep > config.deep) & (facing > config.out)
-    return int(inside.sum()) >= config.few
+    return felt.select((up > low) & (up < high) & (deep > config.deep) & (facing > config.out))
+
+
+def _within(
+    face: Face, shape: Cylinder, low: float, high: float, depth: float, config: GroovesConfig
+) -> bool:
+    """Whether all that is known of a face lies in a groove of that depth [mm]."""
+    up, deep = _beside(face.contacts, shape)
+    inside = (up > low - config.around_it) & (up < high + config.around_it)
+    return bool((inside & (deep > -config.around_it) & (deep < depth + config.around_it)).all())
 
 
 def _misread(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> bool:
-    """Whether a face is a ring that leans from a cylinder's axis, read where a pad lay over a gap in that."""
-    if not isinstance(face.fit, Fit) or face.fit.kind != "torus":
+    """Whether a face was read where a pad lay over a gap: a ring that leans, or a plane of a single touch."""
+    if not isinstance(face.fit, Fit) or face.fit.kind not in ("torus", "plane"):
         return False
     felt = face.contacts.select(face.contacts.touch != NOT_FELT)
     up, deep = _beside(felt, shape)
     over = (up > low - config.beside) & (up < high + config.beside) & (np.abs(deep) < config.near)
+    if not len(felt) or not over.all():
+        return False
+    if face.fit.kind == "plane":
+        return len(np.unique(felt.touch)) == 1 and bool((up < low).any() and (up > high).any())
     lean = float(np.linalg.norm(np.cross(face.fit.shape.direction, shape.direction)))
-    return len(felt) > 0 and bool(over.all()) and config.leans[0] < lean < config.leans[1]
+    return config.leans[0] < lean < config.leans[1]
 
 
 def _beside(felt: Contacts, shape: Cylinder) -> tuple[Floats, Floats]:
@@ -136,13 +193,15 @@ def _beside(felt: Contacts, shape: Cylinder) -> tuple[Floats, Floats]:
     return (felt.points - shape.anchor) @ shape.direction, -shape.signed_distance(felt.points)
 
 
-def _ring(shape: Cylinder, low: float, high: float, config: GroovesConfig) -> Contacts:
-    """Of a ring whose tube's middle runs on the cylinder."""
+def _ring(shape: Cylinder, tube: Tube, config: GroovesConfig) -> Contacts:
+    """Places of a ring whose tube that is."""
     turn = 2.0 * np.pi * np.arange(config.ring) / config.ring
     out: Floats = np.column_stack([np.cos(turn), np.sin(turn)]) @ shape.frame[:, :2].T
-    middle = shape.anchor + 0.5 * (low + high) * shape.direction + shape.radius * out
-    inward = [np.sin(lean) * shape.direction - np.cos(lean) * out for lean in config.tube]
-    points = np.concatenate([middle + 0.5 * (high - low) * way for way in inward])
+    outward = shape.radius - tube.depth + tube.radius
+    middle = shape.anchor + tube.height * shape.direction + outward * out
+    leans = tube.opening * np.array(config.tube)
+    inward = [np.sin(lean) * shape.direction - np.cos(lean) * out for lean in leans]
+    points = np.concatenate([middle + tube.radius * way for way in inward])
     return Contacts.of(
         points,
         -np.concatenate(inward),

@@ -128,3 +128,60 @@ def test_a_ring_that_leans_was_read_by_a_pad_on_the_walls_beside_the_groove():
     seen = looked(wall(-3.0, 4.0))
     assert [groove.instead for groove in grooves([own], [own.face, read[0.1]], seen)] == [{7}]
     assert [groove.instead for groove in grooves([own], [own.face, read[0.0]], seen)] == [set()]
+
+
+def bottom(depth, width, touches=6):
+    """Contacts of a fingertip near the bottom of a groove that is round across, from -width / 2 to width / 2."""
+    radius = (0.25 * width**2 + depth**2) / (2.0 * depth)
+    lean = np.linspace(-0.2, 0.15, touches)
+    out = np.array([out_at(turn) for turn in np.linspace(0.0, 1.5, touches)])
+    points = (RADIUS - depth + radius * (1.0 - np.cos(lean)))[:, None] * out
+    points = points - radius * np.sin(lean)[:, None] * X
+    return Contacts.of(points, np.cos(lean)[:, None] * out + np.sin(lean)[:, None] * X, 0.02)
+
+
+@pytest.mark.parametrize("depth", [2.5, 4.0, 5.0])
+def test_a_round_bottom_that_was_felt_tells_how_deep_the_groove_is(depth):
+    own, width = known(), 8.0
+    floor = ranked_face(1, bottom(depth, width), MergeOptions())
+    inferred = Contacts.of([[1.0, RADIUS - 1.0, y] for y in (-1.0, 0.0, 1.0)], [X] * 3, touch=NOT_FELT)
+    wall_in_it = ranked_face(2, inferred, MergeOptions())
+    (groove,) = grooves([own], [own.face, floor, wall_in_it], looked(wall(-4.0, 4.0)))
+    ring = fit("torus", groove.contacts).shape
+    assert groove.felt
+    assert groove.instead == {1, 2}
+    assert ring.radius - ring.minor_radius == pytest.approx(RADIUS - depth, abs=0.1)
+    assert ring.minor_radius == pytest.approx((16.0 + depth**2) / (2.0 * depth), abs=0.25)
+
+
+def test_a_flat_bottom_and_one_that_bends_otherwise_are_faces_of_their_own():
+    own, seen = known(), looked(wall(-4.0, 4.0))
+    for felt in (bottom(2.0, 24.0), bottom(3.0, 4.0)):
+        floor = ranked_face(1, felt, MergeOptions())
+        assert grooves([own], [own.face, floor], seen) == []
+
+
+def test_a_plane_of_one_touch_over_a_groove_was_read_where_a_pad_sagged_into_it():
+    own = known()
+    beside = np.array([[x, RADIUS - 0.1, y] for x in (-5.0, 6.0) for y in (-2.0, 0.0, 2.0)])
+    read = [ranked_face(1, Contacts.of(beside, [[0.0, 1.0, 0.0]] * 6, 0.05, touch=touch), MergeOptions())
+            for touch in (3, [3, 3, 3, 4, 4, 4])]  # fmt: skip
+    seen = looked(wall(-3.0, 4.0))
+    assert [[groove.instead for groove in grooves([own], [own.face, face], seen)] for face in read] == [
+        [{1}],
+        [set()],
+    ]
+
+
+def test_a_contact_of_a_pad_on_both_walls_is_in_the_air_between_them():
+    own = known()
+    across = Contacts.of(
+        [[0.5, RADIUS, 0.0], [0.5, 0.0, 8.0], [9.0, 0.0, RADIUS]], [[0, 1, 0], [0, 0, 1], [0, 0, 1]]
+    )
+    face = replace(own.face, contacts=Contacts.concatenate([own.face.contacts, across]))
+    read = replace(face, id=5)
+    (groove,) = grooves([own], [own.face], looked(wall(-3.0, 4.0)))
+    left = replace(groove, instead=frozenset({5})).stands_beside([face, read])
+    assert [f.id for f in left] == [own.face.id]
+    assert len(left[0].contacts) == len(own.face.contacts) + 2
+    assert (np.abs(left[0].contacts.points - across.points[0]).max(axis=1) > 1.0).all()

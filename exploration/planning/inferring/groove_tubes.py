@@ -1,0 +1,74 @@
+"""The circle across a groove round a cylinder: of its width alone, or of what was felt of its bottom too.
+
+At a height h along the axis a round bottom of radius r leans by sin(lean) = (middle - h) / r: a few contacts of a
+fingertip tell r and the middle by a straight line through (h, sin lean).  The same r follows from the groove's
+width w at the wall and its depth s there, r = (w^2 / 4 + s^2) / 2 s.  Where the two agree, the bottom is that of a
+ring; a flat one has no such line (our derivation).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from primitives.arrays import Floats
+
+
+@dataclass(frozen=True)
+class TubesConfig:
+    """When contacts tell a circle."""
+
+    few: int = 3  # contacts
+    sure: float = 4.0  # of the error of the line's slope, that this is at least
+    angle: float = 0.03  # [rad] that a normal errs by, at least
+    agree: float = 0.35  # share by which the two radii may differ
+    aside: float = 0.8  # [mm] that the bottom may be beside the middle between the walls' ends
+
+
+@dataclass(frozen=True)
+class Tube:
+    """In the plane of the axis: heights along it, and depths under the cylinder."""
+
+    height: float  # [mm] of its middle
+    depth: float  # [mm] of its bottom
+    radius: float  # [mm]
+
+    @property
+    def opening(self) -> float:
+        """[rad] from its bottom to where it meets the cylinder."""
+        return float(np.arccos(np.clip(1.0 - self.depth / self.radius, -1.0, 1.0)))
+
+
+def half_round(low: float, high: float) -> Tube:
+    """Half as deep as wide, between two heights [mm]."""
+    half = 0.5 * (high - low)
+    return Tube(low + half, half, half)
+
+
+def tube_felt(
+    heights: Floats,
+    depths: Floats,
+    leans: Floats,
+    low: float,
+    high: float,
+    config: TubesConfig = TubesConfig(),
+) -> Tube | None:
+    """Of (n,) heights and depths [mm], and sines of the leans toward the axis, of contacts between two heights."""
+    if len(heights) < config.few:
+        return None
+    away = heights - heights.mean()
+    square = float(away @ away)
+    if square < 1e-9:
+        return None
+    slope = -float(away @ leans) / square
+    error = max(config.angle, float(np.std(leans + slope * away))) / np.sqrt(square)
+    if slope < config.sure * error:
+        return None
+    lowered = (1.0 - np.sqrt(np.clip(1.0 - leans**2, 0.0, 1.0))) / slope
+    middle, depth = 0.5 * (low + high), float(np.median(depths + lowered))
+    bottom = float(heights.mean() + leans.mean() / slope)
+    if depth <= 0.0 or abs(bottom - middle) > config.aside:
+        return None
+    radius = (0.25 * (high - low) ** 2 + depth**2) / (2.0 * depth)
+    return Tube(middle, depth, radius) if abs(slope * radius - 1.0) < config.agree else None
