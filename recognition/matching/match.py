@@ -48,7 +48,10 @@ class MatchConfig:
     search: SearchConfig = field(default_factory=SearchConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     sift: SiftConfig = field(default_factory=SiftConfig)
-    closer: SiftConfig = field(default_factory=lambda: SiftConfig(each=24, far=12.0, rounds=5))
+    closer: SiftConfig = field(
+        default_factory=lambda: SiftConfig(each=24, far=12.0, rounds=5)
+    )  # if unsettled
+    shown: int = 3  # normals, from which on the exact surface sifts, and closer may be another
     first: int = 16  # objects of the shortlist that are searched at once
     then: int = 48  # that are searched where these settle nothing
     at_last: int = 160  # that are searched where these settle nothing, either
@@ -112,8 +115,9 @@ def _matched(whole: Evidence, library: Mapping[str, Entry], prior: Prior | None,
         if _settled(belief, config) and _fits(belief, evidence, config):
             break
     else:
-        modes = refining.closer(found, config.closer)
-        belief = _weighed(modes, library, evidence, prior, unknown, config)
+        if told and evidence.scale_known and np.count_nonzero(evidence.contacts.has_normal) >= config.shown:
+            modes = refining.closer(found, config.closer)
+            belief = _weighed(modes, library, evidence, prior, unknown, config)
     if modes and not (_settled(belief, config) and _fits(belief, evidence, config)):
         modes = refining.beside(modes, begun, config.search)
         belief = _weighed(modes, library, evidence, prior, unknown, config)

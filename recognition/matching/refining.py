@@ -7,7 +7,7 @@ objects are searched and none fits.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from models.library import Entry
 from primitives.arrays import Floats
@@ -36,7 +36,9 @@ class Refining:
     slid: int
     _seen: Felt = field(init=False)
     _sieve: Sieve = field(init=False)
-    _modes: dict[tuple[str, int], list[Mode]] = field(default_factory=dict)  # by how many of its poses stayed
+    _modes: dict[tuple[str, int], list[Mode]] = field(
+        init=False, default_factory=dict
+    )  # by how many poses stayed
 
     def __post_init__(self) -> None:
         self._seen = Felt.of(self.evidence)
@@ -44,17 +46,13 @@ class Refining:
 
     def modes(self, found: Mapping[str, Found]) -> list[Mode]:
         """The modes of those poses that may be among the likeliest of all."""
-        return self._from(self._sieve, found)
+        kept = self._sieve.through(found)
+        modes = [mode for name, poses in kept.items() for mode in self._of(name, poses)]
+        return sharpened(modes, self.library, self._seen, self.evidence, self.prior, self.noise)
 
     def closer(self, found: Mapping[str, Found], sift: SiftConfig) -> list[Mode]:
         """The same, with all poses looked at anew, as `sift` has it."""
-        self._modes.clear()
-        return self._from(Sieve(self.library, self._seen, self.evidence, self.noise, sift), found)
-
-    def _from(self, sieve: Sieve, found: Mapping[str, Found]) -> list[Mode]:
-        kept = sieve.through(found)
-        modes = [mode for name, poses in kept.items() for mode in self._of(name, poses)]
-        return sharpened(modes, self.library, self._seen, self.evidence, self.prior, self.noise)
+        return replace(self, sift=sift).modes(found)
 
     def beside(self, modes: list[Mode], begun: Begun, search: SearchConfig) -> list[Mode]:
         """The modes, and those that the likeliest slide to."""

@@ -3,7 +3,8 @@
 Beside edges and in narrow places a distance field errs by more than contacts do, so that the true pose of the true
 object may look far worse on it than a false one.  The best poses of each object are refined for a few rounds by a
 few contacts on the exact surface, and those whose likelihood there is far behind are given up.  But the field errs
-by no more than so much: in 500 queries no pose that came out best lay 8 a contact behind the best of all there.
+by no more than so much: in 500 queries one pose that came out best lay more than 8 a contact behind the best of
+all there.  So farther ones are looked at where the others settle nothing, more of each object, for more rounds.
 These rounds begin with no more noise than the field's error, since the poses have descended on it: wider looks at
 many more facets.
 """

@@ -5,9 +5,9 @@ it is turned or shifted.  A descent finds them only from close by; elsewhere the
 the whole way is tried: with the covariance C of (v, w) and the size s, the twist x is the eigenvector of
 D C D, D = diag(1, s / 2), that belongs to its largest value, as a turn or a shift, whichever it is more of.  A
 body that looks nearly the same a turn further is not loose there: a gear with a keyway, by a tooth.  The axis of
-such turns is a principal one of its surface, and all turns about these are tried as well.  Of all these poses
-those are kept that cost least on the distance field, neighbors too, for the field blurs what is smaller than its
-cells (our derivation).
+such turns is nearly a principal one of its surface, and all turns about these are tried as well.  Of poses along
+the loosest twist those are kept that cost least on the distance field, neighbors too, for the field blurs what is
+smaller than its cells; of turns those that cost less than both neighbors (our derivation).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.pose import exp, inverse, pose
 from recognition.matching.belief import Hypothesis
 from recognition.matching.hypotheses import Begun, SearchConfig, scored
@@ -28,21 +28,29 @@ class SlideConfig:
     """How far, how finely, and how many."""
 
     step: float = 0.8  # [mm] at half the size from the middle
-    kept: int = 12  # poses, the best
+    kept: int = 12  # poses along the loosest twist, the best, and as many turns
 
 
 def slid(h: Hypothesis, begun: Begun, target: Target, search: SearchConfig,
          config: SlideConfig = SlideConfig()) -> Floats:  # fmt: skip
     """(k, 3, 4) poses object_from_world beside that of a hypothesis, best first."""
     arm = 0.5 * target.size
-    ways = [_along(target.center, *_loosest(h.covariance, arm), config.step)]
+    loosest = _along(target.center, *_loosest(h.covariance, arm), config.step)
     middle, axes = _principal(target)
-    ways += [
-        _along(middle, np.concatenate([np.zeros(3), axis / arm]), np.pi * arm, config.step) for axis in axes
-    ]
-    poses = np.ascontiguousarray((np.concatenate(ways) @ inverse(h.pose))[:, :3])
-    costs = scored(begun, target, poses, search)
-    return poses[np.argsort(costs, kind="stable")[: config.kept]]
+    twists = np.concatenate([np.zeros((3, 3)), axes / arm], axis=1)
+    ways = [loosest, *(_along(middle, twist, np.pi * arm, config.step) for twist in twists)]
+    poses = [np.ascontiguousarray((way @ inverse(h.pose))[:, :3]) for way in ways]
+    costs = [scored(begun, target, way, search) for way in poses]
+    turns = np.concatenate([_dips(c) for c in costs[1:]])
+    rest, dear = np.concatenate(poses[1:])[turns], np.concatenate(costs[1:])[turns]
+    best, first = (np.argsort(c, kind="stable")[: config.kept] for c in (costs[0], dear))
+    kept, spent = np.concatenate([poses[0][best], rest[first]]), np.concatenate([costs[0][best], dear[first]])
+    return np.asarray(kept[np.argsort(spent, kind="stable")])
+
+
+def _dips(costs: Floats) -> Bools:
+    """(k,) which of costs all round are no more than both neighbors'."""
+    return np.asarray((costs <= np.roll(costs, 1)) & (costs <= np.roll(costs, -1)))
 
 
 def _along(middle: Floats, twist: Floats, longest: float, step: float) -> Floats:

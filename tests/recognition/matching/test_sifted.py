@@ -74,3 +74,18 @@ def test_what_was_left_out_is_looked_at_once_it_is_asked_for_closer() -> None:
     refining = Refining(library, evidence, prior, config.noise, config.sift, config.polished, config.slid)
     assert {m.hypothesis.name for m in refining.modes(found)} == {"bar"}
     assert max(refining.closer(found, config.closer), key=lambda m: m.log_known).hypothesis.name == "block"
+
+
+def test_poses_are_looked_at_closer_only_where_nothing_is_settled(monkeypatch) -> None:
+    library = Library.of({name: Solid.from_csg(body) for name, body in BODIES.items()})
+    asked, closer = [], Refining.closer
+    monkeypatch.setattr(Refining, "closer", lambda self, *how: asked.append(1) or closer(self, *how))
+    samples, rng = library["plate"].samples, np.random.default_rng(0)
+    rows = rng.permutation(len(samples.points))[:40]
+    match(Evidence(Contacts.of(samples.points[rows], samples.normals[rows], 0.1, 0.02)), library)
+    assert not asked
+    side = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [9.0, 9.0, 0.0], [5.0, 2.0, 0.0]])
+    match(Evidence(Contacts.of(side, np.tile([0.0, 0.0, 1.0], (5, 1)), 0.1, 0.02)), library)
+    assert asked
+    match(Evidence(Contacts.of(side, sigma=0.1)), library)  # without normals it would be the same again
+    assert len(asked) == 1

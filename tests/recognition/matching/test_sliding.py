@@ -8,7 +8,7 @@ from models.library import Library
 from models.solid import Solid
 from models.symmetry import pose_error
 from primitives.evidence import Contacts
-from primitives.pose import inverse, pose, rotation_exp, rotation_log
+from primitives.pose import inverse, pose, rotation_exp
 from recognition.matching.belief import Hypothesis
 from recognition.matching.hypotheses import SearchConfig, begin
 from recognition.matching.sliding import slid
@@ -48,5 +48,5 @@ def test_a_gear_turns_by_the_teeth_that_its_keyway_tells() -> None:
     turn = pose(rotation_exp([0.0, 0.0, 5 * 2.0 * np.pi / TEETH]))
     known = np.diag([0.2, *EACH[1:]]) ** 2  # its turn well, as far as a tooth goes
     poses = slid(Hypothesis("gear", turn, 0.0, known, 0.0, np.zeros(0)), begun, target, SearchConfig())
-    off = [rotation_log(p[:, :3])[2] for p in poses]
-    assert min(np.abs(off)) < 0.02
+    errors = [pose_error(entry.symmetry, inverse(pose(p[:, :3], p[:, 3])), np.eye(4)) for p in poses[:3]]
+    assert min(e.distance + 30.0 * e.angle for e in errors) < 2.0
