@@ -54,12 +54,14 @@ def once(lots: Iterable[Contacts]) -> list[Contacts]:
     return kept
 
 
-def add_own(found: Findings, lot: Contacts, why: str, kind: str) -> None:
-    """Add a face of its own, which may be near another that looks its way and is none of it."""
+def add_own(found: Findings, lot: Contacts, why: str, kind: str) -> Fit | None:
+    """Add a face of its own, which may be near another that looks its way and is none of it, where one fits."""
     made, number = fit(kind, lot), found.graph.next_id
-    if isinstance(made, Fit):
-        found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
-        found.warnings.append(why)
+    if not isinstance(made, Fit):
+        return None
+    found.graph = replace(found.graph, faces=(*found.graph.faces, Face(number, made, lot)))
+    found.warnings.append(why)
+    return made
 
 
 def home_of(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:

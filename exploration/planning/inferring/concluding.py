@@ -100,9 +100,7 @@ def conclude(
     add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     for groove in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
-        before = found.graph
-        add_own(found, groove.contacts, _BY_BOTTOM if groove.felt else _BY_BAND, "torus")
-        if found.graph is not before:
+        if add_own(found, groove.contacts, _BY_BOTTOM if groove.felt else _BY_BAND, "torus"):
             found.graph = replace(found.graph, faces=groove.stands_beside(found.graph.faces))
     _add_ends(found, frontier, inside)
     through = slots(known := frontier().known)

@@ -2,8 +2,8 @@
 
 At a height h along the axis a round bottom of radius r leans by sin(lean) = (middle - h) / r: a few contacts of a
 fingertip tell r and the middle by a straight line through (h, sin lean).  The same r follows from the groove's
-width w at the wall and its depth s there, r = (w^2 / 4 + s^2) / 2 s.  Where the two agree, the bottom is that of a
-ring; a flat one has no such line (our derivation).
+width w at the wall and its depth s there, r = (w^2 / 4 + s^2) / 2 s.  Where the two agree, a ring comes near the
+bottom; a flat one has no such line, and one that is deeper than round has straight sides (our derivation).
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ class TubesConfig:
     sure: float = 4.0  # of the error of the line's slope, that this is at least
     angle: float = 0.03  # [rad] that a normal errs by, at least
     agree: float = 0.35  # share by which the two radii may differ
+    deepest: float = 1.2  # of half the width
     aside: float = 0.8  # [mm] that the bottom may be beside the middle between the walls' ends
 
 
@@ -68,7 +69,7 @@ def tube_felt(
     lowered = (1.0 - np.sqrt(np.clip(1.0 - leans**2, 0.0, 1.0))) / slope
     middle, depth = 0.5 * (low + high), float(np.median(depths + lowered))
     bottom = float(heights.mean() + leans.mean() / slope)
-    if depth <= 0.0 or abs(bottom - middle) > config.aside:
+    if not 0.0 < depth < 0.5 * config.deepest * (high - low) or abs(bottom - middle) > config.aside:
         return None
     radius = (0.25 * (high - low) ** 2 + depth**2) / (2.0 * depth)
     return Tube(middle, depth, radius) if abs(slope * radius - 1.0) < config.agree else None

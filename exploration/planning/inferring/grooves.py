@@ -14,7 +14,7 @@ was read or inferred in it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -44,7 +44,7 @@ class GroovesConfig:
     whole: float = 0.5  # of the gap, in which it was looked at so and none of them shows the wall
     deep: float = 0.4  # [mm] under the wall, from which what was felt in the gap tells of its face,
     out: float = 0.3  # with at least this cosine between its normal and the way out: no bore's inside,
-    few: int = 3  # such contacts
+    few: int = 3  # such contacts of a face
     near: float = 1.0  # [mm] of the wall, and
     beside: float = 6.0  # [mm] of the gap, on whose walls a pad may lie that sags into it
     leans: tuple[float, float] = (
@@ -64,9 +64,6 @@ class GroovesConfig:
     normal_sigma: float = 0.05  # [rad]
 
 
-_ON_IT = 0.2  # [mm] from a wall, within which a contact is on it
-
-
 @dataclass(frozen=True)
 class Groove:
     """A ring that stands for a groove round a convex cylinder."""
@@ -77,18 +74,20 @@ class Groove:
     wall: Cylinder
     low: float  # [mm] heights along it, between which it is not
     high: float
+    depth: float  # [mm]
 
-    def stands_beside(self, faces: Sequence[Face]) -> tuple[Face, ...]:
-        """Faces without those that it stands in for, and without contacts on the wall where that is not.
+    def stands_beside(self, faces: Sequence[Face], on: float = 0.2) -> tuple[Face, ...]:
+        """Faces without those that it stands in for, and without contacts that are its own or in the air.
 
-        A pad that lay on the wall on both sides has its contact between them, in the air.
+        A pad that lay on the wall on both sides has its contact between them, `on` mm from where that would be.
         """
-        left = [face for face in faces if face.id not in self.instead]
-        return tuple(replace(face, contacts=face.contacts.select(~self._in_air(face))) for face in left)
+        left = ((face, ~self._in_it(face, on)) for face in faces if face.id not in self.instead)
+        return tuple(face.only(kept) for face, kept in left if kept.any())
 
-    def _in_air(self, face: Face) -> Bools:
+    def _in_it(self, face: Face, on: float) -> Bools:
         up, deep = _beside(face.contacts, self.wall)
-        between = (up > self.low) & (up < self.high) & (np.abs(deep) < _ON_IT)
+        deepest = self.depth + on if self.felt else on
+        between = (up > self.low) & (up < self.high) & (deep > -on) & (deep < deepest)
         return np.asarray(between & (face.contacts.touch != NOT_FELT))
 
 
@@ -117,17 +116,18 @@ def _of(
 ) -> list[Groove]:
     """The groove between two heights, if it is one."""
     instead = {face.id for face in faces if _misread(face, shape, low, high, config)}
-    felt = [_felt(face, shape, low, high, config) for face in faces if face.id not in instead]
-    if all(len(lot) < config.few for lot in felt):
-        ring = _ring(shape, half_round(low, high), config)
-        return [Groove(ring, frozenset(instead), False, shape, low, high)]
-    bottom = Contacts.concatenate(felt)
+    lots = [_bottom(face, shape, low, high, config) for face in faces if face.id not in instead]
+    felt = [lot for lot in lots if len(lot) >= config.few]
+    bottom = Contacts.concatenate(felt or lots)
     tube = tube_felt(*_beside(bottom, shape), bottom.normals @ shape.direction, low, high)
-    if tube is None:
+    if tube is not None:
+        instead |= {face.id for face in faces if _within(face, shape, low, high, tube.depth, config)}
+        ring = Contacts.concatenate([bottom, _ring(shape, tube, config)])
+        return [Groove(ring, frozenset(instead), True, shape, low, high, tube.depth)]
+    if felt:
         return []
-    instead |= {face.id for face in faces if _within(face, shape, low, high, tube.depth, config)}
-    ring = Contacts.concatenate([bottom, _ring(shape, tube, config)])
-    return [Groove(ring, frozenset(instead), True, shape, low, high)]
+    tube = half_round(low, high)
+    return [Groove(_ring(shape, tube, config), frozenset(instead), False, shape, low, high, tube.depth)]
 
 
 def _gaps(seen: Band, config: GroovesConfig) -> Iterator[tuple[float, float]]:
@@ -156,8 +156,8 @@ def _all_round(known: Bools, config: GroovesConfig) -> bool:
     return len(turns) >= config.sectors and around(turns) > config.around
 
 
-def _felt(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> Contacts:
-    """What was felt of a face in a gap, under the cylinder and looking out as that does."""
+def _bottom(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> Contacts:
+    """What was felt of a face in a gap: under the cylinder and looking out as that does."""
     felt = face.contacts.select(face.contacts.touch != NOT_FELT)
     up, deep = _beside(felt, shape)
     facing = (felt.normals * shape.normals(felt.points)).sum(axis=1)
@@ -170,7 +170,8 @@ def _within(
     """Whether all that is known of a face lies in a groove of that depth [mm]."""
     up, deep = _beside(face.contacts, shape)
     inside = (up > low - config.around_it) & (up < high + config.around_it)
-    return bool((inside & (deep > -config.around_it) & (deep < depth + config.around_it)).all())
+    inside &= (deep > -config.around_it) & (deep < depth + config.around_it)
+    return len(inside) > 0 and bool(inside.all())
 
 
 def _misread(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> bool:

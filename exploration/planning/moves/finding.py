@@ -53,6 +53,9 @@ class Finding:
                 if (settled or self.pad.touches()) and not self.pad.on_told():
                     self.touches = self.guard.cost.touches
                     self._met = self.guard.world_from_sensor
+                    if self._met[2, 3] > end[2, 3]:  # what is below it was not searched
+                        begin = self._met[:3, 3] + [0.0, 0.0, _SHORT]
+                        self._left.insert(0, (se3.pose(start[:3, :3], begin), end))
                     return True
                 place = self.guard.world_from_sensor[:3, 3]
             except (OverPress, Collision) as error:
@@ -75,14 +78,18 @@ class Finding:
     def look_again(self) -> Done:
         """Come down again where something was touched, each time elsewhere and from another side.
 
-        What passed for a touch, as a disturbed signal may, has nothing there: the search goes on.
+        Where a pad never lay on anything, what passed for a touch may have been a disturbed signal: after some
+        looks the search goes on.
         """
         cells = np.concatenate([np.empty((0, 3)), *(points for points, _ in self.pad.felt)])
         facing = np.concatenate([np.empty((0, 3)), *(normals for _, normals in self.pad.felt)])
         tried = self.looked
         self.looked += 1
-        if not len(cells) and self.looked % _AT_ONE_PLACE == 0 and self.find():
-            return self.study.face_here(), "searched on, where nothing was found again"
+        retreat(self.guard, 15.0)
+        if not len(cells) and self.looked % _AT_ONE_PLACE == 0:
+            met, self.touches = self.find(), self.guard.cost.touches
+            if met:
+                return self.study.face_here(), "met something elsewhere"
         here = self.guard.world_from_sensor if self._met is None else self._met
         point, normal = here[:3, 3], -here[:3, 2]
         if len(cells):
@@ -90,7 +97,6 @@ class Finding:
             point, normal = cells[one], facing[one]
         level = se3.pose(self.pad.attitude(normal, here[:3, 0]), point)
         turn = se3.turn_about(point, level[:3, tried % 2], 0.35 * (-1.0) ** (tried // 2))
-        retreat(self.guard, 15.0)
         back = turn @ level @ se3.pose(translation=[0.0, 0.0, -15.0])
         self.guard.go_to(back)
         settling = SettleConfig(shifts=0) if tried % 3 else None  # what is narrow is not rolled off

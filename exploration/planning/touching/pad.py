@@ -216,7 +216,7 @@ class Pad:
         self.covered.add(cells, self.here)
 
     def touches(self) -> bool:
-        """Whether anything is under the pad now: of single frames in the air one in a thousand looks like it."""
+        """Whether anything is under the pad now, from averaged frames: noise of a single one may pass for it."""
         return touched(dwell(self.guard, self.config.averaged).image)
 
     def on_told(self) -> bool:

@@ -140,7 +140,7 @@ def bottom(depth, width, touches=6):
     return Contacts.of(points, np.cos(lean)[:, None] * out + np.sin(lean)[:, None] * X, 0.02)
 
 
-@pytest.mark.parametrize("depth", [2.5, 4.0, 5.0])
+@pytest.mark.parametrize("depth", [2.5, 4.0, 4.6])
 def test_a_round_bottom_that_was_felt_tells_how_deep_the_groove_is(depth):
     own, width = known(), 8.0
     floor = ranked_face(1, bottom(depth, width), MergeOptions())
@@ -156,7 +156,9 @@ def test_a_round_bottom_that_was_felt_tells_how_deep_the_groove_is(depth):
 
 def test_a_flat_bottom_and_one_that_bends_otherwise_are_faces_of_their_own():
     own, seen = known(), looked(wall(-4.0, 4.0))
-    for felt in (bottom(2.0, 24.0), bottom(3.0, 4.0)):
+    out = np.array([out_at(turn) for turn in np.linspace(0.0, 1.5, 6)])
+    flat = Contacts.of((RADIUS - 2.0) * out + np.linspace(-2.0, 2.0, 6)[:, None] * X, out, 0.02)
+    for felt in (flat, bottom(2.0, 24.0), bottom(3.0, 4.0), bottom(6.0, 8.0)):
         floor = ranked_face(1, felt, MergeOptions())
         assert grooves([own], [own.face, floor], seen) == []
 
@@ -166,22 +168,31 @@ def test_a_plane_of_one_touch_over_a_groove_was_read_where_a_pad_sagged_into_it(
     beside = np.array([[x, RADIUS - 0.1, y] for x in (-5.0, 6.0) for y in (-2.0, 0.0, 2.0)])
     read = [ranked_face(1, Contacts.of(beside, [[0.0, 1.0, 0.0]] * 6, 0.05, touch=touch), MergeOptions())
             for touch in (3, [3, 3, 3, 4, 4, 4])]  # fmt: skip
+    one_side = ranked_face(1, Contacts.of(beside[3:], [[0.0, 1.0, 0.0]] * 3, 0.05, touch=3), MergeOptions())
     seen = looked(wall(-3.0, 4.0))
-    assert [[groove.instead for groove in grooves([own], [own.face, face], seen)] for face in read] == [
-        [{1}],
-        [set()],
-    ]
+    told = [groove.instead for face in (*read, one_side) for groove in grooves([own], [own.face, face], seen)]
+    assert told == [{1}, set(), set()]
 
 
 def test_a_contact_of_a_pad_on_both_walls_is_in_the_air_between_them():
-    own = known()
-    across = Contacts.of(
-        [[0.5, RADIUS, 0.0], [0.5, 0.0, 8.0], [9.0, 0.0, RADIUS]], [[0, 1, 0], [0, 0, 1], [0, 0, 1]]
+    own, out = known(), np.array([out_at(turn) for turn in ROUND])
+    across = ranked_face(
+        3,
+        Contacts.concatenate([own.face.contacts, Contacts.of(RADIUS * out[:2] + 0.5 * X, out[:2])]),
+        MergeOptions(),
     )
-    face = replace(own.face, contacts=Contacts.concatenate([own.face.contacts, across]))
-    read = replace(face, id=5)
+    hanging = ranked_face(4, Contacts.of(RADIUS * out + 0.5 * X, out), MergeOptions())
     (groove,) = grooves([own], [own.face], looked(wall(-3.0, 4.0)))
-    left = replace(groove, instead=frozenset({5})).stands_beside([face, read])
-    assert [f.id for f in left] == [own.face.id]
-    assert len(left[0].contacts) == len(own.face.contacts) + 2
-    assert (np.abs(left[0].contacts.points - across.points[0]).max(axis=1) > 1.0).all()
+    (left,) = groove.stands_beside([across, hanging])
+    assert len(left.contacts) == len(left.fit.inliers) == len(own.face.contacts)
+    assert (np.abs(left.contacts.points[:, 0]) > 10.0).all()
+    assert groove.stands_beside([own.face]) == (own.face,)
+
+
+def test_what_was_felt_of_the_bottom_is_the_grooves_alone():
+    own = known()
+    floor = bottom(4.0, 8.0)
+    both = ranked_face(1, Contacts.concatenate([floor, own.face.contacts]), MergeOptions())
+    (groove,) = grooves([own], [own.face, both], looked(wall(-4.0, 4.0)))
+    assert groove.felt
+    assert len(groove.stands_beside([both])[0].contacts) == len(own.face.contacts)
