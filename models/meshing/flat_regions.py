@@ -80,6 +80,11 @@ class Region:
         return [Region(part) for part in self._section.decompose()]
 
     @property
+    def rims(self) -> list[Floats]:
+        """Closed rims of (n, 2) corners, those of holes clockwise."""
+        return [np.asarray(loop, dtype=np.float64) for loop in self._section.simplify(_FINEST).to_polygons()]
+
+    @property
     def polygons(self) -> list[Floats]:
         """(n, 2) corners of polygons without holes, counterclockwise, that are the region together."""
         whole: list[Floats] = []

@@ -22,6 +22,7 @@ from primitives.plate import Plate
 from primitives.pose import inverse, pose, transform_points
 from recognition.assembly.made import FLUSH, Body, thinned
 from recognition.assembly.piece import Piece
+from recognition.assembly.squared import Side, sides_of, squared
 
 _CORNERS = 64  # of what stands for a circle
 OUTLINED = {
@@ -68,14 +69,16 @@ def outlined(
     """A body with the outlines of its plates; (n, 3) places `felt` are on it, `free` ones hold nothing [mm]."""
     felt = thinned(felt, config.apart)
     nowhere = np.empty((0, 3)) if free is None else thinned(free, config.apart)
+    bare = body
     for plate in plates:
+        sides = sides_of(_between(bare, plate, config))
         for piece in [*_disks(body, plate, "add", nowhere, config)]:
             body = body.more(piece) or body
-        for piece in [*_lacking(body, plate, nowhere, config)]:
+        for piece in [*_lacking(body, plate, nowhere, sides, config)]:
             body = body.more(piece) or body
         for piece in [*_disks(body, plate, "subtract", felt, config)]:
             body = body.less(piece) or body
-        body = _less(body, [*_excess(body, plate, felt, config)])
+        body = _less(body, [*_excess(body, plate, felt, sides, config)])
     return body
 
 
@@ -127,7 +130,9 @@ def _disks(
             yield Piece("cylinder", operation, bar, placed, None, ((None, None),), OUTLINED[operation])
 
 
-def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> Iterator[Piece]:
+def _lacking(
+    body: Body, plate: Plate, free: Floats, sides: Sequence[Side], config: OutlinedConfig
+) -> Iterator[Piece]:
     """What both sides of a plate have, and the body at no level between."""
     short = _under(body, plate, config) if plate.lies else 0.0
     between, beside = _had(body, plate, config), Region.of(plate.missing).grown(config.narrow)
@@ -137,7 +142,7 @@ def _lacking(body: Body, plate: Plate, free: Floats, config: OutlinedConfig) -> 
         stands = not plate.step or bool(part & beside)
         if part.area > config.least and len(within) <= config.free and stands:
             lapping = part.grown(config.narrow) & (there | between)  # on to the body beside it
-            yield from _prisms(lapping, "add", plate, -short)
+            yield from _prisms(squared(lapping, sides), "add", plate, -short)
 
 
 def _had(body: Body, plate: Plate, config: OutlinedConfig) -> Region:
@@ -158,7 +163,9 @@ def _under(body: Body, plate: Plate, config: OutlinedConfig) -> float:
     return 0.0
 
 
-def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> Iterator[Piece]:
+def _excess(
+    body: Body, plate: Plate, felt: Floats, sides: Sequence[Side], config: OutlinedConfig
+) -> Iterator[Piece]:
     """What neither side of a plate has, and the body at some level between; of a thick one, up to a side.
 
     A post that stands on the rim of a thick plate is narrower than that, and neither side shows it.
@@ -176,7 +183,8 @@ def _excess(body: Body, plate: Plate, felt: Floats, config: OutlinedConfig) -> I
         gone |= _cut_loose(between, gone, plate, felt, config)
     for part in gone.opened(config.narrow).pieces:
         if part.area > config.least:
-            yield from _prisms(part, "subtract", plate, *_past(part, body, plate, felt, config))
+            past = _past(part, body, plate, felt, config)
+            yield from _prisms(squared(part, sides), "subtract", plate, *past)
 
 
 def _past(

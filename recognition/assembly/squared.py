@@ -1,0 +1,121 @@
+"""Outlines drawn from pictures, put along the sides that a body has, and on them where they are that near.
+
+Edges of a picture are off by a tenth of a millimeter and lean by a degree or two, and its corners are rounded by
+the rubber.  An edge that leans no more than that off a straight side of the body runs along it, and lies on it if
+it is near; where two such edges would meet after a short bend, they meet (our derivation).  So a slot's walls are
+as parallel as its part's sides, and no slivers are left between what was measured and what was seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from models.meshing.flat_regions import Region
+from primitives.arrays import Floats
+
+
+@dataclass(frozen=True)
+class SquaredConfig:
+    """What is put straight."""
+
+    side: float = 4.0  # [mm] of an edge of the body, from which it is a side of it
+    edge: float = 2.0  # [mm] of an edge of the outline, from which it may run along one,
+    lean: float = 0.15  # [rad] off it at most,
+    aside: float = 0.25  # [mm] that its ends move at most; and from a line, within which it lies on that
+    bend: float = 2.0  # [mm] of what is left out at most where two of them meet
+    off: float = 0.3  # [mm] that the outline may move in the mean
+
+
+class Side(NamedTuple):
+    """A straight line: all p with `across` . p = `offset`."""
+
+    across: Floats  # (2,) unit
+    offset: float  # [mm]
+
+
+def sides_of(region: Region, config: SquaredConfig = SquaredConfig()) -> list[Side]:
+    """The lines of a region's long edges."""
+    found: list[Side] = []
+    for rim in region.rims:
+        along = np.roll(rim, -1, axis=0) - rim
+        length = np.linalg.norm(along, axis=1)
+        for k in np.flatnonzero(length > config.side):
+            across = np.array([along[k, 1], -along[k, 0]]) / length[k]
+            found.append(Side(across, float(across @ rim[k])))
+    return found
+
+
+def squared(part: Region, sides: Sequence[Side], config: SquaredConfig = SquaredConfig()) -> Region:
+    """A region along the sides that its edges nearly run along; itself where that would change its shape."""
+    if not sides:
+        return part
+    made = Region.of(_straight(rim, sides, config) for rim in part.rims)
+    round_it = sum(float(np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1).sum()) for rim in part.rims)
+    changed = (made - part).area + (part - made).area
+    return made if changed < config.off * round_it and len(made.pieces) == len(part.pieces) else part
+
+
+def _straight(rim: Floats, sides: Sequence[Side], config: SquaredConfig) -> Floats:
+    """(m, 2) corners of one closed rim of (n, 2)."""
+    lines = [
+        _side(a, b, sides, config) for a, b in zip(rim, np.roll(rim, -1, axis=0), strict=True)
+    ]  # of the edge that begins at each corner
+    if all(line is None for line in lines):
+        return rim
+    first = next(k for k, line in enumerate(lines) if line is not None)
+    rim, lines = np.roll(rim, -first, axis=0), [*lines[first:], *lines[:first]]
+    made: list[Floats] = []
+    k, count = 0, len(rim)
+    while k < count:
+        here = lines[k]
+        assert here is not None
+        ahead = next(j for j in range(k + 1, count + 1) if lines[j % count] is not None)
+        there = lines[ahead % count]
+        assert there is not None
+        between = rim[
+            np.arange(k + 1, ahead + 1) % count
+        ]  # corners from the end of one side to the next's start
+        made += _joined(here, there, between, config)
+        k = ahead
+    return np.array(made)
+
+
+def _joined(here: Side, there: Side, between: Floats, config: SquaredConfig) -> list[Floats]:
+    """Corners from one side to the next: where they meet, or those that were between them."""
+    cross = float(here.across[0] * there.across[1] - here.across[1] * there.across[0])
+    if abs(cross) > config.lean:
+        meet = np.linalg.solve(np.stack([here.across, there.across]), np.array([here.offset, there.offset]))
+        meet = np.asarray(meet, dtype=np.float64)
+        if float(np.linalg.norm(between - meet, axis=1).max()) < config.bend:
+            return [meet]
+    return [_onto(between[0], here), *between[1:-1], _onto(between[-1], there)]
+
+
+def _onto(place: Floats, side: Side) -> Floats:
+    return np.asarray(place + (side.offset - side.across @ place) * side.across)
+
+
+def _side(start: Floats, end: Floats, sides: Sequence[Side], config: SquaredConfig) -> Side | None:
+    """The line that an edge is put on: along the side it leans least off, on the nearest such if that is near."""
+    along = end - start
+    length = float(np.linalg.norm(along))
+    if length < config.edge:
+        return None
+    across = np.array([along[1], -along[0]]) / length
+    leans = [abs(float(across[0] * side.across[1] - across[1] * side.across[0])) for side in sides]
+    least = min(leans)
+    if least > config.lean or 0.5 * length * least > config.aside:
+        return None
+    middle = 0.5 * (start + end)
+    best = sides[int(np.argmin(leans))].across
+    best = best if best @ across > 0.0 else -best
+    offset = float(best @ middle)
+    alike = [
+        side.offset * np.sign(side.across @ best) for side in sides if abs(side.across @ best) > 1.0 - 1e-5
+    ]
+    near = min(alike, key=lambda other: abs(other - offset))
+    return Side(best, float(near) if abs(near - offset) < config.aside else offset)

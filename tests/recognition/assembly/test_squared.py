@@ -1,0 +1,65 @@
+"""Outlines are put along the sides of a body that they nearly run along, and keep their shape else."""
+
+import numpy as np
+import pytest
+
+from models.meshing.flat_regions import Region
+from recognition.assembly.squared import sides_of, squared
+
+BLOCK = Region.of([np.array([[0.0, 0.0], [60.0, 0.0], [60.0, 40.0], [0.0, 40.0]])])
+
+
+def turned(corners, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(corners) @ np.array([[c, s], [-s, c]])
+
+
+def corners_of(region):
+    (rim,) = region.rims
+    return rim[np.lexsort(np.round(rim, 3).T)]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, -2.0])
+def test_a_slot_that_leans_and_is_rounded_gets_square(angle):
+    sides = sides_of(Region.of([turned(rim, angle) for rim in BLOCK.rims]))
+    seen = np.array(
+        [
+            [20.1, 10.9],
+            [21.0, 10.05],
+            [39.2, 9.9],
+            [40.1, 10.6],
+            [39.9, 25.2],
+            [39.0, 26.0],
+            [20.9, 25.9],
+            [19.9, 25.1],
+        ]
+    )
+    made = squared(Region.of([turned(seen, angle)]), sides)
+    square = np.array([[20.0, 10.0], [40.0, 10.0], [40.0, 26.0], [20.0, 26.0]])
+    off = np.linalg.norm(corners_of(made)[:, None] - turned(square, angle)[None], axis=2)
+    assert off.shape == (4, 4)
+    assert off.min(axis=0).max() < 0.2
+    edges = np.roll(made.rims[0], -1, axis=0) - made.rims[0]
+    across = turned(np.eye(2), angle)
+    assert np.abs(edges @ across.T).min(axis=1).max() < 1e-6
+
+
+def test_an_edge_near_a_side_lies_on_it_and_one_farther_does_not():
+    sides = sides_of(BLOCK)
+    part = Region.of([np.array([[10.0, 0.2], [30.0, 0.1], [30.1, 8.0], [10.1, 8.1]])])
+    assert corners_of(squared(part, sides))[:, 1].min() == pytest.approx(0.0, abs=1e-6)
+    part = Region.of([np.array([[10.0, 1.2], [30.0, 1.1], [30.1, 8.0], [10.1, 8.1]])])
+    assert corners_of(squared(part, sides))[:, 1].min() == pytest.approx(1.15, abs=0.02)
+
+
+def test_what_is_round_or_slanted_stays_and_holes_too():
+    sides = sides_of(BLOCK)
+    disk = Region.disks(np.array([[30.0, 20.0]]), 8.0, 64)
+    assert squared(disk, sides).area == pytest.approx(disk.area)
+    slanted = Region.of([turned([[0.0, 0.0], [20.0, 0.0], [20.0, 8.0], [0.0, 8.0]], 0.3)])
+    assert squared(slanted, sides).area == pytest.approx(slanted.area)
+    ring = Region.of([np.array([[5.0, 5.0], [55.0, 5.2], [55.0, 35.0], [5.0, 35.0]])]) - disk
+    made = squared(ring, sides)
+    assert len(made.rims) == 2
+    assert made.area == pytest.approx(ring.area, rel=0.01)
+    assert squared(ring, []) is ring
