@@ -24,6 +24,7 @@ from primitives.plate import Plate
 from primitives.shapes import Shape, Torus
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
+from recognition.assembly.crumbs import without_crumbs
 from recognition.assembly.given import FittedFace, Given
 from recognition.assembly.hollowed import hollowed
 from recognition.assembly.joined import JOINED, joined
@@ -162,6 +163,7 @@ def _finished(
     bare = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
     drawn = outlined(bare, given.plates, given.free, known.felt)
     body = hollowed(with_limbs(drawn, given.free, known), given.free, known)
+    body = without_crumbs(body, np.concatenate([known.felt, given.stray]))
     more = tuple(_renumbered(piece, given.distinct) for piece in body.pieces[len(named) :])
     on = _surfaces_of(given, body.solid, options.on_body) if kept is None else kept
     on |= {i for piece in more for i in piece.surfaces}
