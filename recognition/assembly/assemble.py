@@ -174,7 +174,7 @@ def _finished(
         (*named, *more),
         tree_of((*named, *more)),
         body.solid,
-        (*told, *(piece.why for piece in more)),
+        (*told, *dict.fromkeys(piece.why for piece in more)),
     )
 
 

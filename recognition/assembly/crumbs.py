@@ -11,7 +11,7 @@ import numpy as np
 from models.csg import Cube
 from primitives.arrays import Floats
 from primitives.pose import pose
-from recognition.assembly.made import Body
+from recognition.assembly.made import CRUMB, Body
 from recognition.assembly.piece import Piece
 
 UNFELT = "a piece apart from the others, which nobody felt, is left out"
@@ -23,14 +23,15 @@ _ASIDE = 0.01  # of a piece's volume, that its cut may take from others
 
 def without_crumbs(body: Body, felt: Floats) -> Body:
     """A body without pieces that no (n, 3) contact [mm] is on, each taken away by a box of its own."""
-    parts = body.solid.body.mesh.decompose()
-    whole = sum(abs(part.volume()) for part in parts)
-    for part in sorted(parts, key=lambda part: abs(part.volume()))[:-1]:
+    parts = [
+        part for part in body.solid.body.mesh.decompose() if part.volume() > CRUMB
+    ]  # a cavity's is negative
+    if not len(felt):
+        return body
+    whole = sum(part.volume() for part in parts)
+    for part in sorted(parts, key=lambda part: float(part.volume()))[:-1]:
         low, high = np.array(part.bounding_box()).reshape(2, 3)
-        if (
-            abs(part.volume()) > _MOST * whole
-            or ((felt > low - _NEAR) & (felt < high + _NEAR)).all(axis=1).any()
-        ):
+        if part.volume() > _MOST * whole or ((felt > low - _NEAR) & (felt < high + _NEAR)).all(axis=1).any():
             continue
         size, middle = high - low + 2.0 * _ROUND, 0.5 * (low + high)
         box = Cube((float(size[0]), float(size[1]), float(size[2])))
@@ -41,6 +42,6 @@ def without_crumbs(body: Body, felt: Floats) -> Body:
         made = body.less(piece, torn=True)
         if made is not None:
             lost = body.solid.volume - made.solid.volume
-            if lost <= (1.0 + _ASIDE) * abs(part.volume()) + 1e-3:
+            if lost <= (1.0 + _ASIDE) * part.volume() + 1e-3:
                 body = made
     return body

@@ -18,7 +18,7 @@ from recognition.assembly.piece import Piece
 
 FLUSH = 0.995  # least cosine of directions that are one
 _MOST = 16  # directions, and frames, that are tried: a gear has as many as it has teeth
-_CRUMB = 0.1  # [mm^3]
+CRUMB = 0.1  # [mm^3]
 _ACROSS = 1e-2  # most cosine of directions across each other
 
 
@@ -50,7 +50,7 @@ class Body:
     @property
     def shells(self) -> int:
         """Closed surfaces that bound it, less crumbs that rounding leaves."""
-        return sum(abs(part.volume()) > _CRUMB for part in self.solid.body.mesh.decompose())
+        return sum(abs(part.volume()) > CRUMB for part in self.solid.body.mesh.decompose())
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,8 @@ class SquaredConfig:
     edge: float = 2.0  # [mm] of an edge of the outline, from which it may run along one,
     lean: float = 0.15  # [rad] off it at most,
     aside: float = 0.25  # [mm] that its ends move at most; and from a line, within which it lies on that
+    round: float = 0.4  # [rad] by which edges of an arc turn at both ends, at most,
+    alike: float = 0.4  # and of its length, that one beside it has at least
     bend: float = 2.0  # [mm] of what is left out at most where two of them meet
     off: float = 0.3  # [mm] that the outline may move in the mean
 
@@ -56,14 +58,13 @@ def squared(part: Region, sides: Sequence[Side], config: SquaredConfig = Squared
     made = Region.of(_straight(rim, sides, config) for rim in part.rims)
     round_it = sum(float(np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1).sum()) for rim in part.rims)
     changed = (made - part).area + (part - made).area
-    return made if changed < config.off * round_it and len(made.pieces) == len(part.pieces) else part
+    alike = bool(made) and len(made.pieces) == len(part.pieces) and len(made.rims) == len(part.rims)
+    return made if alike and changed < config.off * round_it else part
 
 
 def _straight(rim: Floats, sides: Sequence[Side], config: SquaredConfig) -> Floats:
     """(m, 2) corners of one closed rim of (n, 2)."""
-    lines = [
-        _side(a, b, sides, config) for a, b in zip(rim, np.roll(rim, -1, axis=0), strict=True)
-    ]  # of the edge that begins at each corner
+    lines = _lines(rim, sides, config)  # of the edge that begins at each corner
     if all(line is None for line in lines):
         return rim
     first = next(k for k, line in enumerate(lines) if line is not None)
@@ -82,6 +83,30 @@ def _straight(rim: Floats, sides: Sequence[Side], config: SquaredConfig) -> Floa
         made += _joined(here, there, between, config)
         k = ahead
     return np.array(made)
+
+
+def _lines(rim: Floats, sides: Sequence[Side], config: SquaredConfig) -> list[Side | None]:
+    """The line that each edge of a rim is put on, if any; edges of an arc are on none."""
+    after = np.roll(rim, -1, axis=0)
+    along = after - rim
+    length = np.linalg.norm(along, axis=1)
+    ahead = np.roll(along, -1, axis=0)
+    turn = np.arctan2(along[:, 0] * ahead[:, 1] - along[:, 1] * ahead[:, 0], (along * ahead).sum(axis=1))
+    before = np.roll(turn, 1)  # at the corner where an edge begins
+    bent = np.minimum(np.abs(turn), np.abs(before))
+    beside = np.maximum(np.roll(length, 1), np.roll(length, -1))
+    arc = (turn * before > 0.0) & (bent > 0.01) & (bent < config.round) & (beside > config.alike * length)
+    lines = [
+        None if round_it else _side(a, b, sides, config)
+        for a, b, round_it in zip(rim, after, arc, strict=True)
+    ]
+    for k in range(len(lines)):  # what is one edge in two parts lies on one line
+        here, there = lines[k - 1], lines[k]
+        if here is not None and there is not None and float(here.across @ there.across) > 1.0 - 1e-9:
+            longer = here if length[k - 1] > length[k] else there
+            if abs(here.offset - there.offset) < config.aside:
+                lines[k - 1] = lines[k] = longer
+    return lines
 
 
 def _joined(here: Side, there: Side, between: Floats, config: SquaredConfig) -> list[Floats]:

@@ -18,7 +18,7 @@ from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
-from exploration.planning.inferring.grooves import grooves
+from exploration.planning.inferring.grooves import Groove, grooves
 from exploration.planning.inferring.hole_walls import add_holes, add_left_holes
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
 from exploration.planning.inferring.lips import no_walls
@@ -100,8 +100,7 @@ def conclude(
     add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     for groove in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
-        if add_own(found, groove.contacts, _BY_BOTTOM if groove.felt else _BY_BAND, "torus"):
-            found.graph = replace(found.graph, faces=groove.stands_beside(found.graph.faces))
+        _add_groove(found, groove)
     _add_ends(found, frontier, inside)
     through = slots(known := frontier().known)
     looked, beside = _open_rims(found, known, through)
@@ -136,6 +135,14 @@ def conclude(
         found.graph = replace(found.graph, faces=bounded(found.graph.faces, slot))
     found.warnings.extend(rim.told() for rim in found.openings)
     found.warnings.extend(rim.told_odd() for rim in _odd(found))
+
+
+def _add_groove(found: Findings, groove: Groove) -> None:
+    """Add it, and leave to the other faces what is theirs."""
+    others = found.graph.faces
+    if add_own(found, groove.contacts, _BY_BOTTOM if groove.felt else _BY_BAND, "torus"):
+        own = found.graph.faces[-1]
+        found.graph = replace(found.graph, faces=(*groove.stands_beside(others), own))
 
 
 def _add_outlines(found: Findings, last_felt: Sequence[Contacts]) -> None:

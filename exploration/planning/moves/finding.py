@@ -52,9 +52,13 @@ class Finding:
                 settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
                 if (settled or self.pad.touches()) and not self.pad.on_told():
                     self.touches = self.guard.cost.touches
-                    self._met = self.guard.world_from_sensor
-                    if self._met[2, 3] > end[2, 3]:  # what is below it was not searched
-                        begin = self._met[:3, 3] + [0.0, 0.0, _SHORT]
+                    here, before = self.guard.world_from_sensor, self._met
+                    self._met = here
+                    again = (
+                        before is not None and float(np.linalg.norm((here - before)[:3, 3])) < 2.0 * _SHORT
+                    )
+                    if here[2, 3] > end[2, 3] and not again:  # what is below it was not searched
+                        begin = here[:3, 3] + [0.0, 0.0, _SHORT]
                         self._left.insert(0, (se3.pose(start[:3, :3], begin), end))
                     return True
                 place = self.guard.world_from_sensor[:3, 3]

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from models.csg import Cube
+from models.csg import Cube, Sphere
 from models.solid import Solid
+from primitives.pose import pose, rotation_exp
 from recognition.assembly.crumbs import UNFELT, without_crumbs
 from recognition.assembly.made import Body
 
@@ -31,15 +32,17 @@ def test_one_that_was_felt_stays_and_so_does_half_of_the_body():
 
 
 def test_nothing_of_the_body_is_cut_with_it():
-    post = Cube((2.0, 2.0, 40.0)).at(19.0, 14.0, 20.0)  # passes through the box of a slanted splinter
-    tilted = np.array(
-        [[0.8, 0.0, 0.6, 19.0], [0.0, 1.0, 0.0, 11.0], [-0.6, 0.0, 0.8, 30.0], [0.0, 0.0, 0.0, 1.0]]
-    )
-    whole = body_of(BLOCK | post | Cube((1.0, 1.0, 12.0)).placed(tilted))
-    assert whole.shells == 2
-    beside = body_of(
-        BLOCK | post | Cube((0.5, 6.0, 1.0)).placed(tilted) | Cube((0.5, 0.5, 9.0)).at(22.0, 11.0, 30.0)
-    )
-    for body in (whole, beside):
-        made = without_crumbs(body, ON_BLOCK)
-        assert made.solid.signed_distance(np.array([[19.0, 14.0, 30.0]]))[0] < -0.9
+    post = Cube((2.0, 2.0, 40.0)).at(15.0, 10.0, 20.0)
+    bar = Cube((16.0, 1.0, 4.0)).placed(pose(rotation_exp([0.0, 0.0, np.pi / 4]), [18.0, 7.0, 30.0]))
+    body = body_of(BLOCK | post | bar)  # the post stands in the bar's box, and beside it
+    assert body.shells == 2
+    assert without_crumbs(body, ON_BLOCK) is body
+
+
+def test_a_cavity_and_what_rounding_leaves_are_no_pieces():
+    hollow = body_of(BLOCK - Sphere(4.0))
+    assert without_crumbs(hollow, ON_BLOCK) is hollow
+    dust = body_of(BLOCK | Cube((0.2, 0.2, 0.2)).at(20.5, 0.0, 0.0))
+    assert without_crumbs(dust, ON_BLOCK) is dust
+    splinter = body_of(BLOCK | SPLINTER.at(35.0, 0.0, 0.0))
+    assert without_crumbs(splinter, np.empty((0, 3))) is splinter

@@ -52,10 +52,30 @@ def test_an_edge_near_a_side_lies_on_it_and_one_farther_does_not():
     assert corners_of(squared(part, sides))[:, 1].min() == pytest.approx(1.15, abs=0.02)
 
 
-def test_what_is_round_or_slanted_stays_and_holes_too():
+@pytest.mark.parametrize("radius", [8.0, 25.0, 40.0])
+def test_what_is_round_stays(radius):
+    disk = Region.disks(np.array([[30.0, 20.0]]), radius, 64)
+    made = squared(disk, sides_of(BLOCK))
+    assert made.rims[0].shape == disk.rims[0].shape
+    assert made.area == pytest.approx(disk.area, rel=1e-9)
+
+
+def test_an_edge_in_two_parts_lies_on_one_line():
+    part = Region.of([np.array([[10.0, 10.0], [20.0, 10.1], [30.0, 10.15], [30.0, 18.0], [10.0, 18.0]])])
+    heights = corners_of(squared(part, sides_of(BLOCK)))[:, 1]
+    assert len(heights) == 4
+    assert np.ptp(np.sort(heights)[:2]) < 1e-6
+
+
+def test_nothing_vanishes():
+    film = Region.of([np.array([[10.0, 0.0], [30.0, 0.0], [30.0, 0.2], [10.0, 0.2]])])
+    assert squared(film, sides_of(BLOCK)).area == pytest.approx(film.area)
+    assert not squared(Region(), sides_of(BLOCK))
+
+
+def test_what_is_slanted_stays_and_holes_do():
     sides = sides_of(BLOCK)
     disk = Region.disks(np.array([[30.0, 20.0]]), 8.0, 64)
-    assert squared(disk, sides).area == pytest.approx(disk.area)
     slanted = Region.of([turned([[0.0, 0.0], [20.0, 0.0], [20.0, 8.0], [0.0, 8.0]], 0.3)])
     assert squared(slanted, sides).area == pytest.approx(slanted.area)
     ring = Region.of([np.array([[5.0, 5.0], [55.0, 5.2], [55.0, 35.0], [5.0, 35.0]])]) - disk

@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
+from exploration.planning.inferring.concluding import _add_groove
 from exploration.planning.inferring.grooves import grooves
 from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.touching.findings import Findings
 from exploration.sensing.frame import TaxelArray
 from primitives.cylinder import Cylinder
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
-from primitives.patch_graph import Face, MergeOptions, ranked_face
+from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
 from primitives.pose import pose, transform_points
 from primitives.torus import Torus
 
@@ -196,3 +198,15 @@ def test_what_was_felt_of_the_bottom_is_the_grooves_alone():
     (groove,) = grooves([own], [own.face, both], looked(wall(-4.0, 4.0)))
     assert groove.felt
     assert len(groove.stands_beside([both])[0].contacts) == len(own.face.contacts)
+
+
+def test_a_groove_keeps_what_was_felt_of_it_and_other_faces_do_not():
+    own, floor = known(), bottom(4.0, 8.0)
+    faces = (own.face, ranked_face(1, floor, MergeOptions()))
+    found = Findings(graph=PatchGraph(faces))
+    (groove,) = grooves([own], faces, looked(wall(-4.0, 4.0)))
+    _add_groove(found, groove)
+    kept, ring = found.graph.faces
+    assert kept == own.face
+    assert ring.fit.kind == "torus"
+    assert int((ring.contacts.touch != NOT_FELT).sum()) == len(floor)

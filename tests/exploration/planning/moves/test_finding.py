@@ -93,3 +93,21 @@ def test_the_search_goes_on_where_what_passed_for_a_touch_was_none():
             break
         finding.look_again()
     assert study.found.graph.faces
+
+
+def test_a_place_that_always_passes_for_a_touch_does_not_hold_the_search():
+    pad, box = over_nothing((120.0, 120.0, 20.0))
+    study = Study(pad, Findings(), AttributionConfig())
+    finding, come_down = Finding(study, box, ExplorerConfig(), None), pad.come_down
+
+    def disturbed(*way):
+        middle = np.abs(pad.guard.world_from_sensor[:2, 3]).max() < 1.0
+        return True if middle else come_down(*way)
+
+    pad.come_down = disturbed
+    assert finding.find()
+    for _ in range(30):
+        if study.found.graph.faces:
+            break
+        finding.look_again()
+    assert study.found.graph.faces
