@@ -6,6 +6,8 @@ Of bodies that touch can tell, each piece was touched (our derivation).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from models.csg import Cube
@@ -15,33 +17,40 @@ from recognition.assembly.made import CRUMB, Body
 from recognition.assembly.piece import Piece
 
 UNFELT = "a piece apart from the others, which nobody felt, is left out"
-_NEAR = 1.0  # [mm] from its box, within which a contact is on a piece
-_ROUND = 0.05  # [mm] of a cut all round it
-_MOST = 0.2  # of all volume: what is larger is none
-_ASIDE = 0.01  # of a piece's volume, that its cut may take from others
 
 
-def without_crumbs(body: Body, felt: Floats) -> Body:
+@dataclass(frozen=True)
+class CrumbsConfig:
+    """Which pieces go, and how they are cut."""
+
+    near: float = 1.0  # [mm] from its box, within which a contact is on a piece
+    most: float = 0.2  # of all volume: what is larger stays
+    past: float = 0.05  # [mm] of a cut all round it
+    aside: float = 0.01  # of a piece's volume, that its cut may take from others
+
+
+def without_crumbs(body: Body, felt: Floats, config: CrumbsConfig = CrumbsConfig()) -> Body:
     """A body without pieces that no (n, 3) contact [mm] is on, each taken away by a box of its own."""
-    parts = [
-        part for part in body.solid.body.mesh.decompose() if part.volume() > CRUMB
-    ]  # a cavity's is negative
     if not len(felt):
         return body
-    whole = sum(part.volume() for part in parts)
-    for part in sorted(parts, key=lambda part: float(part.volume()))[:-1]:
+    volumes = [(float(part.volume()), part) for part in body.solid.body.mesh.decompose()]
+    pieces = sorted(
+        [lot for lot in volumes if lot[0] > CRUMB], key=lambda lot: lot[0]
+    )  # a cavity's is negative
+    whole = sum(volume for volume, _ in pieces)
+    for volume, part in pieces[:-1]:
         low, high = np.array(part.bounding_box()).reshape(2, 3)
-        if part.volume() > _MOST * whole or ((felt > low - _NEAR) & (felt < high + _NEAR)).all(axis=1).any():
+        on_it = ((felt > low - config.near) & (felt < high + config.near)).all(axis=1)
+        if volume > config.most * whole or on_it.any():
             continue
-        size, middle = high - low + 2.0 * _ROUND, 0.5 * (low + high)
-        box = Cube((float(size[0]), float(size[1]), float(size[2])))
-        nothing = (None, None)
-        piece = Piece(
-            "cube", "subtract", box, pose(translation=middle), None, (nothing, nothing, nothing), UNFELT
-        )
-        made = body.less(piece, torn=True)
-        if made is not None:
-            lost = body.solid.volume - made.solid.volume
-            if lost <= (1.0 + _ASIDE) * part.volume() + 1e-3:
-                body = made
+        made = body.less(_box(low - config.past, high + config.past), torn=True)
+        if made is not None and body.solid.volume - made.solid.volume < (1.0 + config.aside) * volume:
+            body = made
     return body
+
+
+def _box(low: Floats, high: Floats) -> Piece:
+    """What takes away all between two (3,) corners."""
+    x, y, z = (high - low).tolist()
+    middle, open_ends = pose(translation=0.5 * (low + high)), ((None, None),) * 3
+    return Piece("cube", "subtract", Cube((x, y, z)), middle, None, open_ends, UNFELT)

@@ -65,23 +65,13 @@ def squared(part: Region, sides: Sequence[Side], config: SquaredConfig = Squared
 def _straight(rim: Floats, sides: Sequence[Side], config: SquaredConfig) -> Floats:
     """(m, 2) corners of one closed rim of (n, 2)."""
     lines = _lines(rim, sides, config)  # of the edge that begins at each corner
-    if all(line is None for line in lines):
+    put = [(k, line) for k, line in enumerate(lines) if line is not None]
+    if not put:
         return rim
-    first = next(k for k, line in enumerate(lines) if line is not None)
-    rim, lines = np.roll(rim, -first, axis=0), [*lines[first:], *lines[:first]]
     made: list[Floats] = []
-    k, count = 0, len(rim)
-    while k < count:
-        here = lines[k]
-        assert here is not None
-        ahead = next(j for j in range(k + 1, count + 1) if lines[j % count] is not None)
-        there = lines[ahead % count]
-        assert there is not None
-        between = rim[
-            np.arange(k + 1, ahead + 1) % count
-        ]  # corners from the end of one side to the next's start
-        made += _joined(here, there, between, config)
-        k = ahead
+    for (k, here), (ahead, there) in zip(put, [*put[1:], put[0]], strict=True):
+        count = (ahead - k - 1) % len(rim) + 1  # of corners from the end of the one to the start of the other
+        made += _joined(here, there, rim[(k + 1 + np.arange(count)) % len(rim)], config)
     return np.array(made)
 
 

@@ -48,9 +48,8 @@ class MatchConfig:
     search: SearchConfig = field(default_factory=SearchConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     sift: SiftConfig = field(default_factory=SiftConfig)
-    closer: SiftConfig = field(
-        default_factory=lambda: SiftConfig(each=24, far=12.0, rounds=5)
-    )  # if unsettled
+    # where the first look settles nothing
+    closer: SiftConfig = field(default_factory=lambda: SiftConfig(each=24, far=12.0, rounds=5))
     shown: int = 3  # normals, from which on the exact surface sifts, and closer may be another
     first: int = 16  # objects of the shortlist that are searched at once
     then: int = 48  # that are searched where these settle nothing

@@ -36,9 +36,8 @@ class Refining:
     slid: int
     _seen: Felt = field(init=False)
     _sieve: Sieve = field(init=False)
-    _modes: dict[tuple[str, int], list[Mode]] = field(
-        init=False, default_factory=dict
-    )  # by how many poses stayed
+    # by object and by how many of its poses stayed
+    _modes: dict[tuple[str, int], list[Mode]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self._seen = Felt.of(self.evidence)

@@ -12,11 +12,12 @@ smaller than its cells; of turns those that cost less than both neighbors (our d
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Floats
 from primitives.pose import exp, inverse, pose
 from recognition.matching.belief import Hypothesis
 from recognition.matching.hypotheses import Begun, SearchConfig, scored
@@ -35,22 +36,32 @@ def slid(h: Hypothesis, begun: Begun, target: Target, search: SearchConfig,
          config: SlideConfig = SlideConfig()) -> Floats:  # fmt: skip
     """(k, 3, 4) poses object_from_world beside that of a hypothesis, best first."""
     arm = 0.5 * target.size
-    loosest = _along(target.center, *_loosest(h.covariance, arm), config.step)
     middle, axes = _principal(target)
-    twists = np.concatenate([np.zeros((3, 3)), axes / arm], axis=1)
-    ways = [loosest, *(_along(middle, twist, np.pi * arm, config.step) for twist in twists)]
-    poses = [np.ascontiguousarray((way @ inverse(h.pose))[:, :3]) for way in ways]
-    costs = [scored(begun, target, way, search) for way in poses]
-    turns = np.concatenate([_dips(c) for c in costs[1:]])
-    rest, dear = np.concatenate(poses[1:])[turns], np.concatenate(costs[1:])[turns]
-    best, first = (np.argsort(c, kind="stable")[: config.kept] for c in (costs[0], dear))
-    kept, spent = np.concatenate([poses[0][best], rest[first]]), np.concatenate([costs[0][best], dear[first]])
-    return np.asarray(kept[np.argsort(spent, kind="stable")])
+    turns = [_along(middle, np.append(np.zeros(3), axis / arm), np.pi * arm, config.step) for axis in axes]
+    slides = _along(target.center, *_loosest(h.covariance, arm), config.step)
+
+    def placed(moves: Floats) -> tuple[Floats, Floats]:
+        poses = np.ascontiguousarray((moves @ inverse(h.pose))[:, :3])
+        return poses, scored(begun, target, poses, search)
+
+    turned = _together([_dips(*placed(way)) for way in turns])
+    both = _together([_best(*lot, config.kept) for lot in (placed(slides), turned)])
+    return _best(*both, 2 * config.kept)[0]
 
 
-def _dips(costs: Floats) -> Bools:
-    """(k,) which of costs all round are no more than both neighbors'."""
-    return np.asarray((costs <= np.roll(costs, 1)) & (costs <= np.roll(costs, -1)))
+def _together(lots: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
+    return np.concatenate([poses for poses, _ in lots]), np.concatenate([costs for _, costs in lots])
+
+
+def _best(poses: Floats, costs: Floats, count: int) -> tuple[Floats, Floats]:
+    order = np.argsort(costs, kind="stable")[:count]
+    return poses[order], costs[order]
+
+
+def _dips(poses: Floats, costs: Floats) -> tuple[Floats, Floats]:
+    """Those of poses all round that cost no more than both neighbors."""
+    low = (costs <= np.roll(costs, 1)) & (costs <= np.roll(costs, -1))
+    return poses[low], costs[low]
 
 
 def _along(middle: Floats, twist: Floats, longest: float, step: float) -> Floats:

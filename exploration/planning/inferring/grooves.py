@@ -53,13 +53,8 @@ class GroovesConfig:
     )  # [rad] from the cylinder's axis: a ring that was read there is none
     around_it: float = 0.5  # [mm] beyond the groove, that what it stands in for may lie
     ring: int = 16  # places round it
-    tube: tuple[float, ...] = (
-        -0.64,
-        -0.32,
-        0.0,
-        0.32,
-        0.64,
-    )  # of the way from its bottom out, where they are
+    # shares of the way from its bottom out, where they are
+    tube: tuple[float, ...] = (-0.64, -0.32, 0.0, 0.32, 0.64)
     sigma: float = 0.5  # [mm]
     normal_sigma: float = 0.05  # [rad]
 

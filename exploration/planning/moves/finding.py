@@ -51,15 +51,7 @@ class Finding:
                 distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
                 settled = self.pad.come_down(start[:3, 2], distance, ApproachConfig().search_speed)
                 if (settled or self.pad.touches()) and not self.pad.on_told():
-                    self.touches = self.guard.cost.touches
-                    here, before = self.guard.world_from_sensor, self._met
-                    self._met = here
-                    again = (
-                        before is not None and float(np.linalg.norm((here - before)[:3, 3])) < 2.0 * _SHORT
-                    )
-                    if here[2, 3] > end[2, 3] and not again:  # what is below it was not searched
-                        begin = here[:3, 3] + [0.0, 0.0, _SHORT]
-                        self._left.insert(0, (se3.pose(start[:3, :3], begin), end))
+                    self._left[:0] = self._met_on(start, end)
                     return True
                 place = self.guard.world_from_sensor[:3, 3]
             except (OverPress, Collision) as error:
@@ -69,6 +61,16 @@ class Finding:
                 self._go_back(begun)
                 self._left = beside_first(not_below(self._left, place), place)
         return False
+
+    def _met_on(self, start: Floats, end: Floats) -> list[tuple[Floats, Floats]]:
+        """Note where something was met on a way down; the rest of that way, but where it was met there before."""
+        self.touches = self.guard.cost.touches
+        here, before = self.guard.world_from_sensor, self._met
+        self._met = here
+        again = before is not None and float(np.linalg.norm((here - before)[:3, 3])) < 2.0 * _SHORT
+        if again or here[2, 3] <= end[2, 3]:
+            return []
+        return [(se3.pose(start[:3, :3], here[:3, 3] + [0.0, 0.0, _SHORT]), end)]
 
     def _go_back(self, begun: int) -> None:
         """The way it came since the trail had a length: straight up may be shut, as in a bowl that lies aslant."""
