@@ -24,8 +24,10 @@ from models.meshing.manifold import (
     body_of_tree,
     body_within,
     combined,
+    composed,
 )
-from primitives.arrays import Floats, Ints, frozen
+from models.splinters import splinters
+from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.errors import PalpateError
 from primitives.pose import inverse, rotate, transform_points
 from primitives.surface import RayHits
@@ -89,8 +91,18 @@ class Solid:
 
     @property
     def parts(self) -> int:
-        """Bodies that do not hang together, however many cavities they have."""
-        return sum(part.volume() > 0.0 for part in self.body.mesh.decompose())
+        """Bodies that do not hang together, however many cavities they have; splinters do not count."""
+        apart = self.body.mesh.decompose()
+        return sum(part.volume() > 0.0 and not thin for part, thin in zip(apart, _thin(apart), strict=True))
+
+    def without_splinters(self) -> Solid:
+        """The solid of its bodies that are more than rounding left; itself where all are."""
+        apart = self.body.mesh.decompose()
+        thin = _thin(apart)
+        if not thin.any():
+            return self
+        kept = [part for part, left_out in zip(apart, thin, strict=True) if not left_out]
+        return Solid(composed(kept), self.pose)
 
     @property
     def genus(self) -> int:
@@ -199,6 +211,12 @@ def clipped(body: Body, labels: Ints, surfaces: tuple[LabeledSurface, ...], keep
     """What of a body with (t,) labels lies in `keeper`, whose surfaces follow `surfaces`; None for nothing."""
     kept = body_within(body, labels, surfaces, keeper, TOLERANCE)
     return None if kept is None else Solid(kept, frozen(np.eye(4)))
+
+
+def _thin(manifolds: list[Any]) -> Bools:
+    """(n,) which of the pieces of one manifold are splinters."""
+    boxes = [np.array(part.bounding_box()) for part in manifolds]
+    return splinters([p.volume() for p in manifolds], [p.surface_area() for p in manifolds], boxes)
 
 
 @njit(cache=True)

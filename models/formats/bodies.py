@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from models.solid import Solid
+from models.splinters import splinters
+from primitives.arrays import Bools
 from primitives.errors import PalpateError
 
 _LISTED = 8  # bodies that the line names
@@ -36,6 +39,23 @@ def united(found: Found, name: str) -> Found:
         out.append(grown)
     said = (f"{name} had {merged + 1} solids that overlap; they were united",) if merged else ()
     return replace(found, solids=tuple(out), said=(*found.said, *said))
+
+
+def thin_ones(solids: Sequence[Solid]) -> Bools:
+    """(n,) which solids of a file are splinters."""
+    return splinters([s.volume for s in solids], [s.area for s in solids], [s.bounds for s in solids])
+
+
+def without_splinters(found: list[Found], name: str) -> tuple[list[Found], tuple[str, ...]]:
+    """A file's meshes without the splinters among their solids, and what to say of it."""
+    thin = iter(thin_ones([solid for mesh in found for solid in mesh.solids]))
+    kept = [replace(mesh, solids=tuple(s for s in mesh.solids if not next(thin))) for mesh in found]
+    lost = sum(len(mesh.solids) for mesh in found) - sum(len(mesh.solids) for mesh in kept)
+    if not lost:
+        return found, ()
+    pieces = "a splinter" if lost == 1 else f"{lost} splinters"
+    said = f"{name} also holds {pieces}, as rounding leaves them; left out"
+    return [mesh for mesh in kept if mesh.solids or mesh.wrong], (said,)
 
 
 class SeveralBodies(PalpateError):

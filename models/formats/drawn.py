@@ -1,7 +1,8 @@
 """The one body of a drawing, as a tree: what a file draws apart are bodies to choose from.
 
 Every term of the union belongs to the bodies that it shares material with; a term that a cut leaves in pieces
-is cut to each body's box, which is exact where the boxes do not meet.
+is cut to each body's box, which is exact where the boxes do not meet.  Splinters that rounding left stay with the
+only body.
 """
 
 from __future__ import annotations
@@ -12,14 +13,14 @@ from functools import reduce
 import numpy as np
 
 from models.csg import Csg, Cube, Placed, Union
-from models.formats.bodies import Found, chosen
+from models.formats.bodies import Found, chosen, thin_ones
 from models.formats.shells import bodies
 from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
 _MOST = 100  # bodies in one drawing
-_SHARED = 1e-6  # of a term's volume, from which on it belongs to a body
+_SHARED = 1e-6  # of the volume of a term or a body, from which on it belongs to that
 _MARGIN = 0.05  # of a body's size, that its box is wider
 
 
@@ -37,10 +38,12 @@ def body_of(tree: Csg, body: int | None, name: str) -> Drawn:
     found = bodies(whole.vertices, whole.triangles, _MOST)
     if not found:
         raise PalpateError(f"{name} draws more than {_MOST} bodies; keep the one that is meant")
-    if len(found.triangles) == 1:
-        chosen([Found("", (whole,), (), "")], body, name)
+    each = (Solid.from_mesh(whole.vertices, triangles) for triangles in found.triangles)
+    apart = [whole] if len(found.triangles) == 1 else list(each)
+    pieces = tuple(piece for piece, thin in zip(apart, thin_ones(apart), strict=True) if not thin)
+    if len(pieces) == 1:
+        chosen([Found("", pieces, (), "")], body, name)
         return Drawn(tree, whole)
-    pieces = tuple(Solid.from_mesh(whole.vertices, triangles) for triangles in found.triangles)
     _, number, _ = chosen([Found("", pieces, (), "")], body, name)
     terms = [part for term in _terms(tree) if (part := _share(term, pieces, number, name)) is not None]
     kept = reduce(lambda a, b: a | b, terms)
@@ -53,7 +56,11 @@ def _share(term: Csg, pieces: tuple[Solid, ...], number: int, name: str) -> Csg 
         solid = Solid.from_csg(term)
     except PalpateError:  # nothing is left of it
         return None
-    holders = [i for i, piece in enumerate(pieces) if solid.shared_volume(piece) > _SHARED * solid.volume]
+    holders = [
+        i
+        for i, piece in enumerate(pieces)
+        if solid.shared_volume(piece) > _SHARED * min(solid.volume, piece.volume)
+    ]
     if number not in holders:
         return None
     if len(holders) == 1:

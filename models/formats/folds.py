@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from models.boundaries.topology import open_edges, triangle_neighbors
+from models.boundaries.topology import edge_keys, open_edges, triangle_neighbors
 from models.formats.holes import filled
 from primitives.arrays import Bools, Floats, Ints
 
@@ -56,6 +56,11 @@ def unfolded(vertices: Floats, triangles: Ints) -> tuple[Ints, Ints, int]:
         return rest, rows[~bad], 1  # a sheet without thickness, closed in itself
     patch, faces = filled(vertices, rest)
     mended = np.concatenate([rest, patch])
-    if not len(patch) or open_edges(mended):
+    if not len(patch) or open_edges(mended) or _crowded(mended) > _crowded(triangles):
         return triangles, rows, 0
     return mended, np.concatenate([rows[~bad], np.full(len(patch), -1)]), faces
+
+
+def _crowded(triangles: Ints) -> int:
+    """How many edges more than two triangles share."""
+    return int((np.unique(edge_keys(triangles), return_counts=True)[1] > 2).sum())

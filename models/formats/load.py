@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from models.formats import gltf, intake, mesh, openscad, step, threemf
-from models.formats.bodies import Found, chosen, united
+from models.formats.bodies import Found, chosen, united, without_splinters
 from models.formats.crossings import crossings
 from models.formats.fair import fair
 from models.formats.labeled import LabeledMesh, joined
@@ -75,9 +75,15 @@ def load(
         found = [_found(joined(meshes), name, repair)]
     if len(found) == 1 and not exact:
         found = [united(found[0], name)]
+    found, thin = without_splinters(found, name)
     picked, number, said = chosen(found, body, name)
     guessed = units == "auto" and parsed.mm is None
-    warnings = (*size_warnings(picked.solids[number].vertices, name, guessed, limits), *said, *picked.said)
+    warnings = (
+        *size_warnings(picked.solids[number].vertices, name, guessed, limits),
+        *thin,
+        *said,
+        *picked.said,
+    )
     if not exact:
         _refuse_crossings(picked.solids[number], name)
     return Loaded(picked.solids[number], warnings)

@@ -4,7 +4,7 @@ A manifold remembers, for every triangle of a boolean's result, which run of tri
 tree is such a run, so that every triangle of the result knows which exact surface it stands for.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import manifold3d
@@ -76,6 +76,11 @@ def combined(a: Any, b: Any, operation: str) -> Body:
     """`union`, `intersection` or `difference` of two manifolds."""
     result = {"union": a.__add__, "intersection": a.__xor__, "difference": a.__sub__}[operation](b)
     return _unlabeled(result)
+
+
+def composed(parts: Sequence[Any]) -> Body:
+    """Of manifolds that do not meet."""
+    return _unlabeled(manifold3d.Manifold.compose(list(parts)))
 
 
 def _whole(result: Any) -> bool:

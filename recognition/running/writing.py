@@ -19,9 +19,10 @@ def write_model(folder: RunFolder, made: Reconstruction) -> tuple[dict[str, str]
         return files, []
     with folder.writing("model.csg") as path:
         openscad.write(written_tree(made.assembly), path)
+    surface = made.assembly.solid.without_splinters()
     for name in ("model.stl", "model.glb"):
         with folder.writing(name) as path:
-            mesh.save(made.assembly.solid, path)
+            mesh.save(surface, path)
     files = {"model": "model.csg", "mesh": "model.stl", **files}
     if step_out.available():
         try:

@@ -155,3 +155,24 @@ def test_one_of_several_bodies_is_chosen(tmp_path: Path) -> None:
     assert all(part.csg is not None for part in parts)
     with pytest.raises(PalpateError, match="no body 4"):
         load_part(file, body=4)
+
+
+def test_splinters_that_a_cut_leaves_are_no_bodies(tmp_path: Path) -> None:
+    """A corner cut off by a wedge that reaches 2 um too little at one end."""
+    file = tmp_path / "cut.scad"
+    file.write_text(
+        "difference() { cube([60, 40, 20]); translate([50, -1, -1]) cube([9.998, 50, 50]); translate([59, 10, -1])"
+        " cube([9, 50, 50]); }"
+    )
+    part = load_part(file)
+    assert part.solid.volume == pytest.approx(50 * 40 * 20, rel=1e-3)
+
+
+def test_a_body_far_smaller_than_another_can_be_chosen(tmp_path: Path) -> None:
+    """A ten-millionth of the volume of the block that it was cut off."""
+    file = tmp_path / "cut.scad"
+    file.write_text(
+        "difference() { cube([200, 200, 200]); difference() { translate([-1, -1, 150]) cube([300, 300, 99]);"
+        " translate([1, 1, 198.5]) cube(1.2); } }"
+    )
+    assert load_part(file, body=2).solid.volume == pytest.approx(1.2**3, rel=1e-3)

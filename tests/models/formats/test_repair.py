@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from models.csg import Cube
+from models.formats import mesh
 from models.part import load_part
+from models.solid import Solid
 from primitives.errors import PalpateError
+from primitives.pose import pose, rotation_exp
 
 BOX = trimesh.creation.box((20, 30, 40))
 PIPE = trimesh.creation.annulus(5, 10, 20)
@@ -107,6 +111,25 @@ def test_pieces_apart_are_bodies(tmp_path) -> None:
     assert load(tmp_path, apart, body=1).solid.volume == pytest.approx(24000)
 
 
+def test_a_splinter_beside_a_body_is_left_out_and_said(tmp_path) -> None:
+    splinter = BOX.triangles * [0.1, 0.2, 0.0005] + np.array([50, 0, 0])
+    part = load(tmp_path, np.concatenate([BOX.triangles, splinter]))
+    assert part.solid.volume == pytest.approx(24000)
+    assert "a splinter" in part.warnings[0]
+
+
+def test_a_small_body_that_is_no_splinter_is_a_body(tmp_path) -> None:
+    crumb = np.concatenate([BOX.triangles, BOX.triangles * 0.03 + np.array([50, 0, 0])])
+    with pytest.raises(PalpateError, match="2 bodies"):
+        load(tmp_path, crumb)
+
+
+def test_sheets_alike_are_bodies_however_thin(tmp_path) -> None:
+    sheets = BOX.triangles * [1, 1, 0.0005]
+    with pytest.raises(PalpateError, match="2 bodies"):
+        load(tmp_path, np.concatenate([sheets, sheets + np.array([0, 0, 10])]))
+
+
 def test_a_surface_through_itself_is_refused(tmp_path) -> None:
     bar = trimesh.creation.box((10, 10, 60)).subdivide().subdivide().subdivide()
     points = bar.vertices.copy()
@@ -124,6 +147,15 @@ def test_slivers_in_a_plane_change_nothing(tmp_path) -> None:
     fan = [[rim[i], rim[(i + 1) % 4], near] for i in range(4)]
     part = load(tmp_path, [*corners, *fan])
     assert part.solid.volume == pytest.approx(24000)
+
+
+def test_a_web_thinner_than_single_precision_tells_stays_as_it_is(tmp_path) -> None:
+    """A slot that comes out of a side by a tenth of a micrometer less at an end: no rim to fill anew."""
+    tilt = 1e-4
+    slot = Cube((12, 6, 40)).placed(pose(rotation_exp([tilt, 0, 0]), [5, 23 + 0.45 * 15.6 * tilt, 0]))
+    solid = Solid.from_csg((Cube((78, 52, 15.6)) - slot).placed(pose(rotation_exp([0, 0.5, 0.7]))))
+    mesh.save(solid, tmp_path / "part.stl")
+    assert load_part(tmp_path / "part.stl").solid.volume == pytest.approx(solid.volume, rel=1e-6)
 
 
 def test_a_sheet_folded_on_itself_is_refused(tmp_path) -> None:
