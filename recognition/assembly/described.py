@@ -14,7 +14,7 @@ from models.csg import Cone as ConeSolid
 from models.csg import Csg, Cube
 from models.csg import Cylinder as CylinderSolid
 from models.csg import Sphere as SphereSolid
-from models.normal.rounding import rounded
+from models.normal.kept_whole import rounded_whole
 from primitives.arrays import Ints
 from primitives.evidence import EdgeTrace
 from primitives.pose import quaternion_wxyz
@@ -144,7 +144,7 @@ def written_tree(assembly: Assembly) -> Csg:
         for sigma in _numbers(piece_sigma(piece, assembly.regularized).values())
         if sigma > 0.0
     ]
-    return rounded(assembly.tree, max(min(known, default=_FINEST), _FINEST))
+    return rounded_whole(assembly.tree, max(min(known, default=_FINEST), _FINEST))
 
 
 def _numbers(values: Iterable[float | Sequence[float | None]]) -> Iterator[float]:
