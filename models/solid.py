@@ -104,6 +104,10 @@ class Solid:
         kept = [part for part, left_out in zip(apart, thin, strict=True) if not left_out]
         return Solid(composed(kept), self.pose)
 
+    def simplified(self, by: float) -> Solid:
+        """With fewer triangles, its corners moved by up to so much [mm]; without labels."""
+        return Solid(composed([self.body.mesh.simplify(by)]), self.pose)
+
     @property
     def genus(self) -> int:
         """Handles, over all shells: 1 for a ring."""

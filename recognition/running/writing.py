@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from models.formats import mesh, openscad, step_out
+from models.formats.sound import sound
 from primitives.errors import NotWritten, PalpateError
 from recognition.assembly import NotClosed
 from recognition.assembly.described import written_tree
@@ -19,7 +20,7 @@ def write_model(folder: RunFolder, made: Reconstruction) -> tuple[dict[str, str]
         return files, []
     with folder.writing("model.csg") as path:
         openscad.write(written_tree(made.assembly), path)
-    surface = made.assembly.solid.without_splinters()
+    surface = sound(made.assembly.solid)
     for name in ("model.stl", "model.glb"):
         with folder.writing(name) as path:
             mesh.save(surface, path)
