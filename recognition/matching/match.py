@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from scipy.special import logsumexp
@@ -80,17 +81,29 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     if not 0.0 <= unknown < 1.0:
         raise PalpateError(f"the prior of an unknown object must be from 0 to 1, not {unknown}")
     whole = evidence.checked()
-    told = _matched(whole, library, prior, unknown, starts, config)
+    told = partial(
+        _matched, library=library, prior=prior, unknown=unknown, starts=tuple(starts), config=config
+    )
     if not (config.inward and may_face_in(whole.contacts, whole.scale_known)):
-        return told
-    other = _matched(turned(whole), library, prior, unknown, starts, config)
-    return either(told, other, config.inward)
+        return told(whole)
+    try:
+        as_given = told(whole)
+    except _NowhereError:
+        return replace(told(turned(whole)), inward=1.0)
+    try:
+        return either(as_given, told(turned(whole)), config.inward)
+    except _NowhereError:
+        return as_given
+
+
+class _NowhereError(PalpateError):
+    """No pose within the prior meets the contacts."""
 
 
 def _matched(whole: Evidence, library: Mapping[str, Entry], prior: Prior | None, unknown: float,
              starts: Iterable[tuple[str, Floats]], config: MatchConfig) -> Belief:  # fmt: skip
     """The same, with the normals as they are given."""
-    evidence = _of(whole, spread(whole.contacts, config.most))
+    evidence = _of(whole, np.sort(spread(whole.contacts, config.most)))  # places are weighed in their order
     told_where, prior = prior, prior or Prior.around(evidence.contacts)
     known: dict[str, list[Floats]] = {}
     for name, at in starts:
@@ -215,7 +228,7 @@ def _weighed(modes: list[Mode], library: Mapping[str, Entry], evidence: Evidence
         log_names[UNKNOWN] = float(logsumexp([*(alike + m.log_unknown for m in modes), scattered]))
     total = float(logsumexp(list(log_names.values())))
     if not np.isfinite(total):
-        raise PalpateError(_nowhere(evidence, prior))
+        raise _NowhereError(_nowhere(evidence, prior))
     told = sorted(modes, key=lambda m: -m.log_known)[: config.told]
     points = evidence.contacts.points
     hypotheses = tuple(
@@ -244,7 +257,7 @@ def _require_near(prior: Prior, evidence: Evidence, widest: float) -> None:
     """An object at a place that was told, of which no contact can be, is an error: it is not unknown."""
     away = np.linalg.norm(evidence.contacts.points - prior.center, axis=1)
     if away.min() > prior.radius + widest:
-        raise PalpateError(_nowhere(evidence, prior))
+        raise _NowhereError(_nowhere(evidence, prior))
 
 
 def _nowhere(evidence: Evidence, prior: Prior) -> str:

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from models import parts
-from models.csg import Cube
+from models.csg import Csg, Cube, Cylinder
 from models.library import Library
 from models.solid import Solid
+from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from primitives.facing import may_face_in
 from primitives.pose import pose, random_rotation, rotate, transform_points
-from recognition.matching import Belief, Evidence, match
+from recognition.matching import Belief, Evidence, Prior, match
 from recognition.matching.facing import either
 from recognition.recognizing.answer import warnings_of
 
@@ -88,3 +89,30 @@ def test_beliefs_of_both_ways_are_weighed_by_how_probable_the_contacts_are() -> 
     assert both.inward == pytest.approx(0.01)
     assert both.probabilities["a"] == pytest.approx(0.99 * 0.9 + 0.01 * 0.2)
     assert either(out, Belief((), {"a": 0.2, "b": 0.8}, 700.0), 0.01).probabilities["b"] == pytest.approx(0.8)
+
+
+def round_the_axis(solid: Csg) -> tuple[Library, Evidence]:
+    """One object, and exact contacts on a round wall of 12 mm about its axis, whose normals face that."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    out = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(24)])
+    places = 12.0 * out + np.outer(np.resize([2.0, 5.0, 8.0], 24), [0.0, 0.0, 1.0])
+    return Library.of({"one": Solid.from_csg(solid)}), Evidence(Contacts.of(places, -out, 0.05, 0.01))
+
+
+BOWL = Cube((60, 40, 20)) - Cylinder(12, 30).at(0, 0, 10)
+PEG = Cylinder(12, 30) | Cube((60, 40, 5)).at(0, 0, -15)
+
+
+@pytest.mark.parametrize("unknown", [0.0, 0.1])
+@pytest.mark.parametrize(("solid", "inward"), [(BOWL, 0.0), (PEG, 1.0)])
+def test_a_reading_that_no_pose_meets_leaves_the_other(solid: Csg, inward: float, unknown: float) -> None:
+    library, evidence = round_the_axis(solid)
+    belief = match(evidence, library, Prior(np.zeros(3), 5.0), unknown)
+    assert belief.decision == "one"
+    assert belief.inward == pytest.approx(inward, abs=1e-6)
+
+
+def test_where_neither_reading_is_met_it_says_so() -> None:
+    library, evidence = round_the_axis(BOWL)
+    with pytest.raises(PalpateError, match="no pose within"):
+        match(evidence, library, Prior(np.full(3, 500.0), 1.0), 0.0)

@@ -12,6 +12,7 @@ from primitives.evidence import Contacts, FreeSpace
 from primitives.pose import pose, random_rotation, rotate, transform_points
 from recognition.console import interrupts
 from recognition.matching import Evidence, Prior, match
+from recognition.matching.refining import Refining
 
 NAMES = ("bracket", "wedge", "hex_nut", "stepped_shaft")
 TURN = np.deg2rad(3) / np.sqrt(2)
@@ -66,6 +67,22 @@ def test_a_match_ends_where_somebody_asks_for_an_end(library, monkeypatch):
     with pytest.raises(interrupts.Interrupted) as told:
         match(Evidence(contacts), library)
     assert told.value.exit_code == 143
+
+
+def test_of_many_contacts_those_that_are_searched_with_stay_in_the_order_they_were_felt_in(
+    library, monkeypatch
+):
+    contacts = felt(library["wedge"], np.eye(4), 450, np.random.default_rng(2))
+    seen = []
+    begin = Refining.__post_init__
+    monkeypatch.setattr(
+        Refining, "__post_init__", lambda self: seen.append(self.evidence.contacts) or begin(self)
+    )
+    match(Evidence(contacts), library)
+    row = {tuple(point): k for k, point in enumerate(contacts.points)}
+    kept = [row[tuple(point)] for point in seen[0].points]
+    assert len(kept) == 400
+    assert kept == sorted(kept)
 
 
 def test_an_object_that_is_left_out_is_unknown(library):
