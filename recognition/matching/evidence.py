@@ -42,14 +42,11 @@ class Evidence:
     # felt nothing
     missed: FreeSpace | None = None  # what approaches swept that met nothing
     imprints: tuple[Imprint, ...] = ()  # what the whole skin felt of each touch
-    covers: tuple[FreeSpace, ...] = ()  # bodies in the way: what touched them says nothing of the object
 
     def checked(self) -> Evidence:
         """Itself without broken rows, its noise taken for told where it cannot be; raises if nothing is left."""
         c = self.contacts
         whole = np.isfinite(c.points).all(axis=1) & np.isfinite(c.sigma) & (c.sigma > 0)
-        for cover in self.covers:
-            whole &= ~cover.contains(c.points, margin=-3.0 * float(np.max(c.sigma, initial=0.0)))
         if not whole.any():
             raise PalpateError(
                 "there is no contact to match; give at least one row x,y,z of finite numbers in mm"
