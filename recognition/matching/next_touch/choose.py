@@ -99,7 +99,7 @@ def choose(
     outcomes = foresee(offered, known.solids, pad)
     names, poses = information(outcomes, known, config.noise)
     bits = names + config.pose_share * poses if utility is None else utility(outcomes, known)
-    bits *= novelty(_lying(offered, outcomes, known), made, pad)
+    bits = bits * novelty(_lying(offered, outcomes, known), made, pad)
     share = known.weights / max(float(known.weights.sum()), 1e-12)
     risk = outcomes.risk @ share
     hits = outcomes.hit @ share
