@@ -5,6 +5,7 @@ Of the object nothing is known but what was felt, and how large it may be.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -51,7 +52,8 @@ class Toucher:
                     self.guard, Approach(start, float(np.linalg.norm(end[:3, 3] - start[:3, 3])))
                 )
             except (OverPress, Collision):
-                self.guard.go_to(start)
+                with suppress(OverPress, Collision):
+                    self.guard.go_to(start)
                 continue
             self._keep(made)
             if made.met and len(made.contacts):

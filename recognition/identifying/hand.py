@@ -111,7 +111,7 @@ class GuardedHand:
                 made = self._last = self._touched(Approach(start, length))
             except (OverPress, Collision) as error:
                 self.warnings.append(str(error))
-                self.guard.go_to(start)
+                self._free_itself(start)
                 continue
             yield made
             if made.met and len(made.contacts):

@@ -44,6 +44,15 @@ def test_an_approach_that_is_blocked_on_its_way_is_a_touch_that_tells_nothing():
     assert hand.warnings == ["collision of lts210 by 0.13 mm"]
 
 
+def test_a_search_whose_ways_are_all_blocked_ends_and_says_so():
+    guard = _InTheWay()
+    guard.sensor = SimpleNamespace(array=SimpleNamespace(size=(30.0, 20.0)))
+    hand = GuardedHand(guard, feature=40.0)
+    assert not list(hand.find(np.array([-60.0] * 3 + [60.0] * 3)))
+    assert len(guard.asked) > 9
+    assert set(hand.warnings) == {"collision of lts210 by 0.13 mm"}
+
+
 def test_round_an_object_larger_than_its_travel_the_stage_is_not_asked_to_leave_it():
     guard = _InTheWay()
     hand = GuardedHand(guard)
