@@ -106,7 +106,8 @@ def _sized(primitive: Primitive, sigma: float) -> Primitive:
         case Cone():
             low, high = _steps(primitive.bottom_radius, sigma), _steps(primitive.top_radius, sigma)
             if low == high:
-                return Cylinder(low or size(primitive.top_radius), size(primitive.height), name)
+                wider = max(primitive.bottom_radius, primitive.top_radius)
+                return Cylinder(low or size(wider), size(primitive.height), name)
             return Cone(low, high, size(primitive.height), name)
         case Sphere():
             return Sphere(size(primitive.radius), name)

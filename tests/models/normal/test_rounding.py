@@ -27,6 +27,9 @@ def test_lengths_keep_the_decimal_that_sigma_supports() -> None:
 
 
 def test_what_is_less_than_its_sigma_does_not_vanish() -> None:
+    assert (
+        rounded(Cone(0.004, 0.0, 5.0), 0.02) == rounded(Cone(0.0, 0.004, 5.0), 0.02) == Cylinder(0.004, 5.0)
+    )
     assert rounded(Sphere(0.0123), 1.0) == Sphere(0.01)
 
 
