@@ -96,7 +96,7 @@ class Solid:
         return sum(part.volume() > 0.0 and not thin for part, thin in zip(apart, _thin(apart), strict=True))
 
     def without_splinters(self) -> Solid:
-        """The solid of its bodies that are more than rounding left; itself where all are."""
+        """Of its bodies that are more than rounding left, without labels or a tree; itself where all are."""
         apart = self.body.mesh.decompose()
         thin = _thin(apart)
         if not thin.any():

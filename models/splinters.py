@@ -7,8 +7,9 @@ from numpy.typing import ArrayLike
 
 from primitives.arrays import Bools, Floats
 
-_THIN = 1e-3  # of the longest side of all bodies, the thickness that a splinter does not have
-_LITTLE = 1e-3  # of the largest body's volume, at most a splinter's
+_THIN = 1e-3  # of the longest side of the largest body,
+_THINNEST = 0.02  # [mm] and in all, the thickness that a splinter does not have
+_LITTLE = 1e-3  # of that body's volume, at most a splinter's
 
 
 def splinters(volumes: ArrayLike, areas: ArrayLike, bounds: Sequence[Floats]) -> Bools:
@@ -20,6 +21,7 @@ def splinters(volumes: ArrayLike, areas: ArrayLike, bounds: Sequence[Floats]) ->
     volume, corners = np.abs(np.asarray(volumes, dtype=np.float64)), np.asarray(bounds).reshape(-1, 2, 3)
     if len(volume) < 2:
         return np.zeros(len(volume), dtype=bool)
-    size = float((corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)).max())
-    thin = 2.0 * volume < _THIN * size * np.asarray(areas)
-    return np.asarray(thin & (volume < _LITTLE * volume.max()))
+    largest = int(volume.argmax())
+    size = float((corners[largest, 1] - corners[largest, 0]).max())
+    thin = 2.0 * volume < min(_THIN * size, _THINNEST) * np.asarray(areas)
+    return np.asarray(thin & (volume < _LITTLE * volume[largest]))

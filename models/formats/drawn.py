@@ -19,7 +19,8 @@ from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
-_MOST = 100  # bodies in one drawing
+_MOST = 100  # bodies in one drawing,
+_MOST_SHELLS = 1000  # and closed surfaces, splinters among them
 _SHARED = 1e-6  # of the volume of a term or a body, from which on it belongs to that
 _MARGIN = 0.05  # of a body's size, that its box is wider
 
@@ -35,12 +36,12 @@ class Drawn:
 def body_of(tree: Csg, body: int | None, name: str) -> Drawn:
     """The body with that number, from 1, or the only one."""
     whole = _solid(tree, name)
-    found = bodies(whole.vertices, whole.triangles, _MOST)
-    if not found:
-        raise PalpateError(f"{name} draws more than {_MOST} bodies; keep the one that is meant")
+    found = bodies(whole.vertices, whole.triangles, _MOST_SHELLS)
     each = (Solid.from_mesh(whole.vertices, triangles) for triangles in found.triangles)
     apart = [whole] if len(found.triangles) == 1 else list(each)
     pieces = tuple(piece for piece, thin in zip(apart, thin_ones(apart), strict=True) if not thin)
+    if not 1 <= len(pieces) <= _MOST:
+        raise PalpateError(f"{name} draws more than {_MOST} bodies; keep the one that is meant")
     if len(pieces) == 1:
         chosen([Found("", pieces, (), "")], body, name)
         return Drawn(tree, whole)

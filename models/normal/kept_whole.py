@@ -1,4 +1,4 @@
-"""A tree in few digits that still draws as many bodies: rounding may part two that end flush with one another."""
+"""A tree in few digits that draws no more bodies: rounding may part two that end flush with one another."""
 
 import numpy as np
 

@@ -112,7 +112,7 @@ def test_pieces_apart_are_bodies(tmp_path) -> None:
 
 
 def test_a_splinter_beside_a_body_is_left_out_and_said(tmp_path) -> None:
-    splinter = BOX.triangles * [0.1, 0.2, 0.0005] + np.array([50, 0, 0])
+    splinter = BOX.triangles * [0.1, 0.2, 0.0003] + np.array([50, 0, 0])
     part = load(tmp_path, np.concatenate([BOX.triangles, splinter]))
     assert part.solid.volume == pytest.approx(24000)
     assert "a splinter" in part.warnings[0]
@@ -122,6 +122,12 @@ def test_a_small_body_that_is_no_splinter_is_a_body(tmp_path) -> None:
     crumb = np.concatenate([BOX.triangles, BOX.triangles * 0.03 + np.array([50, 0, 0])])
     with pytest.raises(PalpateError, match="2 bodies"):
         load(tmp_path, crumb)
+
+
+def test_a_thin_disc_beside_a_large_plate_is_a_body(tmp_path) -> None:
+    disc = trimesh.creation.cylinder(5, 0.29).triangles + np.array([0, 0, 30])
+    with pytest.raises(PalpateError, match="2 bodies"):
+        load(tmp_path, np.concatenate([trimesh.creation.box((300, 200, 10)).triangles, disc]))
 
 
 def test_sheets_alike_are_bodies_however_thin(tmp_path) -> None:
