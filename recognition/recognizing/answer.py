@@ -10,7 +10,7 @@ import numpy as np
 from models.library import Entry, Library
 from models.symmetry import pose_error
 from primitives.arrays import Floats, Ints
-from primitives.pose import quaternion_wxyz
+from primitives.pose import inverse, quaternion_wxyz, transform_points
 from recognition.matching import Belief, Evidence, Hypothesis
 from recognition.matching.belief import UNKNOWN
 from recognition.matching.lone_face import lone_face
@@ -22,6 +22,9 @@ _CROWDED = 0.1  # of the length of the smallest object: contacts nearer together
 _MANY = 6  # where there are so many of them
 _SIGMAS = 2.0  # sigmas of the contacts, within which they lie on a line,
 _NARROW = 0.02  # or within this share of its length
+_OFF = 4.0  # sigmas of the contacts, where they were told, off which a model is another object,
+_OFF_SIZE = 0.02  # or share of its size, where they were not,
+_OFF_SHARE = 0.25  # if so many of them are
 
 
 def pose_json(world_from_object: Floats) -> dict[str, Any]:
@@ -178,6 +181,20 @@ def facing_of(belief: Belief) -> list[str]:
     return [
         f"the normals of the contacts seem to point into the object ({_percent(belief.inward)}), and were turned "
         "round; turn them in the file, for others rely on them too"
+    ]
+
+
+def other_object(best: Hypothesis, evidence: Evidence, entry: Entry) -> list[str]:
+    """A warning where too many contacts lie off the model that was looked for, at its likeliest pose."""
+    c = evidence.contacts
+    apart = np.abs(entry.solid.signed_distance(transform_points(inverse(best.pose), c.points)))
+    least = _OFF * c.sigma if evidence.scale_known else _OFF_SIZE * float(entry.solid.extent.max())
+    off = int((apart > least).sum())
+    if off < _OFF_SHARE * len(c):
+        return []
+    return [
+        f"{off} of the {len(c)} contacts lie off {entry.name} by more than {float(np.max(least)):.2g} mm, where it "
+        "fits best: they are probably another object's, or its --scale or --units is another"
     ]
 
 

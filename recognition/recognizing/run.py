@@ -28,7 +28,15 @@ from recognition.matching.hypotheses import SearchConfig
 from recognition.matching.match import MatchConfig
 from recognition.matching.next_touch import Choice, separating
 from recognition.matching.next_touch.sampled import sampled
-from recognition.recognizing.answer import modes, objects, of_contacts, other_unit, warnings_of, why
+from recognition.recognizing.answer import (
+    modes,
+    objects,
+    of_contacts,
+    other_object,
+    other_unit,
+    warnings_of,
+    why,
+)
 from recognition.recognizing.kept_model import kept_model
 from recognition.recognizing.settled import MADE, settled
 from recognition.recognizing.truth import truth_of
@@ -122,6 +130,7 @@ def locate(
             *source.warnings,
             *noted,
             *of_contacts(belief, evidence),
+            *other_object(belief.hypotheses[0], evidence, entry),
             *other_unit(evidence, library, [entry.name]),
         ],
     }

@@ -111,3 +111,14 @@ def test_more_left_over_than_was_guessed_widens_nothing(library: Library) -> Non
     untold = Evidence(contacts, scale_known=False, normal_scale_known=False)
     _, taken = settled(untold, {"block": library["block"]}, None, 0.0, MatchConfig())
     assert (taken.contacts.sigma == 0.3).all()
+
+
+@pytest.mark.parametrize("sigma", [None, 0.3])
+@pytest.mark.parametrize("name", ["bracket", "flange", "v_block"])
+def test_locating_another_object_says_that_it_is_hardly_this_one(
+    library: Library, tmp_path: Path, name: str, sigma: float | None
+) -> None:
+    felt = Asked(_table(tmp_path / "felt.csv", library, name, 3), sigma=sigma)
+    for model in ("bracket", "wedge", "v_block"):
+        told = any("where it fits best" in line for line in locate(felt, model, "auto", 1.0)["warnings"])
+        assert told == (model != name)
