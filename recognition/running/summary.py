@@ -9,11 +9,13 @@ from importlib.metadata import version
 from typing import Any
 
 from exploration.devices.guard import Cost
+from primitives.evidence import NOT_FELT
 from primitives.pose import quaternion_wxyz
 from recognition.assembly import NotClosed
 from recognition.config import ExploreOptions
 from recognition.reconstruct import Reconstruction
 from recognition.running.simulation import World
+from recognition.running.smallness import small_for
 from recognition.truth import Truth
 
 CLOSED = "closed"
@@ -39,6 +41,7 @@ def summarize(
     """Everything that one exploration found; only `wall_seconds` differs from run to run of a seed."""
     assembly = None if isinstance(made.assembly, NotClosed) else made.assembly
     closed = ended == CLOSED and made.closed
+    felt = made.contacts.points[made.contacts.touch != NOT_FELT]
     files = {"report": "report.html"}
     if assembly is not None:
         files = {"model": "model.csg", "mesh": "model.stl", **files}
@@ -63,7 +66,7 @@ def summarize(
         "volume_mm3": None if assembly is None else assembly.solid.volume,
         "csg": None if assembly is None else {"leaves": sum(1 for _ in assembly.tree.leaves())},
         "truth": _told_truth(world, truth),
-        "warnings": counted([*world.part.warnings, *warnings, *made.warnings]),
+        "warnings": counted([*world.part.warnings, *small_for(felt, world.specs), *warnings, *made.warnings]),
         "files": files,
     }
 
