@@ -193,8 +193,8 @@ def other_object(best: Hypothesis, evidence: Evidence, entry: Entry) -> list[str
     if off < _OFF_SHARE * len(c):
         return []
     return [
-        f"{off} of the {len(c)} contacts lie off {entry.name} by more than {float(np.max(least)):.2g} mm, where it "
-        "fits best: they are probably another object's, or its --scale or --units is another"
+        f"{off} of the {len(c)} contacts lie off {entry.name} by more than {float(np.max(least)):.2g} mm, where "
+        "it fits best: they are probably another object's, or its --scale or --units is another"
     ]
 
 

@@ -25,7 +25,7 @@ def small_for(points: Floats, specs: Sequence[SensorSpec]) -> list[str]:
         return []
     x, y = spec.array.size
     return [
-        f"all that was touched lies within {longest:.2g} mm, under one pad of {spec.name} ({x:.3g} x {y:.3g} mm), "
-        "which blurs such small faces and edges into each other: trust the model less, and use an array with finer "
+        f"all that was touched lies within {longest:.2g} mm, under one pad of {spec.name} ({x:.3g} x {y:.3g} mm): "
+        "it blurs such small faces and edges into each other: trust the model less, and use an array of finer "
         "taxels (--sensor optical)"
     ]

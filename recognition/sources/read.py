@@ -115,7 +115,10 @@ def _of_folder(folder: Path) -> Source:
     name = str(summary.get("part") or folder.resolve().name)
     if not table.is_file():
         source = _of_episode(recording)
-        told = "the run was cut short; its recording is read as far as it is whole"
+        told = (
+            "the run was cut short, and its recording is read as far as it is whole: what it had not come to is "
+            "not known, and a model of it lacks that or fills it"
+        )
         return Source(
             folder, "episode", name, source.contacts, True, source.felt,
             (told, *(w for w in source.warnings if "cut short" not in w)), source.sweep, source.explored,
