@@ -21,6 +21,7 @@ from exploration.planning.inferring.dividers import dividers
 from exploration.planning.inferring.grooves import Groove, grooves
 from exploration.planning.inferring.hole_walls import add_holes, add_left_holes
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
+from exploration.planning.inferring.keyways import keyways
 from exploration.planning.inferring.lips import no_walls
 from exploration.planning.inferring.outlines import outline_walls
 from exploration.planning.inferring.parted_ends import parted_ends
@@ -102,6 +103,9 @@ def conclude(
     for groove in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
         _add_groove(found, groove)
     _add_ends(found, frontier, inside)
+    for keyway in keyways(frontier().known, found.graph.faces, mosaic):
+        for lot, kind in keyway.walls():
+            add_own(found, lot, keyway.told, kind)
     through = slots(known := frontier().known)
     looked, beside = _open_rims(found, known, through)
     for lot in sockets([*looked, *beside], found.graph.faces):

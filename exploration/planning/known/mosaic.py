@@ -30,7 +30,8 @@ class MosaicConfig:
     known: float = 20.0  # squared depths over squared noises, from which a place is known
     most: float = 1.5  # of the share of one taxel, which a higher face may press on
     square: float = 0.035  # most cosine between the pad's normal and the axis of a cylinder that it lies on
-    beside: float = 2.0  # [mm] from the line on which it lies, where a taxel tells of it
+    beside: float = 2.0  # [mm] from the line on which it lies, where a taxel tells of it,
+    round: float = 0.7  # or of its radius, where it tells of the place under it
 
 
 @dataclass(frozen=True)
@@ -74,11 +75,29 @@ class Band:
 
 
 @dataclass(frozen=True)
+class Unrolled:
+    """Of a cylinder: by heights along it and by turns round its axis."""
+
+    share: Floats  # (n, m) of the face under the skin
+    known: Bools  # (n, m)
+    edge: Floats  # (n, m) beyond one half, the share at an edge whose wall lies on the side of growing turns
+    heights: Floats  # (n,) [mm] from the cylinder's anchor
+    turns: Floats  # (m,) [rad] in its frame, once round
+
+    def part(self, rows: slice, column: int) -> Unrolled:
+        """Some rows, from another column on; turns are from that."""
+        share, edge = (np.roll(lot[rows], -column, axis=1) for lot in (self.share, self.edge))
+        known = np.roll(self.known[rows], -column, axis=1)
+        return Unrolled(share, known, edge, self.heights[rows], self.turns)
+
+
+@dataclass(frozen=True)
 class _Image:
     pose: Floats  # (4, 4) world_from_sensor
     places: Floats  # (n, 3) [mm] of the taxels in the world, on the skin at rest
     depth: Floats  # (n,) [mm]
     sigma: Floats  # (n,) [mm]
+    spread: float  # [mm] of the rubber
 
 
 class Mosaic:
@@ -101,7 +120,8 @@ class Mosaic:
         flat = np.column_stack([x.ravel(), y.ravel()])[whole]
         places = pose[:3, 3] + flat @ pose[:3, :2].T
         mine = np.ones(len(places), dtype=bool) if own is None else own(places)
-        self._images.append(_Image(pose, places[mine], depth[whole][mine], sigma[whole][mine]))
+        mine_of = (places[mine], depth[whole][mine], sigma[whole][mine])
+        self._images.append(_Image(pose, *mine_of, seen.image.spread))
 
     def band(self, shape: Cylinder, low: float, high: float, sectors: int = 12) -> Band:
         """Of a convex cylinder between two heights [mm] from its anchor."""
@@ -130,6 +150,46 @@ class Mosaic:
         known = weights > config.known
         share: Floats = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
         return Band(share, known, low + config.step * np.arange(count, dtype=np.float64))
+
+    def unrolled(self, shape: Cylinder, low: float, high: float) -> Unrolled:
+        """Of a convex cylinder between two heights [mm] from its anchor, each place under the taxel over it.
+
+        Rubber that spreads with a Gaussian reads b / 2 + s spread / sqrt(2 pi) at the edge of a wall that stands b
+        before it and rises by s from there on: on a cylinder, less than half beside the line that the pad lies on.
+        """
+        config, rows = self.config, int(np.ceil((high - low) / self.config.step)) + 1
+        columns = max(round(2.0 * np.pi * shape.radius / config.step), 8)
+        sums, edges, weights = np.zeros((3, rows * columns))
+        for image in self._images:
+            out = _lying_along(image, shape, config.square)
+            if out is None:
+                continue
+            aside = np.cross(shape.direction, out)
+            away = image.places - shape.anchor
+            across = away @ aside
+            level = np.sqrt(np.maximum(shape.radius**2 - across**2, 0.0))
+            before = level - away @ out
+            place = (np.outer(across, aside) + np.outer(level, out)) @ shape.frame[:, :2]
+            turn = np.arctan2(place[:, 1], place[:, 0]) / (2.0 * np.pi)
+            row = np.round((away @ shape.direction - low) / config.step).astype(np.int64)
+            on = (np.abs(across) < config.round * shape.radius) & (row >= 0) & (row < rows)
+            on &= (before > config.pressed[0]) & (before < config.pressed[1])
+            cell = row[on] * columns + np.round(turn[on] * columns).astype(np.int64) % columns
+            weight = (before[on] / image.sigma[on]) ** 2
+            each = np.clip(image.depth[on] / before[on], -config.most, config.most)
+            spread = float(np.hypot(image.spread, config.blur))
+            rise = -across[on] / level[on] * spread / (np.sqrt(2.0 * np.pi) * before[on])
+            sums += np.bincount(cell, weight * each, len(sums))
+            edges += np.bincount(cell, weight * np.clip(rise, -0.5, 0.5), len(sums))
+            weights += np.bincount(cell, weight, len(sums))
+        sums, edges, weights = (
+            gaussian_filter(lot.reshape(rows, columns), config.blur / config.step, mode=("constant", "wrap"))
+            for lot in (sums, edges, weights)
+        )
+        known = weights > config.known
+        share, edge = (np.divide(lot, weights, out=np.zeros_like(lot), where=known) for lot in (sums, edges))
+        heights = low + config.step * np.arange(rows, dtype=np.float64)
+        return Unrolled(share, known, edge, heights, 2.0 * np.pi * np.arange(columns) / columns)
 
     def pictured(self, anchor: Floats, normal: Floats) -> Floats:
         """(n, 3) [mm] the middles of pads that lay on the plane through a (3,) place, of (3,) outward normal."""

@@ -56,6 +56,7 @@ def looked(there, turns=ROUND, places=(-6.0, 0.0, 6.0)):
                 array=ARRAY,
                 depth=depth + SIGMA * rng.normal(size=depth.shape),
                 sigma=np.full(ARRAY.shape, SIGMA),
+                spread=SPREAD,
             )
             mosaic.look(SimpleNamespace(image=seen, world_from_sensor=where))
     return mosaic

@@ -306,7 +306,7 @@ def pressed(at, height, up):
     places = transform_points(where, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
     share = soft(0.7 * (2.0 * notched(places, -1.0) - 1.0))
     seen = SimpleNamespace(
-        array=ARRAY, depth=0.6 * share.reshape(ARRAY.shape), sigma=np.full(ARRAY.shape, 0.03)
+        array=ARRAY, depth=0.6 * share.reshape(ARRAY.shape), sigma=np.full(ARRAY.shape, 0.03), spread=SOFT
     )
     return SimpleNamespace(image=seen, world_from_sensor=where)
 

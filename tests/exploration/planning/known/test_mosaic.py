@@ -29,7 +29,7 @@ def image(at, there, turn=0.0, press=0.8, rng=None):
     depth = press * there(places).reshape(ARRAY.shape)
     if rng is not None:
         depth = depth + SIGMA * rng.normal(size=depth.shape)
-    seen = SimpleNamespace(array=ARRAY, depth=depth, sigma=np.full(ARRAY.shape, SIGMA))
+    seen = SimpleNamespace(array=ARRAY, depth=depth, sigma=np.full(ARRAY.shape, SIGMA), spread=1.2)
     return SimpleNamespace(image=seen, world_from_sensor=where)
 
 
@@ -100,7 +100,9 @@ def test_a_cylinder_is_seen_along_the_line_on_which_the_pad_lies_and_nowhere_els
     x, y = np.meshgrid(ARRAY.x, ARRAY.y)
     places = transform_points(where, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
     depth = np.maximum(20.0 - np.hypot(places[:, 0], places[:, 1]), 0.0) * half(places[:, [2, 0, 1]])
-    seen = SimpleNamespace(array=ARRAY, depth=depth.reshape(ARRAY.shape), sigma=np.full(ARRAY.shape, SIGMA))
+    seen = SimpleNamespace(
+        array=ARRAY, depth=depth.reshape(ARRAY.shape), sigma=np.full(ARRAY.shape, SIGMA), spread=1.2
+    )
     mosaic = Mosaic()
     mosaic.look(SimpleNamespace(image=seen, world_from_sensor=where))
     band = mosaic.band(shape, -12.0, 4.0)

@@ -26,7 +26,7 @@ def pictured(there, places):
         x, y = np.meshgrid(ARRAY.x, ARRAY.y)
         on = transform_points(where, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
         depth = 0.8 * there(on).reshape(ARRAY.shape)
-        image = SimpleNamespace(array=ARRAY, depth=depth, sigma=np.full(ARRAY.shape, SIGMA))
+        image = SimpleNamespace(array=ARRAY, depth=depth, sigma=np.full(ARRAY.shape, SIGMA), spread=1.2)
         mosaic.look(SimpleNamespace(image=image, world_from_sensor=where))
     return mosaic
 
