@@ -25,7 +25,8 @@ class SquaredConfig:
     side: float = 4.0  # [mm] of an edge of the body, from which it is a side of it
     edge: float = 2.0  # [mm] of an edge of the outline, from which it may run along one,
     lean: float = 0.15  # [rad] off it at most,
-    aside: float = 0.25  # [mm] that its ends move at most; and from a line, within which it lies on that
+    ends: float = 0.35  # [mm] that its ends move at most,
+    aside: float = 0.25  # [mm] and from a line, within which it lies on that
     round: float = 0.4  # [rad] by which edges of an arc turn at both ends, at most,
     alike: float = 0.4  # and of its length, that one beside it has at least
     bend: float = 2.0  # [mm] of what is left out at most where two of them meet
@@ -86,6 +87,8 @@ def _lines(rim: Floats, sides: Sequence[Side], config: SquaredConfig) -> list[Si
     bent = np.minimum(np.abs(turn), np.abs(before))
     beside = np.maximum(np.roll(length, 1), np.roll(length, -1))
     arc = (turn * before > 0.0) & (bent > 0.01) & (bent < config.round) & (beside > config.alike * length)
+    within = arc & (np.maximum(np.abs(turn), np.abs(before)) < config.round)
+    arc = within | arc & (np.roll(within, 1) | np.roll(within, -1))  # a side bent once is none
     lines = [
         None if round_it else _side(a, b, sides, config)
         for a, b, round_it in zip(rim, after, arc, strict=True)
@@ -123,7 +126,7 @@ def _side(start: Floats, end: Floats, sides: Sequence[Side], config: SquaredConf
     across = np.array([along[1], -along[0]]) / length
     leans = [abs(float(across[0] * side.across[1] - across[1] * side.across[0])) for side in sides]
     least = min(leans)
-    if least > config.lean or 0.5 * length * least > config.aside:
+    if least > config.lean or 0.5 * length * least > config.ends:
         return None
     middle = 0.5 * (start + end)
     best = sides[int(np.argmin(leans))].across

@@ -83,3 +83,10 @@ def test_what_is_slanted_stays_and_holes_do():
     assert len(made.rims) == 2
     assert made.area == pytest.approx(ring.area, rel=0.01)
     assert squared(ring, []) is ring
+
+
+def test_a_side_that_is_bent_once_is_one_and_its_corners_are_square():
+    pocket = [[10.0, 10.1], [17.0, 9.9], [17.2, 21.8], [12.0, 22.4], [10.0, 22.2]]
+    corners = corners_of(squared(Region.of([np.array(pocket)]), sides_of(BLOCK)))
+    assert len(corners) == 4
+    assert np.allclose(corners, [[10.0, 10.0], [17.1, 10.0], [10.0, 22.1], [17.1, 22.1]], atol=0.25)
