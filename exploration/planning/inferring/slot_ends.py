@@ -1,4 +1,4 @@
-"""Ends of slots as the pictures of the faces round them show them: where they are, and whether they are round.
+"""Slots as the pictures of the faces round them show them: where their sides and ends are, and which are round.
 
 What is seen at the apex of a round end looks like a straight edge.  A square end has two corners beyond it, where
 no face is; at a round one the faces go on there.  In a picture that is soft by s a hole of radius r seems to end
@@ -27,6 +27,7 @@ class SlotEndsConfig:
 
     about: float = 5.0  # [mm] from where a slot was taken to end
     soft: float = 1.4  # [mm] standard deviation of what a picture makes of an edge
+    stations: int = 7  # along its straight part, where a side was seen
     corner: float = 0.85  # of half its width, along and across, where only a square end has no face
     widest_unsure: float = 8.0  # [mm] of a slot, up to which a picture is too soft to tell its corners
     beside: float = 2.5  # [mm] from an end, up to which a wall may be its own
@@ -36,7 +37,11 @@ class SlotEndsConfig:
 
 
 def as_seen(slot: Slot, mosaic: Mosaic, config: SlotEndsConfig = SlotEndsConfig()) -> Slot:
-    """A slot with its ends where they were seen; these are round, unless it was seen that they are not."""
+    """A slot with sides and ends where they were seen; these are round, unless it was seen that they are not."""
+    sides = [_side(slot, side, mosaic, config) for side in (1.0, -1.0)]
+    left, right = (0.5 * slot.width if side is None else side for side in sides)
+    middle = slot.center + 0.5 * (left - right) * np.cross(slot.axis, slot.along)
+    slot = replace(slot, center=middle, width=left + right)
     ends = [_apex(slot, side, mosaic, config) for side in (1.0, -1.0)]
     ahead, behind = (0.5 * slot.length if end is None else end for end in ends)
     if ahead + behind < slot.width:
@@ -118,14 +123,29 @@ def _between(slot: Slot, config: SlotEndsConfig) -> float:
 def _apex(slot: Slot, side: float, mosaic: Mosaic, config: SlotEndsConfig) -> float | None:
     """[mm] from a slot's center to one end along its middle; None where that was not seen."""
     out = np.arange(-config.about, config.about, mosaic.config.step) + 0.5 * slot.length
-    found: list[float] = []
-    for up in (1.0, -1.0):
-        share = _share(slot, side * out[:, None] * slot.along, up, mosaic)
-        k = int(np.argmax(share > 0.5))
-        if k > 0 and np.isfinite(share[: k + 1]).all():
-            part = (0.5 - share[k - 1]) / (share[k] - share[k - 1])
-            found.append(float(out[k - 1] + part * mosaic.config.step))
+    shares = [_share(slot, side * out[:, None] * slot.along, up, mosaic) for up in (1.0, -1.0)]
+    found = [edge for share in shares if (edge := _edge(out, share)) is not None]
     return float(np.mean(found)) if found else None
+
+
+def _side(slot: Slot, side: float, mosaic: Mosaic, config: SlotEndsConfig) -> float | None:
+    """[mm] from a slot's middle to one side of it; None where that was not seen."""
+    across, reach = np.cross(slot.axis, slot.along), 0.4 * (slot.length - slot.width)
+    out = np.arange(0.0, 0.5 * slot.width + config.about, mosaic.config.step)
+    found = []
+    for along in np.linspace(-reach, reach, config.stations):
+        away = along * slot.along + side * out[:, None] * across
+        shares = (_share(slot, away, up, mosaic) for up in (1.0, -1.0))
+        found += [edge for share in shares if (edge := _edge(out, share)) is not None]
+    return float(np.median(found)) if len(found) >= config.stations else None
+
+
+def _edge(out: Floats, share: Floats) -> float | None:
+    """Where on the way (n,) `out` of a slot a face begins whose (n,) share was seen; None where it was not."""
+    k = int(np.argmax(share > 0.5))
+    if k == 0 or not np.isfinite(share[: k + 1]).all():
+        return None
+    return float(np.interp(0.5, share[k - 1 : k + 1], out[k - 1 : k + 1]))
 
 
 def _cornered(slot: Slot, side: float, up: float, mosaic: Mosaic, config: SlotEndsConfig) -> float:

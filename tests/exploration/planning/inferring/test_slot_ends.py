@@ -99,3 +99,12 @@ def test_a_wall_beside_a_slot_ends_where_the_round_end_begins():
     for lot in SLOT.sides():
         own = Face(9, fit("plane", lot), lot)
         assert bounded([own], SLOT)[0] is own
+
+
+@pytest.mark.parametrize(("aside", "width"), [(0.8, WIDE - 1.7), (-0.5, WIDE + 1.0)])
+def test_its_sides_are_where_they_were_seen(aside, width):
+    taken = replace(SLOT, center=SLOT.center + aside * np.eye(3)[1], width=width)
+    seen = as_seen(taken, Pictured())
+    assert seen.width == pytest.approx(WIDE, abs=0.2)
+    assert np.allclose(seen.center, SLOT.center, atol=0.2)
+    assert as_seen(taken, Mosaic()).width == width
