@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from models.library import Library
 from models.solid import Solid
 from models.symmetry import pose_error
+from recognition.identifying.placed import PlacedConfig
 from recognition.matching import Belief
 from recognition.matching.belief import UNKNOWN
 from recognition.recognizing.answer import pose_json
@@ -33,6 +34,23 @@ def truth_json(belief: Belief | None, library: Library, name: str, solid: Solid)
         told["translation_error_mm"] = error.distance
         told["rotation_error_deg"] = float(np.degrees(error.angle))
     return told
+
+
+def of_pose(
+    ended: str, candidates: Sequence[Mapping[str, Any]], config: PlacedConfig | None = None
+) -> list[str]:
+    """A warning where it is sure which object it is, and its pose is not known as well as that usually is."""
+    config = config or PlacedConfig()
+    sigma = candidates[0]["pose_sigma"] if candidates else None
+    if ended != "sure" or sigma is None:
+        return []
+    place, turn = sigma["translation_mm"], sigma["rotation_deg"]
+    if place <= config.sigma and turn <= np.degrees(config.turned):
+        return []
+    return [
+        f"the name is sure, its pose only to {place:.2g} mm and {turn:.2g} degrees (1 sigma): no touch that could be "
+        "made tells it better"
+    ]
 
 
 def reason_in_words(summary: Mapping[str, Any]) -> str:

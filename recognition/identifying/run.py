@@ -16,7 +16,7 @@ from models.library import Library
 from primitives.errors import PalpateError
 from recognition.builtin import part_library
 from recognition.config import settings
-from recognition.identifying.answer import top, truth_json
+from recognition.identifying.answer import of_pose, top, truth_json
 from recognition.identifying.hand import GuardedHand
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step
 from recognition.identifying.learned import unfelt
@@ -120,6 +120,7 @@ def _finish(
     library: Library,
 ) -> dict[str, Any]:
     belief = identifier.told or unfelt(library, options.unknown)
+    candidates = objects(belief, library)
     said: dict[str, Any] = {
         "decision": belief.decision,
         "confidence": belief.confidence,
@@ -127,13 +128,13 @@ def _finish(
         "ended": identifier.ended,
         "policy": options.policy,
         "library": {"objects": len(library), "folder": None if options.library is None else str(options.library)},
-        "candidates": objects(belief, library),
+        "candidates": candidates,
         "history": history,
         "why": why(belief, separate),
         "truth": truth_json(belief, library, felt.world.part.name, felt.world.solid)
         if felt.world.known
         else None,
-        "warnings": [],
+        "warnings": of_pose(identifier.ended, candidates),
     }  # fmt: skip
     contacts, world = identifier.evidence.contacts, felt.world
     model = _model(identifier, library)
