@@ -6,10 +6,11 @@ two is the wrong one with probability (our derivation, two Gaussians at equal od
 
     Phi(-D / 2),   D^2 = sum d_i^2 / sigma^2:   0.5 for equal objects, never more.
 
-`probability` takes the best touches that the array can reach, `budget` of them: what the sensor itself cannot do
-better than.  `after_random` takes contacts anywhere within reach, by area; it is what touching blindly leaves.
-Both are means over which of the two is there.  The pose is taken to be as well known as the overlay needs.
-Pairs whose surfaces differ in their principal radii by more than `gate` are left out: blind touches tell them.
+`probability` takes those places on either that differ most and that the array can reach, `budget` of them: what
+the sensor itself cannot do better than.  `after_random` takes contacts anywhere within reach, by area, and is the
+mean over which of the two is there; it is what touching blindly leaves.  The pose is taken to be as well known as
+the overlay needs.  Pairs whose surfaces differ in their principal radii by more than `gate` are left out: blind
+touches tell them.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from models.library.pair_table import PairTable, table_of
 from primitives.evidence import Contacts
 from recognition.matching.contact_pairs import spread
 
-_PAIRED = 100  # contacts whose pairs are counted; more are thinned evenly
+_PAIRED = 100  # contacts whose pairs are counted; of more, those that lie farthest apart
 
 
 def shortlist(
