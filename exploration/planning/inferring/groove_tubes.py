@@ -3,7 +3,9 @@
 At a height h along the axis a round bottom of radius r leans by sin(lean) = (middle - h) / r: a few contacts of a
 fingertip tell r and the middle by a straight line through (h, sin lean).  The same r follows from the groove's
 width w at the wall and its depth s there, r = (w^2 / 4 + s^2) / 2 s.  Where the two agree, a ring comes near the
-bottom; a flat one has no such line, and one that is deeper than round has straight sides (our derivation).
+bottom; a flat one has no such line, and one that is deeper than round has straight sides.  Contacts at one place
+of its side tell no line.  Each lies on one circle through both ends of the wall, and where it leans as that does
+there the groove is that (our derivation).
 """
 
 from __future__ import annotations
@@ -25,6 +27,9 @@ class TubesConfig:
     agree: float = 0.35  # share by which the two radii may differ
     deepest: float = 1.2  # of half the width
     aside: float = 0.8  # [mm] that the bottom may be beside the middle between the walls' ends
+    leaning: float = 0.3  # sine of the lean of a side, from which it is no flat bottom's,
+    off: float = 0.12  # that this may be off
+    same: float = 0.5  # [mm] by which depths of one bottom may differ
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,15 @@ def tube_felt(
     """Of (n,) heights and depths [mm], and sines of the leans toward the axis, of contacts between two heights."""
     if len(heights) < config.few:
         return None
+    return _by_line(heights, depths, leans, low, high, config) or _by_side(
+        heights, depths, leans, low, high, config
+    )
+
+
+def _by_line(
+    heights: Floats, depths: Floats, leans: Floats, low: float, high: float, config: TubesConfig
+) -> Tube | None:
+    """Of contacts about its bottom, whose leans change with their heights."""
     away = heights - heights.mean()
     square = float(away @ away)
     if square < 1e-9:
@@ -73,3 +87,21 @@ def tube_felt(
         return None
     radius = (0.25 * (high - low) ** 2 + depth**2) / (2.0 * depth)
     return Tube(middle, depth, radius) if abs(slope * radius - 1.0) < config.agree else None
+
+
+def _by_side(
+    heights: Floats, depths: Floats, leans: Floats, low: float, high: float, config: TubesConfig
+) -> Tube | None:
+    """Of contacts on its sides: the circle through each of them and both ends of the wall (3 points, so one)."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    away = heights - middle
+    # a circle through (-half, 0), (half, 0) and (away, d) has its center at c over the wall: c^2 + half^2 = r^2
+    center = (half**2 - away**2 - depths**2) / (2.0 * np.maximum(depths, 1e-9))
+    bottoms = np.hypot(center, half) - center
+    depth = float(np.median(bottoms))
+    radius = (half**2 + depth**2) / (2.0 * depth)
+    steep = np.abs(leans) > config.leaning
+    alike = (np.abs(leans + away / radius) < config.off) & (np.abs(bottoms - depth) < config.same)
+    if not 0.0 < depth < half * config.deepest or steep.sum() < config.few or alike.mean() < 0.5:
+        return None
+    return Tube(middle, depth, float(radius))
