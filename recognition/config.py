@@ -80,8 +80,9 @@ class ExploreOptions:
             "--sensor needs a name; palpate sensors lists them",
         )
         _require(
-            self.noise is None or (math.isfinite(self.noise) and self.noise >= 0),
-            f"--noise must be a fraction of 0 or more, not {self.noise}",
+            self.noise is None or 0.0 <= self.noise < 1.0,
+            f"--noise must be a fraction from 0 to below 1 of the full-contact signal, not {self.noise}; "
+            "5 percent is 0.05",
         )
         _require(
             math.isfinite(self.pose_noise) and self.pose_noise >= 0,

@@ -88,6 +88,7 @@ def test_a_bad_pose_is_refused_in_one_line(text):
         {"feature": -1.0},
         {"noise": -0.1},
         {"noise": math.inf},
+        {"noise": 5.0},
         {"pose_noise": -1.0},
         {"seed": -1},
         {"max_touches": 0},
