@@ -48,8 +48,8 @@ def of_pose(
     if place <= config.sigma and turn <= np.degrees(config.turned):
         return []
     return [
-        f"the name is sure, its pose only to {place:.2g} mm and {turn:.2g} degrees (1 sigma): no touch that could "
-        "be made tells it better"
+        f"the name is sure, its pose only to {place:.2g} mm and {turn:.2g} degrees (1 sigma): "
+        "the touches after that told no more of it"
     ]
 
 

@@ -54,7 +54,7 @@ def show_object(folder: Path, name: str, units: str = "auto", scale: float = 1.0
     """An object of a library, read from its file as the library's settings say."""
     settings = read_settings(folder, units, scale)
     files = {file.name: file for file in model_files(folder, settings)}
-    by_file = {file.path.relative_to(folder).as_posix(): file for file in files.values()}
+    by_file = {file.path.name: file for file in files.values()}
     found = files.get(name) or by_file.get(name)
     if found is None:
         near = get_close_matches(name, files, n=1, cutoff=0.5) if name else []

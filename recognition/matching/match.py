@@ -81,17 +81,17 @@ def match(evidence: Evidence, library: Mapping[str, Entry], prior: Prior | None 
     if not 0.0 <= unknown < 1.0:
         raise PalpateError(f"the prior of an unknown object must be from 0 to 1, not {unknown}")
     whole = evidence.checked()
-    told = partial(
+    matched = partial(
         _matched, library=library, prior=prior, unknown=unknown, starts=tuple(starts), config=config
     )
     if not (config.inward and may_face_in(whole.contacts, whole.scale_known)):
-        return told(whole)
+        return matched(whole)
     try:
-        as_given = told(whole)
+        as_given = matched(whole)
     except _NowhereError:
-        return replace(told(turned(whole)), inward=1.0)
+        return replace(matched(turned(whole)), inward=1.0)
     try:
-        return either(as_given, told(turned(whole)), config.inward)
+        return either(as_given, matched(turned(whole)), config.inward)
     except _NowhereError:
         return as_given
 

@@ -188,13 +188,13 @@ def other_object(best: Hypothesis, evidence: Evidence, entry: Entry) -> list[str
     """A warning where too many contacts lie off the model that was looked for, at its likeliest pose."""
     c = evidence.contacts
     apart = np.abs(entry.solid.signed_distance(transform_points(inverse(best.pose), c.points)))
-    least = _OFF * c.sigma if evidence.scale_known else _OFF_SIZE * float(entry.solid.extent.max())
-    off = int((apart > least).sum())
-    if off < _OFF_SHARE * len(c):
+    size = np.full(len(c), _OFF_SIZE * float(entry.solid.extent.max()))
+    off = apart > (_OFF * c.sigma if evidence.scale_known else size)
+    if off.mean() < _OFF_SHARE:
         return []
     return [
-        f"{off} of the {len(c)} contacts lie off {entry.name} by more than {float(np.max(least)):.2g} mm, where "
-        "it fits best: they are probably another object's, or its --scale or --units is another"
+        f"{off.sum()} of the {len(c)} contacts lie {float(apart[off].min()):.2g} mm and more off {entry.name}, "
+        "where it fits best: they are probably another object's, or --scale, --units or --prior-center is wrong"
     ]
 
 

@@ -99,9 +99,11 @@ def _by_side(
     center = (half**2 - away**2 - depths**2) / (2.0 * np.maximum(depths, 1e-9))
     bottoms = np.hypot(center, half) - center
     depth = float(np.median(bottoms))
+    if not 0.0 < depth < half * config.deepest:
+        return None
     radius = (half**2 + depth**2) / (2.0 * depth)
     steep = np.abs(leans) > config.leaning
     alike = (np.abs(leans + away / radius) < config.off) & (np.abs(bottoms - depth) < config.same)
-    if not 0.0 < depth < half * config.deepest or steep.sum() < config.few or alike.mean() < 0.5:
+    if (steep & alike).sum() < config.few or alike.mean() < 0.5:
         return None
     return Tube(middle, depth, float(radius))

@@ -1,11 +1,11 @@
 """Keyways in shafts: slots along a cylinder, in which no array has room.
 
 A pad that lies along a cylinder shows where its wall is and where it is not (`Mosaic.unrolled`).  Where the wall
-is missing between two straight lines along the axis, for longer than it is wide, and on past at most one end of
-the cylinder, a slot with parallel sides was cut into it.  Its sides are where the lines are; its end is taken for
-round, as an end mill leaves it, for under the skin a straight one looks alike.  How deep it is a picture of the
-flat end tells through which it goes on.  Else it is taken for half as deep as wide, which is about what a keyway
-is (DIN 6885), and marked as inferred like the rest (our derivation).
+is missing between two straight lines along the axis, that run as far as they are apart or more, and on past one
+end of the cylinder at most, a slot with parallel sides was cut into it.  Its sides are where the lines are; its
+end is taken for round, as an end mill leaves it, for under the skin a straight one looks alike.  How deep it is a
+picture of the flat end tells through which it goes on.  Else it is taken for half as deep as wide, which is about
+what a keyway is (DIN 6885), and marked as inferred like the rest (our derivation).
 
 A flat, or a slot in which something was felt, is a face of its own, and none of this.
 """
@@ -28,6 +28,7 @@ from primitives.shapes import Cylinder, Plane
 
 _UPRIGHT = 0.999  # least cosine between an end's normal and the axis
 _NEAR = 2.0  # [mm] from where the cylinder was seen to end
+_BESIDE = 5.0  # [mm] outside the cylinder, within which an end or a shoulder of it was felt
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ class KeywaysConfig:
     rough: float = 0.35  # [mm] by which its sides may stray from lines along the axis
     open_end: float = 1.5  # [mm] from the end of the cylinder, where it goes on through that
     deep: float = 0.4  # [mm] under the wall, from which what is known in the gap is a face of its own,
+    looks: float = -0.3  # with at least this cosine between its normal and the way out: no bore's inside,
     few: int = 3  # such contacts
     margin: float = 0.15  # of its width, that these lie within its sides and ends
     across: float = 0.25  # of its width to either side of its middle, where the picture tells its depth
@@ -79,6 +81,14 @@ class Keyway:
             "a wall of a keyway is inferred from where its shaft is not; it is taken for half as deep as wide"
         )
 
+    def same(self, other: Keyway) -> bool:
+        """Whether both are of one slot, seen of two faces of one cylinder."""
+        middles = [
+            key.shaft.anchor + 0.5 * (key.low + key.high) * key.shaft.direction + key.shaft.radius * key.out
+            for key in (self, other)
+        ]
+        return float(np.linalg.norm(middles[1] - middles[0])) < 0.5 * max(self.width, other.width)
+
     def walls(self, config: KeywaysConfig = KeywaysConfig()) -> Iterator[tuple[Contacts, str]]:
         """Contacts of its sides, floor and round ends, and what kind each is of; nobody felt them."""
         up, half, shape = self.shaft.direction, 0.5 * self.width, self.shaft
@@ -109,18 +119,17 @@ def keyways(
     known: Sequence[KnownFace], faces: Sequence[Face], mosaic: Mosaic, config: KeywaysConfig = KeywaysConfig()
 ) -> list[Keyway]:
     """Those of all known cylinders, but where a face is known that may be its own."""
-    found = []
+    found: list[Keyway] = []
     for own in known:
         shape = own.fit.shape
         if not isinstance(shape, Cylinder) or own.side < 0.0 or not len(own.cells):
             continue
         up = (own.cells - shape.anchor) @ shape.direction
         seen = mosaic.unrolled(shape, float(up.min()) - 2.0, float(up.max()) + 2.0)
-        found += [
-            key
-            for gap in _gaps(seen, shape, config)
-            if (key := _of(gap, shape, faces, mosaic, config)) is not None
-        ]
+        for gap in _gaps(seen, shape, config):
+            key = _of(gap, shape, faces, mosaic, config)
+            if key is not None and not any(key.same(other) for other in found):
+                found.append(key)
     return found
 
 
@@ -166,6 +175,8 @@ def _straight(
         return None
     widths = 2.0 * radius * np.sin(np.minimum(0.5 * (turns[:, 1] - turns[:, 0]), 0.5 * np.pi))
     like = np.abs(widths - np.median(widths)) < config.alike
+    if not like.any():
+        return None
     width, middle = float(np.median(widths[like])), float(turns[like].mean())
     length = float(like.sum()) * float(wall.heights[1] - wall.heights[0])
     stray = float(radius * turns[like].std(axis=0).max())
@@ -177,12 +188,13 @@ def _straight(
     inside = np.flatnonzero(piece[:, column])
     if not len(inside):
         return None
-    low, high = (
-        _end(wall.share[:, column], wall.heights, int(row), way, level)
-        for row, way in ((inside[0], -1), (inside[-1], 1))
-    )
-    past_low, past_high = low - wall.heights[0] < config.open_end, wall.heights[-1] - high < config.open_end
-    return None if past_low and past_high else _Gap(middle, width, low, high, bool(past_low), bool(past_high))
+    past, ends = [], []
+    for row, way, last in ((int(inside[0]), -1, 0), (int(inside[-1]), 1, len(wall.heights) - 1)):
+        past.append(abs(float(wall.heights[row] - wall.heights[last])) < config.open_end)
+        if not past[-1] and not wall.known[row + way, column]:
+            return None  # nobody looked where it ends
+        ends.append(float(wall.heights[row]) if past[-1] else _end(wall, column, row, way, level))
+    return None if all(past) else _Gap(middle, width, ends[0], ends[1], past[0], past[1])
 
 
 def _sides(piece: Bools, wall: Unrolled, level: float) -> tuple[Floats, Floats]:
@@ -208,11 +220,11 @@ def _past(over: Floats) -> float:
     return float(inside - over[inside] / (over[inside] - over[inside - 1]))
 
 
-def _end(share: Floats, heights: Floats, row: int, way: int, level: float) -> float:
-    """[mm] the height at which a column passes the level, beyond the last row of a gap."""
-    beyond = min(max(row + way, 0), len(share) - 1)
-    past = (level - share[row]) / max(share[beyond] - share[row], 1e-9)
-    return float(heights[row] + way * (heights[1] - heights[0]) * np.clip(past, 0.0, 1.0))
+def _end(wall: Unrolled, column: int, row: int, way: int, level: float) -> float:
+    """[mm] the height at which a column passes the level, between the last row of a gap and the next."""
+    inside, beyond = (float(wall.share[k, column]) for k in (row, row + way))
+    past = float(np.clip((level - inside) / max(beyond - inside, 1e-9), 0.0, 1.0))
+    return float(wall.heights[row] + past * (wall.heights[row + way] - wall.heights[row]))
 
 
 def _of(
@@ -231,30 +243,33 @@ def _of(
         for end, _ in ends[:1]:
             level = float((end.anchor - shape.anchor) @ shape.direction)
             low, high = (level, high) if way @ shape.direction < 0 else (low, level)
-            depth = depth or _depth(gap, shape, out, end, way, mosaic, config)
+            depth = _depth(gap, shape, out, end, way, mosaic, config)
     told = depth or 0.5 * gap.width
     return Keyway(shape, out, low, high, gap.width, told, depth is not None, gap.open_low, gap.open_high)
 
 
 def _within(face: Face, gap: _Gap, shape: Cylinder, out: Floats, config: KeywaysConfig) -> bool:
-    """Whether contacts of a face lie in a gap, under the cylinder's wall."""
-    away = face.contacts.points - shape.anchor
+    """Whether contacts of a face lie in a gap, under the cylinder's wall and over what is behind any keyway."""
+    away, deep = face.contacts.points - shape.anchor, -shape.signed_distance(face.contacts.points)
     up, across = away @ shape.direction, away @ np.cross(shape.direction, out)
     beside = config.margin * gap.width
     within = (up > gap.low + beside) & (up < gap.high - beside) & (away @ out > 0.0)
     within &= np.abs(across) < 0.5 * gap.width - beside
-    return int((within & (shape.signed_distance(face.contacts.points) < -config.deep)).sum()) >= config.few
+    within &= (deep > config.deep) & (deep < config.hollow[1] * gap.width)
+    return int((within & (face.contacts.normals @ out > config.looks)).sum()) >= config.few
 
 
 def _flats(faces: Sequence[Face], shape: Cylinder, height: float) -> list[tuple[Plane, Floats]]:
-    """Flat faces upright on a cylinder's axis near a height [mm], and (3,) the way that each looks."""
-    ends = []
-    for fit in (face.fit for face in faces if isinstance(face.fit, Fit)):
-        plane = fit.shape
+    """Flat faces upright on a cylinder's axis near a height [mm] and beside it, and (3,) the way each looks."""
+    ends: list[tuple[float, Plane, Floats]] = []
+    for face in faces:
+        plane = face.fit.shape if isinstance(face.fit, Fit) else None
         if isinstance(plane, Plane) and abs(float(plane.direction @ shape.direction)) > _UPRIGHT:
-            away = float((plane.anchor - shape.anchor) @ shape.direction) - height
-            ends += [(plane, (1.0 if fit.convex else -1.0) * plane.direction)] if abs(away) < _NEAR else []
-    return ends
+            away = abs(float((plane.anchor - shape.anchor) @ shape.direction) - height)
+            beside = float(shape.signed_distance(face.contacts.points).min(initial=np.inf))
+            if away < _NEAR and beside < _BESIDE:
+                ends.append((away, plane, face.contacts.normals.mean(axis=0)))
+    return [(plane, normal) for _, plane, normal in sorted(ends, key=lambda end: end[0])]
 
 
 def _depth(

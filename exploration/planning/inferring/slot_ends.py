@@ -27,6 +27,7 @@ class SlotEndsConfig:
 
     about: float = 5.0  # [mm] from where a slot was taken to end
     soft: float = 1.4  # [mm] standard deviation of what a picture makes of an edge
+    narrow: float = 0.8  # of its length, that it is wide at most
     stations: int = 7  # along its straight part, where a side was seen
     corner: float = 0.85  # of half its width, along and across, where only a square end has no face
     widest_unsure: float = 8.0  # [mm] of a slot, up to which a picture is too soft to tell its corners
@@ -40,8 +41,9 @@ def as_seen(slot: Slot, mosaic: Mosaic, config: SlotEndsConfig = SlotEndsConfig(
     """A slot with sides and ends where they were seen; these are round, unless it was seen that they are not."""
     sides = [_side(slot, side, mosaic, config) for side in (1.0, -1.0)]
     left, right = (0.5 * slot.width if side is None else side for side in sides)
-    middle = slot.center + 0.5 * (left - right) * np.cross(slot.axis, slot.along)
-    slot = replace(slot, center=middle, width=left + right)
+    if left + right < config.narrow * slot.length:
+        middle = slot.center + 0.5 * (left - right) * np.cross(slot.axis, slot.along)
+        slot = replace(slot, center=middle, width=left + right)
     ends = [_apex(slot, side, mosaic, config) for side in (1.0, -1.0)]
     ahead, behind = (0.5 * slot.length if end is None else end for end in ends)
     if ahead + behind < slot.width:

@@ -20,7 +20,7 @@ def test_an_object_under_one_pad_is_small_for_it() -> None:
     assert "--sensor" in told
 
 
-@pytest.mark.parametrize("size", [(60, 6, 6), (30, 20, 14)])
+@pytest.mark.parametrize("size", [(60, 6, 6), (30, 20, 14), (20, 20, 5)])
 def test_one_that_is_longer_is_not(size: tuple[float, ...]) -> None:
     assert small_for(box(*size), PADS) == []
 
@@ -28,3 +28,4 @@ def test_one_that_is_longer_is_not(size: tuple[float, ...]) -> None:
 def test_finer_taxels_are_enough_and_nothing_felt_says_nothing() -> None:
     assert small_for(box(14, 9, 6), [load_sensor("optical")]) == []
     assert small_for(np.zeros((0, 3)), PADS) == []
+    assert small_for(box(12, 9, 6)[:8], PADS) == []

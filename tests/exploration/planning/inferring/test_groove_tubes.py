@@ -38,3 +38,6 @@ def test_a_flat_bottom_and_a_slope_that_is_no_circle_are_none():
     assert tube_felt(at, depths, leans + 0.3, LOW, HIGH) is None
     assert tube_felt(at[:2], depths[:2], leans[:2], LOW, HIGH) is None
     assert tube_felt(at, depths + 4.0, leans, LOW, HIGH) is None  # deeper than half round
+    mixed = [np.concatenate([a, b]) for a, b in zip(on_it(np.full(3, 4.0)), on_it(np.zeros(3)), strict=True)]
+    assert tube_felt(mixed[0], mixed[1], np.array([0.9, 0.9, 0.9, 0.0, 0.0, 0.0]), LOW, HIGH) is None
+    assert tube_felt(at, 0.0 * depths, leans, LOW, HIGH) is None

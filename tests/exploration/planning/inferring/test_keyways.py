@@ -56,7 +56,7 @@ def press(mosaic, where, surface, there, rng):
     mosaic.look(SimpleNamespace(image=image, world_from_sensor=where))
 
 
-def looked(there, end=False):
+def looked(there, end=False, over=(-20.0, -10.0, 0.0, 10.0, 20.0)):
     """A pad that lay along the cylinder at many turns round it, and on its end."""
     mosaic, rng = Mosaic(), np.random.default_rng(1)
     for turn in [*ROUND, *np.deg2rad([190.0, 195.0, 205.0, 212.0])]:
@@ -68,7 +68,8 @@ def looked(there, end=False):
             return lift, skin + lift[:, None] * out
 
         frame = np.column_stack([X, np.cross(-out, X), -out])
-        for at in (-20.0, -10.0, 0.0, 10.0, 20.0):
+        near = np.cos(turn - KEY) > 0.8
+        for at in over if near else (-20.0, -10.0, 0.0, 10.0, 20.0):
             press(mosaic, pose(frame, (RADIUS - 1.3) * out + at * X), along, there, rng)
     if end:
         for middle in (0.0, 6.0):
@@ -81,11 +82,11 @@ def looked(there, end=False):
     return mosaic
 
 
-def known():
+def known(number=0):
     turns, along = (lot.ravel() for lot in np.meshgrid(ROUND, np.linspace(-28.0, 29.0, 9)))
     out = np.column_stack([0.0 * turns, np.cos(turns), np.sin(turns)])
     contacts = Contacts.of(RADIUS * out + along[:, None] * X, out)
-    face = ranked_face(0, contacts, MergeOptions())
+    face = ranked_face(number, contacts, MergeOptions())
     return KnownFace(face, face.fit, 1.0, contacts.points, np.empty((0, 3)))
 
 
@@ -158,3 +159,30 @@ def test_where_a_face_is_known_in_it_it_is_left_to_that():
     )
     assert keyways([own], [own.face, floor], seen) == []
     assert keyways([], [], Mosaic()) == []
+
+
+def test_a_bore_behind_it_is_no_face_in_it():
+    own, seen = known(), looked(keyway(8.0, -12.0, 9.0))
+    turns, along = (lot.ravel() for lot in np.meshgrid(ROUND, np.linspace(-28.0, 28.0, 9)))
+    out = np.column_stack([0.0 * turns, np.cos(turns), np.sin(turns)])
+    for radius in (4.0, 7.0):
+        bore = ranked_face(1, Contacts.of(radius * out + along[:, None] * X, -out), MergeOptions())
+        assert len(keyways([own], [own.face, bore], seen)) == 1
+
+
+@pytest.mark.parametrize("over", [(-20.0, -10.0), (0.0,)])
+def test_where_nobody_looked_at_its_end_it_is_none(over):
+    own = known()
+    assert keyways([own], [own.face], looked(keyway(8.0, -50.0, 50.0), over=over)) == []
+
+
+def test_one_that_two_faces_of_a_cylinder_show_is_one():
+    both = [known(0), known(1)]
+    assert len(keyways(both, [own.face for own in both], looked(keyway(6.0, -12.0, 9.0)))) == 1
+
+
+def test_one_that_ends_at_a_shoulder_is_left_out():
+    own, seen = known(), looked(keyway(7.0, -5.0, 50.0), end=True)
+    ring = np.column_stack([np.full(18, END), 17.0 * np.cos(ROUND), 17.0 * np.sin(ROUND)])
+    shoulder = ranked_face(2, Contacts.of(ring, np.broadcast_to(-X, ring.shape)), MergeOptions())
+    assert keyways([own], [own.face, shoulder], seen) == []

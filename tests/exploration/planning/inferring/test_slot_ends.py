@@ -108,3 +108,7 @@ def test_its_sides_are_where_they_were_seen(aside, width):
     assert seen.width == pytest.approx(WIDE, abs=0.2)
     assert np.allclose(seen.center, SLOT.center, atol=0.2)
     assert as_seen(taken, Mosaic()).width == width
+
+
+def test_one_that_would_get_wider_than_it_is_long_stays():
+    assert as_seen(replace(SLOT, length=10.5, width=6.0), Pictured()).width == 6.0
