@@ -98,7 +98,7 @@ def conclude(
     """
     found.graph = drop_astride(uprighted(drop_poor(flattened(simpler(found.graph)))))
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
-    add_holes(found, frontier, inside)  # before walls: a round hole stops strokes, too
+    add_holes(found, frontier, inside, mosaic)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     for groove in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
         _add_groove(found, groove)
@@ -116,7 +116,7 @@ def conclude(
     looked, beside = _open_rims(found, known, through)
     for lot in upright_walls(looked, found.graph.faces, beside):
         add(found, lot, _BY_RIM)
-    add_left_holes(found, frontier, inside)
+    add_left_holes(found, frontier, inside, mosaic)
     seen = [as_seen(slot, mosaic) for slot in slots(frontier().known)]
     for slot in seen:
         gone = flat_ends(slot, found.graph.faces, mosaic)

@@ -17,7 +17,8 @@ from exploration.planning.inferring.far_ends import far_ends, into_bores, narrow
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.slanting import slanting
 from exploration.planning.inferring.stepped_holes import stepped_holes
-from exploration.planning.open.cornered import cornered
+from exploration.planning.known.mosaic import Mosaic
+from exploration.planning.open.cornered import cornered, pictured_cornered
 from exploration.planning.open.holes import Hole, HolesConfig, ends_of_one, holes_of
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
@@ -26,6 +27,7 @@ from exploration.planning.touching.findings import Findings
 from primitives.arrays import Floats
 from primitives.fit import Fit
 from primitives.patch_graph import Face
+from primitives.shapes import Plane
 
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
 _ALIKE = 0.95  # least cosine between two directions that are one
@@ -34,10 +36,13 @@ _AROUND = 16.0  # [mm] round a hole, within which the face was felt that it come
 _LIP = 2.5  # [mm] round a hole, where what looks like a straight edge is a part of its rim
 
 
-def add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats) -> None:
+def add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats, mosaic: Mosaic) -> None:
     """Holes between two rims, or from one to where a face is missing; and of all rims those that are edges."""
     found.rims = [rim for rim in found.rims if _is_on(rim.face, rim.center, rim.axis, found.graph.faces)]
-    guessed = _guessed(found, frontier())
+    odd = [rim for rim in found.rims if _pictured(rim, found.graph.faces, mosaic)]
+    found.odd += odd
+    found.rims = [rim for rim in found.rims if not any(rim is other for other in odd)]
+    guessed = _guessed(found, frontier(), mosaic)
     found.wall_rims, found.glimpsed = (
         [
             (rim, own)
@@ -64,10 +69,12 @@ def add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Fl
     found.openings = [rim for rim in left if not any(rim is end for end in through)]
 
 
-def add_left_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats) -> None:
+def add_left_holes(
+    found: Findings, frontier: Callable[[], LocalFrontier], inside: Floats, mosaic: Mosaic
+) -> None:
     """Of openings that were left, once walls are known; and of those that are only guessed by then."""
     found.openings = _holes(
-        found, [*found.openings, *_guessed(found, frontier())], [], inside, frontier().known
+        found, [*found.openings, *_guessed(found, frontier(), mosaic)], [], inside, frontier().known
     )
 
 
@@ -98,10 +105,23 @@ def _holes(
     return left
 
 
-def _guessed(found: Findings, now: LocalFrontier) -> list[RoundRim]:
-    """Openings that nobody has looked at, and that no edge beside them tells to have corners."""
-    edges = [edge for edge, _ in (*found.wall_rims, *found.glimpsed)]
-    return [rim for rim in now.openings if not _looked_at(rim, found) and not cornered(rim, edges)]
+def _guessed(found: Findings, now: LocalFrontier, mosaic: Mosaic) -> list[RoundRim]:
+    """Openings that nobody has looked at, and that no edge beside them and no picture tells to have corners."""
+    edges, faces = [edge for edge, _ in (*found.wall_rims, *found.glimpsed)], found.graph.faces
+    return [
+        rim
+        for rim in now.openings
+        if not (_looked_at(rim, found) or cornered(rim, edges) or _pictured(rim, faces, mosaic))
+    ]
+
+
+def _pictured(rim: RoundRim, faces: Sequence[Face], mosaic: Mosaic) -> bool:
+    """Whether the picture of its flat face shows that a rim is no circle; looks may have told it too high."""
+    for face in faces:
+        if face.id == rim.face and isinstance(face.fit, Fit) and isinstance(face.fit.shape, Plane):
+            up = float((face.fit.shape.anchor - rim.center) @ rim.axis)
+            return pictured_cornered(replace(rim, center=rim.center + up * rim.axis), mosaic)
+    return False
 
 
 def _told_by(gap: RoundRim, rim: RoundRim) -> bool:

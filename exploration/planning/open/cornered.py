@@ -1,7 +1,8 @@
 """Gaps that places round them make circles of, and that have corners.
 
 Where touched places lie a few millimeters apart, a hexagon is nearly a circle.  Out of a circle every piece of its
-edge leads to the middle; out of a side most pieces do not (our derivation).
+edge leads to the middle; out of a side most pieces do not.  And where pads lay all round it, their picture shows
+how far from the middle the face begins: equally far all round a circle, but for a keyway (our derivation).
 """
 
 from __future__ import annotations
@@ -12,7 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.control.sighting import Sighting
+from exploration.planning.known.mosaic import Lattice, Mosaic
 from exploration.planning.open.round_rims import RoundRim
+from primitives.arrays import Floats
+from primitives.pose import frame_along
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,10 @@ class CorneredConfig:
     turned: float = 0.2  # [rad] from the way to the middle, from which an edge does not lead there
     few: int = 3  # such edges at least,
     share: float = 0.3  # of all beside it
+    about: float = 4.0  # [mm] either way from the circle, where a picture is asked for its edge,
+    turns: int = 48  # in so many directions,
+    seen: float = 0.7  # and so many of them must have been seen
+    off: tuple[float, float] = (0.3, 0.02)  # [mm], and of the radius, that half of them are off at least
 
 
 def cornered(rim: RoundRim, edges: Sequence[Sighting], config: CorneredConfig = CorneredConfig()) -> bool:
@@ -41,3 +49,36 @@ def cornered(rim: RoundRim, edges: Sequence[Sighting], config: CorneredConfig = 
         if own and leads > 0.0:  # another leads away from the gap: the outer rim of a lug
             turned.append(leads < np.cos(config.turned))
     return sum(turned) >= config.few and float(np.mean(turned)) > config.share
+
+
+def pictured_cornered(rim: RoundRim, mosaic: Mosaic, config: CorneredConfig = CorneredConfig()) -> bool:
+    """Whether the picture of the face round a gap shows that it is no circle."""
+    if rim.bent or rim.radius < config.least:
+        return False
+    turn = 2.0 * np.pi * np.arange(config.turns) / config.turns
+    ways = np.column_stack([np.cos(turn), np.sin(turn)])
+    edges = _edges(rim, ways, mosaic, config)
+    known = np.isfinite(edges)
+    if known.mean() < config.seen:
+        return False
+    moved = np.column_stack([np.ones(len(turn)), ways])[known]  # a circle with its middle a little aside
+    off = edges[known] - moved @ np.linalg.lstsq(moved, edges[known], rcond=None)[0]
+    apart = float(np.median(np.abs(off - np.median(off))))
+    return apart > max(config.off[0], config.off[1] * rim.radius)
+
+
+def _edges(rim: RoundRim, ways: Floats, mosaic: Mosaic, config: CorneredConfig) -> Floats:
+    """(n,) [mm] from its middle to where the face begins along (n, 2) ways in its plane; NaN where nobody saw."""
+    plane, step = frame_along(rim.axis)[:, :2], mosaic.config.step
+    out = np.arange(max(rim.radius - config.about, 0.0), rim.radius + config.about, step)
+    places = rim.center + (out[:, None, None] * ways) @ plane.T
+    lattice = Lattice.over(places.reshape(-1, 3), plane, step, step)
+    seen = mosaic.picture(rim.center, rim.axis, lattice)
+    row, column = np.moveaxis(np.round((places @ plane - lattice.origin) / step).astype(int), -1, 0)
+    share = np.where(seen.known[row, column], seen.share[row, column], np.nan)  # (out, ways)
+    found = np.full(len(ways), np.nan)
+    for k, along in enumerate(share.T):
+        first = int(np.argmax(along > 0.5))
+        if first > 0 and np.isfinite(along[first - 1]):
+            found[k] = np.interp(0.5, along[first - 1 : first + 1], out[first - 1 : first + 1])
+    return found

@@ -8,6 +8,7 @@ import pytest
 
 from exploration.control.sighting import Sighting
 from exploration.planning.inferring.hole_walls import _ended, _holes, _part_of, _told_by, add_holes
+from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.open.holes import Hole
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim
@@ -57,7 +58,7 @@ def test_a_hole_that_narrows_ends_at_the_rim_that_was_looked_at():
     below = found.graph.faces[1]
     known = KnownFace(below, below.fit, 1.0, ring, np.empty((0, 3)))
     now = SimpleNamespace(openings=[], round_gaps=[], known=[known])
-    add_holes(found, lambda: now, np.array([[0.5, 0.0, z] for z in (8.0, 2.0, -6.0)]))
+    add_holes(found, lambda: now, np.array([[0.5, 0.0, z] for z in (8.0, 2.0, -6.0)]), Mosaic())
     radii = sorted(face.fit.shape.radius for face in found.graph.faces if face.fit.kind == "cylinder")
     assert np.allclose(radii, [5.0, 8.0], atol=0.01)
 
