@@ -114,11 +114,10 @@ def test_more_left_over_than_was_guessed_widens_nothing(library: Library) -> Non
 
 
 @pytest.mark.parametrize("sigma", [None, 0.3])
-@pytest.mark.parametrize("name", ["bracket", "flange", "v_block"])
 def test_locating_another_object_says_that_it_is_hardly_this_one(
-    library: Library, tmp_path: Path, name: str, sigma: float | None
+    library: Library, tmp_path: Path, sigma: float | None
 ) -> None:
-    felt = Asked(_table(tmp_path / "felt.csv", library, name, 3), sigma=sigma)
-    for model in ("bracket", "wedge", "v_block"):
+    felt = Asked(_table(tmp_path / "felt.csv", library, "bracket", 3), sigma=sigma)
+    for model in ("bracket", "wedge"):
         told = any("where it fits best" in line for line in locate(felt, model, "auto", 1.0)["warnings"])
-        assert told == (model != name)
+        assert told == (model != "bracket")
