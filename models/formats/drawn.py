@@ -37,10 +37,14 @@ def body_of(tree: Csg, body: int | None, name: str) -> Drawn:
     """The body with that number, from 1, or the only one."""
     whole = _solid(tree, name)
     found = bodies(whole.vertices, whole.triangles, _MOST_SHELLS)
+    if not found:
+        raise PalpateError(
+            f"{name} draws more than {_MOST_SHELLS} closed surfaces; keep the body that is meant"
+        )
     each = (Solid.from_mesh(whole.vertices, triangles) for triangles in found.triangles)
     apart = [whole] if len(found.triangles) == 1 else list(each)
     pieces = tuple(piece for piece, thin in zip(apart, thin_ones(apart), strict=True) if not thin)
-    if not 1 <= len(pieces) <= _MOST:
+    if len(pieces) > _MOST:
         raise PalpateError(f"{name} draws more than {_MOST} bodies; keep the one that is meant")
     if len(pieces) == 1:
         chosen([Found("", pieces, (), "")], body, name)

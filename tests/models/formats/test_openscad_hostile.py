@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from models.csg import Sphere
-from models.formats import openscad
+from models.formats import drawn, openscad
 from models.formats.openscad.limits import Limits
 from models.part import load_part
 from primitives.errors import PalpateError
@@ -176,3 +176,16 @@ def test_a_body_far_smaller_than_another_can_be_chosen(tmp_path: Path) -> None:
         " translate([1, 1, 198.5]) cube(1.2); } }"
     )
     assert load_part(file, body=2).solid.volume == pytest.approx(1.2**3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("limit", "told"), [("_MOST", "more than 2 bodies"), ("_MOST_SHELLS", "more than 2 closed surfaces")]
+)
+def test_a_drawing_of_too_many_bodies_says_which_limit_it_passes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str, told: str
+) -> None:
+    monkeypatch.setattr(drawn, limit, 2)
+    path = tmp_path / "many.scad"
+    path.write_text("for (i = [0 : 2]) translate([3 * i, 0, 0]) cube(1);")
+    with pytest.raises(PalpateError, match=told):
+        load_part(path)

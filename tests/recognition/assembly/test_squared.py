@@ -90,3 +90,12 @@ def test_a_side_that_is_bent_once_is_one_and_its_corners_are_square():
     corners = corners_of(squared(Region.of([np.array(pocket)]), sides_of(BLOCK)))
     assert len(corners) == 4
     assert np.allclose(corners, [[10.0, 10.0], [17.1, 10.0], [10.0, 22.1], [17.1, 22.1]], atol=0.25)
+
+
+def test_a_short_side_may_lean_by_what_its_rounded_corners_make_of_it():
+    pocket = [[10.0, 10.0], [17.0, 10.0], [17.0, 22.3], [11.5, 21.65], [10.0, 21.65]]
+    heights = corners_of(squared(Region.of([np.array(pocket)]), sides_of(BLOCK)))[:, 1]
+    assert np.allclose(heights[2:], heights[2])
+    slanted = [[10.0, 10.0], [17.0, 10.0], [17.0, 22.3], [10.0, 21.2]]
+    heights = corners_of(squared(Region.of([np.array(slanted)]), sides_of(BLOCK)))[:, 1]
+    assert heights[-1] - heights[-2] > 1.0
