@@ -14,7 +14,8 @@ import numpy as np
 from scipy.special import ndtr
 
 from exploration.planning.inferring.slots import Slot
-from exploration.planning.known.mosaic import Lattice, Mosaic
+from exploration.planning.known.mosaic import Mosaic
+from exploration.planning.known.picture_lines import begins, share_at
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT
 from primitives.fit import Fit
@@ -126,7 +127,7 @@ def _apex(slot: Slot, side: float, mosaic: Mosaic, config: SlotEndsConfig) -> fl
     """[mm] from a slot's center to one end along its middle; None where that was not seen."""
     out = np.arange(-config.about, config.about, mosaic.config.step) + 0.5 * slot.length
     shares = [_share(slot, side * out[:, None] * slot.along, up, mosaic) for up in (1.0, -1.0)]
-    found = [edge for share in shares if (edge := _edge(out, share)) is not None]
+    found = [edge for share in shares if (edge := begins(out, share)) is not None]
     return float(np.mean(found)) if found else None
 
 
@@ -138,16 +139,8 @@ def _side(slot: Slot, side: float, mosaic: Mosaic, config: SlotEndsConfig) -> fl
     for along in np.linspace(-reach, reach, config.stations):
         away = along * slot.along + side * out[:, None] * across
         shares = (_share(slot, away, up, mosaic) for up in (1.0, -1.0))
-        found += [edge for share in shares if (edge := _edge(out, share)) is not None]
+        found += [edge for share in shares if (edge := begins(out, share)) is not None]
     return float(np.median(found)) if len(found) >= config.stations else None
-
-
-def _edge(out: Floats, share: Floats) -> float | None:
-    """Where on the way (n,) `out` of a slot a face begins whose (n,) share was seen; None where it was not."""
-    k = int(np.argmax(share > 0.5))
-    if k == 0 or not np.isfinite(share[: k + 1]).all():
-        return None
-    return float(np.interp(0.5, share[k - 1 : k + 1], out[k - 1 : k + 1]))
 
 
 def _cornered(slot: Slot, side: float, up: float, mosaic: Mosaic, config: SlotEndsConfig) -> float:
@@ -163,10 +156,7 @@ def _share(slot: Slot, away: Floats, up: float, mosaic: Mosaic) -> Floats:
     """(n,) of the face at one mouth of a slot, (n, 3) from the middle of that; NaN where nobody saw."""
     mouth = slot.center + 0.5 * up * slot.depth * slot.axis
     turn = np.column_stack([slot.along, np.cross(slot.axis, slot.along)])
-    lattice = Lattice.over(mouth + away, turn, mosaic.config.step, 1.0)
-    seen = mosaic.picture(mouth, up * slot.axis, lattice)
-    at = tuple(np.round(((mouth + away) @ turn - lattice.origin) / lattice.step).astype(int).T)
-    return np.where(seen.known[at], seen.share[at], np.nan)
+    return share_at(mosaic, up * slot.axis, mouth + away, turn)
 
 
 def _crosses(face: Face, slot: Slot, side: float, config: SlotEndsConfig) -> bool:

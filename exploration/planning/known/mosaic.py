@@ -120,8 +120,8 @@ class Mosaic:
         flat = np.column_stack([x.ravel(), y.ravel()])[whole]
         places = pose[:3, 3] + flat @ pose[:3, :2].T
         mine = np.ones(len(places), dtype=bool) if own is None else own(places)
-        mine_of = (places[mine], depth[whole][mine], sigma[whole][mine])
-        self._images.append(_Image(pose, *mine_of, seen.image.spread))
+        depth, sigma = depth[whole][mine], sigma[whole][mine]
+        self._images.append(_Image(pose, places[mine], depth, sigma, seen.image.spread))
 
     def band(self, shape: Cylinder, low: float, high: float, sectors: int = 12) -> Band:
         """Of a convex cylinder between two heights [mm] from its anchor."""

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from exploration.control.sighting import Sighting
-from exploration.planning.known.mosaic import Lattice, Mosaic
+from exploration.planning.known.mosaic import Mosaic
+from exploration.planning.known.picture_lines import begins, share_at
 from exploration.planning.open.round_rims import RoundRim
 from primitives.arrays import Floats
 from primitives.pose import frame_along
@@ -69,16 +70,8 @@ def pictured_cornered(rim: RoundRim, mosaic: Mosaic, config: CorneredConfig = Co
 
 def _edges(rim: RoundRim, ways: Floats, mosaic: Mosaic, config: CorneredConfig) -> Floats:
     """(n,) [mm] from its middle to where the face begins along (n, 2) ways in its plane; NaN where nobody saw."""
-    plane, step = frame_along(rim.axis)[:, :2], mosaic.config.step
-    out = np.arange(max(rim.radius - config.about, 0.0), rim.radius + config.about, step)
+    plane, low = frame_along(rim.axis)[:, :2], max(rim.radius - config.about, 0.0)
+    out = np.arange(low, rim.radius + config.about, mosaic.config.step)
     places = rim.center + (out[:, None, None] * ways) @ plane.T
-    lattice = Lattice.over(places.reshape(-1, 3), plane, step, step)
-    seen = mosaic.picture(rim.center, rim.axis, lattice)
-    row, column = np.moveaxis(np.round((places @ plane - lattice.origin) / step).astype(int), -1, 0)
-    share = np.where(seen.known[row, column], seen.share[row, column], np.nan)  # (out, ways)
-    found = np.full(len(ways), np.nan)
-    for k, along in enumerate(share.T):
-        first = int(np.argmax(along > 0.5))
-        if first > 0 and np.isfinite(along[first - 1]):
-            found[k] = np.interp(0.5, along[first - 1 : first + 1], out[first - 1 : first + 1])
-    return found
+    lines = share_at(mosaic, rim.axis, places, plane).T
+    return np.array([np.nan if (at := begins(out, line)) is None else at for line in lines])
