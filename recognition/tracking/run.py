@@ -9,7 +9,7 @@ from recognition.running.felt_run import FeltConfig, FeltRun, felt_json, felt_ru
 from recognition.running.simulation import load_world
 from recognition.tracking.edge import EdgeTrack, track_edge
 from recognition.tracking.options import TrackOptions
-from recognition.tracking.surface import SurfaceTrack, track_surface
+from recognition.tracking.surface import ELSEWHERE, SurfaceTrack, track_surface
 from recognition.tracking.truth import edge_truth, surface_truth
 from recognition.tracking.view import View
 
@@ -31,6 +31,8 @@ def run(options: TrackOptions, view: View) -> dict[str, Any]:
 def _edge(felt: FeltRun, options: TrackOptions, view: View) -> dict[str, Any]:
     track = track_edge(felt, options.speed_mm_s, view.doing)
     points, normals = track.points, track.normals
+    if track and track.ended == "lost":
+        felt.warnings.append(_lost(options))
     said = felt_json(
         points,
         normals,
@@ -51,6 +53,8 @@ def _found_edge(track: EdgeTrack) -> dict[str, Any]:
 def _surface(felt: FeltRun, options: TrackOptions, view: View) -> dict[str, Any]:
     track: SurfaceTrack = track_surface(felt, options.speed_mm_s, view.doing)
     contacts = track.contacts
+    if track.lost and len(contacts):
+        felt.warnings.append(_lost(options))
     said = felt_json(
         contacts.points,
         contacts.normals,
@@ -62,3 +66,7 @@ def _surface(felt: FeltRun, options: TrackOptions, view: View) -> dict[str, Any]
         surface_truth(felt.world.solid, contacts) if felt.world.known else None,
     )
     return felt.finish({"what": "surface", **said}, contacts)
+
+
+def _lost(options: TrackOptions) -> str:
+    return f"the {options.what} was lost before its end; {ELSEWHERE}"

@@ -20,12 +20,16 @@ from exploration.control.track_surface import Stroke, StrokeConfig, follow_surfa
 from exploration.devices.guard import Collision, OverPress
 from primitives.arrays import Floats
 from primitives.classify import RankedFit, rank
+from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from primitives.shapes import parameters
 from recognition.running.felt_run import FeltRun
 
 Say = Callable[[str], None]
 LONGEST = 400.0  # [mm] of one stroke
+_PLACES = 3  # of the object, at which strokes begin
+_WORTH = 10.0  # [mm] of strokes, from which they tell a surface
+ELSEWHERE = "touch it elsewhere (another --seed)"
 _AT = {"edge": "an edge", "concavity": "a concavity", "wall": "a wall", "workspace": "the workspace's end"}
 
 
@@ -68,18 +72,39 @@ class SurfaceTrack:
         return "lost" in self.ended or not self.ended
 
     @property
+    def whole(self) -> bool:
+        """Whether strokes came to their ends, and are long enough to tell a surface."""
+        return not self.lost and self.travel > _WORTH
+
+    @property
     def why(self) -> str:
         """What kept strokes from feeling anything, where they did not."""
         if self.lost:
-            return "contact was lost"
+            return f"contact was lost; {ELSEWHERE}"
         met = " and ".join(_AT[end] for end in dict.fromkeys(self.ended) if end in _AT) or "nothing"
-        return f"strokes met {met} where the pad came down; touch it elsewhere (another --seed)"
+        return f"strokes met {met} where the pad came down; {ELSEWHERE}"
 
 
 def track_surface(run: FeltRun, speed: float, say: Say) -> SurfaceTrack:
-    """Find the object and stroke the surface under the pad, along two axes, at `speed` [mm/s]."""
+    """Find the object and stroke the surface under the pad, along two axes, at `speed` [mm/s].
+
+    Where it is lost, or strokes have no room, another place of the object is found; what came to an end is kept,
+    or what was followed longest.
+    """
     say("looking for the object")
     run.find()
+    tracks = [_followed(run, speed, say)]
+    while not tracks[-1].whole and len(tracks) < _PLACES:
+        say("looking for another place")
+        try:
+            run.find_elsewhere()
+        except PalpateError:
+            break
+        tracks.append(_followed(run, speed, say))
+    return max(tracks, key=lambda track: (track.whole, track.travel))
+
+
+def _followed(run: FeltRun, speed: float, say: Say) -> SurfaceTrack:
     pad = run.pad
     first = pad.feel()
     axes = pad.axes()

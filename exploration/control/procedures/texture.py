@@ -55,7 +55,9 @@ def texture(
     travel = sum(float(np.ptp(sweep.travel)) for sweep in sweeps if sweep is not None)
     told = [sweep for sweep in sweeps if sweep is not None and float(np.ptp(sweep.travel)) > config.least]
     if not told:
-        return NotStroked(f"no stroke of {config.least:g} mm was possible before contact shrank")
+        return NotStroked(
+            f"contact shrank before {config.least:g} mm were stroked; touch a wider face, or farther from its edges"
+        )
     longest = max(told, key=lambda sweep: float(np.ptp(sweep.travel)))
     return texture_of(longest, share, travel)
 

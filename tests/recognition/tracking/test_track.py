@@ -124,6 +124,12 @@ def test_the_surface_of_a_ball_is_followed_and_is_round(tmp_path):
     assert len(told["normals"]) == len(told["trace"])
 
 
+def test_a_surface_that_is_lost_where_the_pad_came_down_is_followed_in_another_place(tmp_path):
+    told = run(TrackOptions("o_ring", what="surface", seed=2, out=tmp_path / "run"), View())
+    assert not told["lost"]
+    assert told["found"]["length_mm"] > 10.0
+
+
 @pytest.mark.parametrize(
     ("ended", "lost", "why"),
     [
@@ -132,8 +138,8 @@ def test_the_surface_of_a_ball_is_followed_and_is_round(tmp_path):
             False,
             "strokes met a concavity and an edge where the pad came down",
         ),
-        (("wall", "lost"), True, "contact was lost"),
-        ((), True, "contact was lost"),
+        (("wall", "lost"), True, "contact was lost; touch it elsewhere"),
+        ((), True, "contact was lost; touch it elsewhere"),
     ],
 )
 def test_a_surface_that_was_not_followed_is_lost_where_it_says_so_and_nowhere_else(ended, lost, why):
