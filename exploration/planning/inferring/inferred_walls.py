@@ -4,7 +4,9 @@ What stops a pad that lies flush on a known face stands up from that face, and t
 at it.  A single stop tells neither how the wall lies nor that it is flat; but where two stops, from places apart,
 agree on one plane across a direction that the object has already, as of a face or an axis, that plane is the
 likeliest wall, and what is missing without it is a whole step (our derivation).  The rim that the wall has on
-another face says as much as a second stop, and where the wall stands more exactly.
+another face says as much as a second stop, and where the wall stands more exactly.  Where as many stops right
+beside them lie elsewhere, pads were stopped by what they leant over, as the corners below a dome, and a few agree
+by chance.
 """
 
 from __future__ import annotations
@@ -42,6 +44,10 @@ class InferredWallConfig:
     went: int = 2  # places there that it went through, from which there is none
     past: tuple[float, float] = (0.7, 4.0)  # [mm] behind a wall, where its floor was not felt
     stays: float = 0.3  # of the places that must be left
+    rivals: tuple[float, float] = (
+        8.0,
+        16.0,
+    )  # [mm] of offset, and of place, within which other stops deny them
     sigma: float = 0.3  # [mm]
     normal_sigma: float = 0.05  # [rad]
 
@@ -95,6 +101,7 @@ def _agreeing(
     stops: list[Stop], faces: Sequence[Face], rims: Sequence[Sighting], config: InferredWallConfig
 ) -> list[Contacts]:
     lots: list[Contacts] = []
+    every = tuple(stops)
     while stops:
         _, normal, offset = stops[0]
         alike = [
@@ -110,12 +117,26 @@ def _agreeing(
         places = np.array([*(wall.pose[:3, 3] for wall, _, _ in alike), *ends])
         if np.linalg.norm(places - places[0], axis=1).max() < config.apart:
             continue
+        if sum(_denies(stop, alike, config) for stop in every) >= len(places):
+            continue
         told = [float(normal @ point) for point in ends] or [offset for *_, offset in alike]
         at = float(np.median(told))  # a rim that was seen tells it nearer than a housing that was stopped
         points = np.concatenate([_places(wall, normal, at, config) for wall, _, _ in alike])
         normals = np.broadcast_to(normal, points.shape)
         lots.append(Contacts.of(points, normals, config.sigma, config.normal_sigma, touch=NOT_FELT))
     return lots
+
+
+def _denies(stop: Stop, alike: Sequence[Stop], config: InferredWallConfig) -> bool:
+    """Whether it lay as one of others did and right beside, and stands neither in their plane nor in another's."""
+    deep, wide = config.rivals
+    return any(
+        stop.normal @ other.normal > config.flush
+        and config.agree < abs(stop.offset - other.offset) < deep
+        and stop.wall.normal @ other.wall.normal > config.across
+        and float(np.linalg.norm(stop.wall.point - other.wall.point)) < wide
+        for other in alike
+    ) and not any(stop is other for other in alike)
 
 
 def _unparted(stops: list[Stop], faces: Sequence[Face], config: InferredWallConfig) -> list[Stop]:

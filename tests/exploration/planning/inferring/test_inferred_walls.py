@@ -60,6 +60,14 @@ def test_one_stop_and_stops_at_one_place_tell_nothing():
     assert inferred_walls([one, stopped([10.1, 0.5, 0.0], [1.0, 0.0, 0.0])], PLATE) == []
 
 
+def test_stops_beside_each_other_that_lie_anywhere_agree_by_chance_and_a_step_beside_another_does_not():
+    one_step = [stopped([10.0, y, 0.0], [1.0, 0.0, 0.0]) for y in (-6.0, 6.0)]
+    anywhere = [stopped([x, y, 0.0], [1.0, 0.0, 0.0]) for x, y in ((8.0, -3.0), (5.5, 3.0), (12.0, 0.0))]
+    assert inferred_walls([*one_step, *anywhere], PLATE) == []
+    far_off = [stopped([5.0, y, 0.0], [1.0, 0.0, 0.0]) for y in (26.0, 38.0)]
+    assert len(inferred_walls([*one_step, *far_off], PLATE)) == 2
+
+
 def test_bosses_between_which_the_floor_goes_on_are_no_wall_and_a_rib_is_one():
     stops = [stopped([-1.8, y, 0.0], [1.0, 0.0, 0.0]) for y in (-15.0, 15.0)]
     assert inferred_walls(stops, PLATE) == []  # at x = 8.2, and the plate was felt at x = 10
