@@ -4,7 +4,9 @@ depth(r) = d + g . (r - c) - 1/2 (r - c)^T K (r - c) is fitted to the touched ta
 around the contact's centroid c; the slope at the pad's center is g + K c, which is the pad's tilt against a flat
 face and, on a curved one, says how far the contact lies off the middle.  The rubber's spread s lowers a curved
 contact's peak by s^2 tr(K) / 2, which is added back.  Within two taxels of where contact ends inside the pad the
-spread bends the profile, so that rim is left out wherever enough remains (our derivation).
+spread bends the profile, so that rim is left out wherever enough remains.  Between two lands of something round
+nothing is touched in the middle, which says nothing of how deep the pad lies on them: their mean does (our
+derivation).
 """
 
 from dataclasses import dataclass
@@ -35,7 +37,7 @@ class FeelConfig:
 class Felt:
     """One frame in a few numbers."""
 
-    depth: float  # [mm] at the contact's middle, as if the rubber did not spread
+    depth: float  # [mm] at the contact's middle, as if the rubber did not spread; of two lands their mean
     slope: Floats  # (2,) [mm/mm] of depth at the pad's center
     centroid: Floats  # (2,) [mm]
     curvature: Floats  # (2,) [1/mm] principal, larger first; positive where the object is convex
@@ -118,12 +120,14 @@ def _fitted(
     for _ in range(rim):
         inner = _eroded(inner)
     use = inner if _is_enough(inner, enough, 3) else mask
-    total, cx, cy = 0.0, 0.0, 0.0
+    total, cx, cy, mean, used = 0.0, 0.0, 0.0, 0.0, 0
     for i in range(len(y)):
         for j in range(len(x)):
             if use[i, j]:
                 weight = max(smooth[i, j], 0.0)
                 total += weight
+                mean += depth[i, j]
+                used += 1
                 cx += weight * x[j]
                 cy += weight * y[i]
     cx, cy = cx / total, cy / total
@@ -149,6 +153,8 @@ def _fitted(
     middle, half = (c[3] + c[5]) / 2.0, np.hypot((c[3] - c[5]) / 2.0, c[4])
     numbers[5], numbers[6], numbers[7] = middle + half, middle - half, count
     hessian[0, 0], hessian[0, 1], hessian[1, 0], hessian[1, 1] = c[3], c[4], c[4], c[5]
+    if numbers[5] > 0.0 and not mask[np.argmin(np.abs(y - cy)), np.argmin(np.abs(x - cx))]:
+        numbers[0] = max(numbers[0], mean / used)
     return TOUCHED, mask, inner, numbers, hessian
 
 

@@ -43,3 +43,12 @@ def test_nothing_and_dead_taxels_are_told_apart():
     none = np.zeros(PAD.shape)
     assert feel(image(none, none + 0.01)) == NotTouching()
     assert feel(image(none + 0.5, none + np.inf)).reason == "every taxel is dead"
+
+
+def test_between_two_lands_of_something_round_it_is_felt_how_deep_the_pad_lies_on_them():
+    gx, gy = np.meshgrid(PAD.x, PAD.y)
+    round_about = np.maximum(0.5 - gx**2 / (2 * 22.0), 0.0)
+    lands = round_about * np.clip((np.abs(gy) - 4.0) / 3.0, 0.0, 1.0)  # their inner sides are blurred
+    felt = feel(image(lands, np.full(PAD.shape, 0.01)))
+    assert felt.depth == pytest.approx(lands[felt.mask].mean())
+    assert felt.depth > 0.2
