@@ -133,6 +133,7 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
         calibration.margin,
         calibration.usual_gain_sigma,
         calibration.response,
+        frame.counts >= calibration.full_scale if most >= calibration.full_scale else None,
     )
 
 

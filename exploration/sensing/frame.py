@@ -13,7 +13,7 @@ from math import inf
 import numpy as np
 
 from exploration.sensing.response import Response
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Bools, Floats, frozen
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,7 @@ class TactileImage:
     margin: float = inf  # [mm] of skin past the outer taxels
     gain_sigma: float = 0.0  # relative 1 sigma to which gains are known; `sigma` includes it
     response: Response | None = None  # across an edge; None for rubber of `spread`
+    saturated: Bools | None = None  # (rows, columns) pressed past full scale; None where no taxel is
 
     def __post_init__(self) -> None:
         for name in ("depth", "sigma"):

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exploration.sensing.calibration import CLIPPED
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.line import Line
 from exploration.sensing.surfaces.anatomy import STRAIGHT, anatomy
@@ -169,6 +170,7 @@ def surface_of(
     """Point, normal and curvature of fitted coefficients."""
     inflation = max(1.0, fit.chi2 / max(1, fit.dof))
     c, covariance = np.ascontiguousarray(fit.parameters[:6]), fit.covariance[:6, :6] * inflation
+    covariance[0, 0] += _left_open(image, mask) ** 2
     if orders is None:
         orders = order_alone(c, covariance)
     point, normal, basis, curvature, spread = anatomy(c, covariance, mask, image.array.x, image.array.y)
@@ -188,6 +190,14 @@ def surface_of(
         fit.dof,
         mask,
     )
+
+
+def _left_open(image: TactileImage, mask: Bools) -> float:
+    """[mm] of depth that saturated taxels leave open together: what lies deeper lies deeper under all of them."""
+    if image.saturated is None:
+        return 0.0
+    clipped = mask & image.saturated & np.isfinite(image.sigma)
+    return CLIPPED * float(image.depth[clipped].sum()) / max(1, int(mask.sum()))
 
 
 def _monomials(xy: Floats) -> Floats:

@@ -1,6 +1,9 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from exploration.sensing.calibration import CLIPPED
 from exploration.sensing.lines.hough import find_lines
 from exploration.sensing.surfaces.footprint import PLANE, fit_footprint
 from exploration.sensing.surfaces.local_surface import NoSurface, fit_surface
@@ -26,6 +29,15 @@ def test_the_normal_of_a_flat_face_is_its_tilt_to_a_tenth_of_a_degree(frames):
         assert not surface.curved
         assert np.degrees(np.arccos(min(1.0, surface.normal @ normal))) < 0.1
         assert surface.point[2] == pytest.approx(-(0.5 + g @ surface.point[:2]), abs=0.015)
+
+
+def test_what_saturated_taxels_leave_open_they_leave_open_together(frames):
+    rng = np.random.default_rng(3)
+    image = frames(frames.plane(0.8), rng)
+    full = replace(image, sigma=CLIPPED * image.depth, saturated=np.ones(image.depth.shape, dtype=bool))
+    middle = np.zeros((1, 2))
+    assert fit_surface(image).depth_sigma_at(middle)[0] < 0.01
+    assert fit_surface(full).depth_sigma_at(middle)[0] == pytest.approx(0.8 * CLIPPED, rel=0.05)
 
 
 def test_covariance_is_the_scatter_on_a_sphere(frames):
