@@ -1,4 +1,4 @@
-"""Which of many points lie in a posed box, and which poses of boxes hold none of them.
+"""Which of many points lie in a posed box, which poses of boxes hold none of them, and which are near to others.
 
 The second is asked for every step of every way that is looked at.  Along a way most points are never near: those
 outside the upright box about all that a box passes through are left out at once.
@@ -48,6 +48,34 @@ def free_of(poses: Floats, points: Floats, places: Floats, low: Floats, high: Fl
             if out[k] and _holds(there[k], near, low[b], high[b]):
                 out[k] = False
     return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def comes_near(
+    start: Floats, poses: Floats, others: Floats, reach: float, turn: float, leading_off: float
+) -> bool:
+    """Whether one of (k, 4, 4) poses is near to one of (n, 4, 4) others, if it is no farther off than the start.
+
+    Near is within `reach` [mm] and within `turn` in each element of the attitude's matrix; at a share of these
+    nearer than the start, a pose is no farther off.
+    """
+    for n in range(len(others)):
+        limit = min(1.0, _apart(start, others[n], reach, turn) - leading_off)
+        for k in range(len(poses)):
+            if _apart(poses[k], others[n], reach, turn) < limit:
+                return True
+    return False
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _apart(a: Floats, b: Floats, reach: float, turn: float) -> float:
+    """How far two (4, 4) poses are apart, 1 being where they are no longer near."""
+    most, square = 0.0, 0.0
+    for i in range(3):
+        square += (a[i, 3] - b[i, 3]) ** 2
+        for j in range(3):
+            most = max(most, abs(a[i, j] - b[i, j]))
+    return max(np.sqrt(square) / reach, most / turn)
 
 
 @numba.njit(cache=True, error_model="numpy")

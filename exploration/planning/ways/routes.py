@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from exploration.planning.ways.box_kernels import free_of
+from exploration.planning.ways.box_kernels import comes_near, free_of
 from exploration.sensing.physics.housing import housing_box
 from exploration.sensing.spec import SensorSpec, whole_body
 from primitives import pose as se3
@@ -195,24 +195,14 @@ class _Legs:
         between = between[2:] if leg == 0 else between  # the pad leaves what it lies beside
         front = self._config.margin if leg > 0 else 0.0
         margin = self._config.margin if leg != 0 else 0.3
-        return not self._is_barred(a, between) and bool(
-            self._tool.clear(between, self._obstacles, margin, front).all()
-        )
+        clear = self._tool.clear(between, self._obstacles, margin, front).all()
+        return bool(clear) and not self._is_barred(a, between)
 
     def _is_barred(self, start: Floats, poses: Floats) -> bool:
         """Whether a (k, 4, 4) leg comes near to a barred pose; one that starts near to it must lead off."""
-        if not len(self._barred) or not len(poses):
-            return False
-        nearest = _apart(poses[:, None], self._barred[None], self._config).min(axis=0)
-        before = _apart(start[None], self._barred, self._config)
-        return bool((nearest < np.minimum(1.0, before - self._config.leading_off)).any())
-
-
-def _apart(a: Floats, b: Floats, config: RoutesConfig) -> Floats:
-    """How far (..., 4, 4) poses are apart, 1 being where what is in the way at one need not be so at the other."""
-    off = a - b
-    turned = np.abs(off[..., :3, :3]).max(axis=(-1, -2)) / config.barred_turn
-    return np.asarray(np.maximum(np.linalg.norm(off[..., :3, 3], axis=-1) / config.barred, turned))
+        c = self._config
+        near = c.barred, c.barred_turn, c.leading_off
+        return bool(comes_near(start, np.ascontiguousarray(poses), self._barred, *near))
 
 
 def on_the_way(a: Floats, b: Floats, mount: Floats, most: float, most_turn: float) -> Floats:
