@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -200,14 +202,22 @@ class Reach:
         return []
 
     def _routed(self, start: Floats, goal: Floats) -> list[Floats] | None:
-        """(4, 4) poses from one to another round what is known; None where nothing leads there."""
-        ways = self._ways()
-        tried = (
-            route(self.pad.tool, start, goal, places, ways, config, self._barred)
-            for places in self._in_the_way()
-            for config in self._routes
+        """(4, 4) poses from one to another round what is known; None where nothing leads there.
+
+        That nothing does is known once nothing leads there as near to as little as can be.
+        """
+        tool, ways = self.pad.tool, self._ways()
+        most, *others = (
+            partial(route, tool, start, goal, places, ways, config, self._barred)
+            for places, config in product(self._in_the_way(), self._routes)
         )
-        return next((found for found in tried if found is not None), None)
+        if (found := most()) is not None or not others:
+            return found
+        *others, least = others
+        nearest = least()
+        if nearest is None:
+            return None
+        return next((found for search in others if (found := search()) is not None), nearest)
 
     def _in_the_way(self) -> Iterator[Floats]:
         """(n, 3) places to keep off: of all that may stand; of what was felt; and of that, less what was since

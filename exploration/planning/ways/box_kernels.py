@@ -1,7 +1,7 @@
-"""Which of many points lie in a posed box, which poses of boxes hold none of them, and which are near to others.
+"""Which of many points lie in a posed box, the poses along a way, which of them hold none, and are near to others.
 
-The second is asked for every step of every way that is looked at.  Along a way most points are never near: those
-outside the upright box about all that a box passes through are left out at once.
+All but the first are asked for every step of every way that is looked at.  Along a way most points are never near:
+those outside the upright box about all that a box passes through are left out at once.
 """
 
 from collections.abc import Sequence
@@ -25,6 +25,31 @@ def _in_box(points: Floats, pose: Floats, low: Floats, high: Floats) -> Bools:
         out[n] = True
         for i in range(3):
             out[n] &= low[i] < pose[0, i] * x + pose[1, i] * y + pose[2, i] * z < high[i]
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def swung(start: Floats, goal: Floats, mount: Floats, turn: Floats, count: int) -> Floats:
+    """(count, 4, 4) poses of what a stage carries on a (4, 4) `mount` while its flange goes straight to a goal.
+
+    The flange turns by the rotation vector `turn` (3,) meanwhile, evenly.
+    """
+    out = np.empty((count, 4, 4))
+    back = np.linalg.inv(mount)
+    a, b = start @ back, goal @ back
+    angle = np.sqrt((turn**2).sum())
+    hat = np.zeros((3, 3))
+    if angle > 0.0:
+        x, y, z = turn[0] / angle, turn[1] / angle, turn[2] / angle
+        hat[0, 1], hat[0, 2], hat[1, 0], hat[1, 2], hat[2, 0], hat[2, 1] = -z, y, z, -x, -y, x
+    squared = hat @ hat
+    first, flange = a[:3, :3].copy(), np.eye(4)
+    for k in range(count):
+        share = k / (count - 1.0)
+        turned = np.eye(3) + np.sin(share * angle) * hat + (1.0 - np.cos(share * angle)) * squared
+        flange[:3, :3] = turned @ first
+        flange[:3, 3] = a[:3, 3] + share * (b[:3, 3] - a[:3, 3])
+        out[k] = flange @ mount
     return out
 
 
@@ -75,7 +100,7 @@ def _apart(a: Floats, b: Floats, reach: float, turn: float) -> float:
         square += (a[i, 3] - b[i, 3]) ** 2
         for j in range(3):
             most = max(most, abs(a[i, j] - b[i, j]))
-    return max(np.sqrt(square) / reach, most / turn)
+    return float(max(np.sqrt(square) / reach, most / turn))
 
 
 @numba.njit(cache=True, error_model="numpy")

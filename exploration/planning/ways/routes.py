@@ -14,13 +14,14 @@ from functools import cached_property
 
 import numpy as np
 
-from exploration.planning.ways.box_kernels import comes_near, free_of
+from exploration.planning.ways.box_kernels import comes_near, free_of, swung
 from exploration.sensing.physics.housing import housing_box
 from exploration.sensing.spec import SensorSpec, whole_body
 from primitives import pose as se3
 from primitives.arrays import Bools, Floats
 
 _ALIKE = 0.99  # cosine from which two ways out are one
+_FEW = 6  # poses, of which one is looked at before all of them are
 
 
 @dataclass(frozen=True)
@@ -169,6 +170,7 @@ class _Legs:
         self._tool, self._obstacles, self._config, self._barred = tool, obstacles, config, barred
         self._start, self._goal = start, goal
         self._turn = min(config.turn, config.swing / float(np.linalg.norm(tool.corners, axis=1).max()))
+        self._turning = _turn_of(start, goal, tool.mount)
         self._known: dict[tuple[int, bytes], bool] = {}
 
     def free(self, stops: Floats) -> bool:
@@ -191,12 +193,18 @@ class _Legs:
         return self._known[key]
 
     def _is_free(self, a: Floats, b: Floats, leg: int) -> bool:
-        between = on_the_way(a, b, self._tool.mount, self._config.step, self._turn)
+        turn = np.zeros(3) if (a[:3, :3] == b[:3, :3]).all() else self._turning
+        between = _swung(a, b, self._tool.mount, turn, self._config.step, self._turn)
         between = between[2:] if leg == 0 else between  # the pad leaves what it lies beside
         front = self._config.margin if leg > 0 else 0.0
         margin = self._config.margin if leg != 0 else 0.3
-        clear = self._tool.clear(between, self._obstacles, margin, front).all()
-        return bool(clear) and not self._is_barred(a, between)
+        for poses in (
+            between[_FEW // 2 :: _FEW],
+            between,
+        ):  # most that are in the way are so over a long piece
+            if not self._tool.clear(poses, self._obstacles, margin, front).all():
+                return False
+        return not self._is_barred(a, between)
 
     def _is_barred(self, start: Floats, poses: Floats) -> bool:
         """Whether a (k, 4, 4) leg comes near to a barred pose; one that starts near to it must lead off."""
@@ -207,11 +215,18 @@ class _Legs:
 
 def on_the_way(a: Floats, b: Floats, mount: Floats, most: float, most_turn: float) -> Floats:
     """(k, 4, 4) poses of an array as a stage goes: its flange straight, so that an array on an arm swings."""
-    off = se3.inverse(mount)
-    a, b = a @ off, b @ off
-    line = b[:3, 3] - a[:3, 3]
-    turn = se3.rotation_log(b[:3, :3] @ a[:3, :3].T)
+    return _swung(a, b, mount, _turn_of(a, b, mount), most, most_turn)
+
+
+def _turn_of(a: Floats, b: Floats, mount: Floats) -> Floats:
+    """(3,) rotation vector of the flange between (4, 4) poses of an array."""
+    off = mount[:3, :3].T
+    return se3.rotation_log(b[:3, :3] @ off @ (a[:3, :3] @ off).T)
+
+
+def _swung(a: Floats, b: Floats, mount: Floats, turn: Floats, most: float, most_turn: float) -> Floats:
+    at = -mount[:3, :3].T @ mount[:3, 3]
+    line = (b[:3, :3] - a[:3, :3]) @ at + b[:3, 3] - a[:3, 3]
     count = int(max(np.linalg.norm(line) / most, np.linalg.norm(turn) / most_turn)) + 2
-    shares = np.linspace(0.0, 1.0, count)
-    flange = se3.pose(se3.rotation_exp(shares[:, None] * turn) @ a[:3, :3], a[:3, 3] + shares[:, None] * line)
-    return np.asarray(flange @ mount)
+    start, goal = np.ascontiguousarray(a), np.ascontiguousarray(b)
+    return np.asarray(swung(start, goal, np.ascontiguousarray(mount), turn, count))
