@@ -17,7 +17,8 @@ from functools import partial
 import numpy as np
 
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.inferring.concluding import conclude, unexplained
+from exploration.planning.inferring.concluding import conclude
+from exploration.planning.inferring.explained_rims import unexplained
 from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
 from exploration.planning.inferring.inferred_walls import stops_of
 from exploration.planning.moves.along_land import AlongLand

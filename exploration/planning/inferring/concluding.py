@@ -11,13 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from exploration.control.sighting import Sighting
 from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
+from exploration.planning.inferring.explained_rims import unexplained
 from exploration.planning.inferring.grooves import Groove, grooves
 from exploration.planning.inferring.hole_walls import add_holes, add_left_holes
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
@@ -45,7 +45,7 @@ from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
 from primitives.arrays import Floats
-from primitives.evidence import NOT_FELT, Contacts
+from primitives.evidence import Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 from primitives.plate import Plate
@@ -77,12 +77,8 @@ _BY_BOTTOM = (
     "a groove round a cylinder is inferred from where its wall is not and what was felt of its bottom"
 )
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
-_ALIKE = 0.95  # least cosine between two directions that are one
 _WALLS = 4.0  # [mm] round an opening, within which its walls are
 _DEEP = 40.0  # [mm] behind its rim, likewise
-_BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
-_BESIDE = 16.0  # [mm] from a rim, within which a round face was felt that goes on from it
-_FAR = 12.0  # [mm] from a rim, within which an inferred face is known
 
 
 def conclude(
@@ -252,40 +248,3 @@ def _add_slot(found: Findings, slot: Slot) -> None:
     planes = [wall.shape for wall in walls if wall is not None and isinstance(wall.shape, Plane)]
     for lot in slot.between(planes).ends() if len(planes) == 2 else ():
         add(found, lot, _BY_GAPS, "cylinder")
-
-
-def unexplained(rims: Sequence[SeenRim], faces: Sequence[Face]) -> list[SeenRim]:
-    """The rims that no face is known behind."""
-    return [rim for rim in rims if not _explained(rim, faces)]
-
-
-def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
-    """Whether a face is known by now that passes behind a rim and along it: at its end another may pass, too.
-
-    Where a flat face goes over into a round one there is no rim, but a pad that lies on both sees one.  The other
-    flange of a spool is on the same cylinder, and goes on from no rim of the first.
-    """
-    seen, own = rim
-    for face in faces:
-        if face.id != own and isinstance(face.fit, Fit):
-            at, side = seen.point[None], 1.0 if face.fit.convex else -1.0
-            normal = side * face.fit.shape.normals(at)[0]
-            near = abs(float(face.fit.shape.signed_distance(at)[0])) < _BEHIND
-            along = normal @ seen.outward > 0.3 and abs(float(normal @ seen.tangent)) < _ALONG
-            beside = (
-                float(np.linalg.norm(face.contacts.points - seen.point, axis=1).min(initial=np.inf)) < _BESIDE
-            )
-            bends = beside and face.fit.kind != "plane" and float(normal @ seen.normal) > _ALIKE
-            if near and (bends or (along and _reaches(face, seen))):
-                return True
-    return False
-
-
-def _reaches(face: Face, rim: Sighting) -> bool:
-    """Whether a face goes on to a rim: one that is only inferred may be known at its other end alone."""
-    if (face.contacts.touch != NOT_FELT).any():
-        return True
-    away = face.contacts.points - rim.point
-    beside = away @ rim.tangent
-    on_both_hands = bool(beside.min() < 0.0 < beside.max())
-    return on_both_hands or float(np.linalg.norm(away, axis=1).min(initial=np.inf)) < _FAR

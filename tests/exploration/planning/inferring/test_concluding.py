@@ -8,7 +8,8 @@ import pytest
 
 from exploration.control.sighting import Sighting
 from exploration.planning.inferring.adding import add
-from exploration.planning.inferring.concluding import conclude, unexplained
+from exploration.planning.inferring.concluding import conclude
+from exploration.planning.inferring.explained_rims import unexplained
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.turned_ends import turned_ends
 from exploration.planning.known.mosaic import Mosaic
@@ -45,6 +46,15 @@ def test_a_wall_that_is_inferred_elsewhere_does_not_explain_a_rim_and_one_that_w
     assert unexplained([rim], [guessed]) == [rim]
     near = Sighting(18.0 * out + 10.0 * Z, along, -out, Z, 0.05, 12.0), 0
     assert unexplained([near], [guessed]) == []
+
+
+@pytest.mark.parametrize(("short", "left"), [(0.0, 0), (1.5, 0), (4.0, 1), (-1.5, 1)])
+def test_no_wall_stands_at_the_rim_of_a_bevel_a_little_short_of_a_face_that_was_felt(short, left):
+    face, out, along = wall(1, 0.0)
+    rim = Sighting((18.0 + short) * out + 10.0 * Z, along, -out, Z, 0.05, 12.0), 0
+    assert len(unexplained([rim], [face])) == left
+    guessed = replace(face, contacts=replace(face.contacts, touch=np.full(9, NOT_FELT)))
+    assert len(unexplained([rim], [guessed])) == (short != 0.0)
 
 
 def test_a_flat_face_that_goes_over_into_a_round_one_has_no_rim_there():
