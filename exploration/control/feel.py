@@ -4,9 +4,9 @@ depth(r) = d + g . (r - c) - 1/2 (r - c)^T K (r - c) is fitted to the touched ta
 around the contact's centroid c; the slope at the pad's center is g + K c, which is the pad's tilt against a flat
 face and, on a curved one, says how far the contact lies off the middle.  The rubber's spread s lowers a curved
 contact's peak by s^2 tr(K) / 2, which is added back.  Within two taxels of where contact ends inside the pad the
-spread bends the profile, so that rim is left out wherever enough remains.  Between two lands of something round
-nothing is touched in the middle, which says nothing of how deep the pad lies on them: their mean does (our
-derivation).
+spread bends the profile, so that rim is left out wherever enough remains.  Over a groove nothing is touched in the
+middle, which says nothing of how deep the pad lies on the lands beside it: their mean does.  A bowl that the pad's
+corners touch bends up both ways, and is no groove (our derivation).
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,14 @@ class FeelConfig:
     sigmas: float = 4.0  # standard deviations that a touched taxel stands out of the noise
     share: float = 0.35  # of the peak, below which a taxel counts as untouched
     rim: float = 2.0  # [spreads of the rubber] left out along the contact's end inside the pad
-    enough: int = 15  # taxels that must remain for the rim to be left out
+    enough: int = (
+        15  # taxels that must remain for the rim to be left out, or be touched for a groove to be told
+    )
+    groove: tuple[float, float] = (
+        0.1,
+        0.3,
+    )  # of the peak, up to which nothing, or little, is touched in the middle
+    hollow: float = -0.01  # [1/mm] greater curvature of what is hollow both ways, and no groove
     prior_curvature: float = 0.03  # [1/mm] of what is too small to be seen whole
     prior_sigma: float = 0.03  # [1/mm]
 
@@ -37,7 +44,7 @@ class FeelConfig:
 class Felt:
     """One frame in a few numbers."""
 
-    depth: float  # [mm] at the contact's middle, as if the rubber did not spread; of two lands their mean
+    depth: float  # [mm] at the contact's middle, as if the rubber did not spread; over a groove that of its lands
     slope: Floats  # (2,) [mm/mm] of depth at the pad's center
     centroid: Floats  # (2,) [mm]
     curvature: Floats  # (2,) [1/mm] principal, larger first; positive where the object is convex
@@ -68,6 +75,7 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         image.spread,
         (config.sigmas, config.share, _taxels(config.rim * image.spread, array), config.enough),
         (config.prior_curvature, config.prior_sigma),
+        (*config.groove, config.hollow),
     )
     if found == NO_TAXEL:
         return NotTouching("every taxel is dead")
@@ -99,10 +107,12 @@ def _fitted(
     spread: float,
     taxels: tuple[float, float, int, int],
     prior: tuple[float, float],
+    grooved: tuple[float, float, float],
 ) -> tuple[int, Bools, Bools, Floats, Floats]:
     """What is touched, the masks, the numbers of `Felt` up to its curvature and a count of taxels, and K."""
     sigmas, share, rim, enough = taxels
     curvature, curvature_sigma = prior
+    nothing, little, hollow = grooved
     numbers, hessian = np.zeros(8), np.zeros((2, 2))
     mask, inner = np.zeros(depth.shape, np.bool_), np.zeros(depth.shape, np.bool_)
     smooth, sigma = _smoothed(depth, noise)
@@ -153,8 +163,10 @@ def _fitted(
     middle, half = (c[3] + c[5]) / 2.0, np.hypot((c[3] - c[5]) / 2.0, c[4])
     numbers[5], numbers[6], numbers[7] = middle + half, middle - half, count
     hessian[0, 0], hessian[0, 1], hessian[1, 0], hessian[1, 1] = c[3], c[4], c[4], c[5]
-    if numbers[5] > 0.0 and not mask[np.argmin(np.abs(y - cy)), np.argmin(np.abs(x - cx))]:
-        numbers[0] = max(numbers[0], mean / used)
+    share = smooth[np.argmin(np.abs(y - cy)), np.argmin(np.abs(x - cx))] / peak
+    if used >= enough and share < little and numbers[5] > hollow:
+        lands = max(mean / used - numbers[0], 0.0)
+        numbers[0] += lands * min((little - share) / (little - nothing), 1.0)
     return TOUCHED, mask, inner, numbers, hessian
 
 

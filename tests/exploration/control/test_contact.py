@@ -29,6 +29,16 @@ def test_a_tilted_pad_rolls_flush_on_a_face(over, tilt):
     assert abs(guard.world_from_sensor[2, 3] - (20.0 - 0.5)) < 0.15
 
 
+@pytest.mark.parametrize("aside", [0.0, 1.5])
+@pytest.mark.parametrize("width", [8.0, 10.0, 12.0])
+def test_a_pad_over_a_slot_lies_on_both_its_lands_hardly_deeper_than_on_a_face(over, width, aside):
+    slotted = Cube((60.0, 60.0, 30.0)) - Cube((80.0, width, 10.0)).at(0.0, aside, 15.0)
+    guard, _ = over(slotted, leaning(0.0, (0.0, 0.0, 20.0)))
+    assert land(guard, guard.world_from_sensor[:3, 2], 10.0, 25.0)
+    assert 15.0 - guard.world_from_sensor[2, 3] < 0.9
+    assert guard.world_from_sensor[2, 2] < -np.cos(np.radians(2.0))
+
+
 def test_a_pad_that_meets_a_vertex_beside_its_middle_rolls_onto_one_of_its_faces(over):
     corner = se3.rotation_exp([0.0, np.arctan(np.sqrt(2.0)), 0.0]) @ se3.rotation_exp([0.0, 0.0, np.pi / 4])
     guard, solid = over(Cube((40.0, 40.0, 40.0)).placed(se3.pose(corner)), se3.pose(DOWN, [6.0, 3.0, 60.0]))

@@ -45,10 +45,22 @@ def test_nothing_and_dead_taxels_are_told_apart():
     assert feel(image(none + 0.5, none + np.inf)).reason == "every taxel is dead"
 
 
-def test_between_two_lands_of_something_round_it_is_felt_how_deep_the_pad_lies_on_them():
+@pytest.mark.parametrize("radius", [22.0, np.inf])
+def test_between_two_lands_it_is_felt_how_deep_the_pad_lies_on_them_whatever_the_noise(radius):
+    (gx, gy), rng = np.meshgrid(PAD.x, PAD.y), np.random.default_rng(0)
+    along = np.maximum(0.5 - gx**2 / (2 * radius), 0.0)
+    lands = along * np.clip((np.abs(gy) - 4.0) / 3.0, 0.0, 1.0)  # their inner sides are blurred
+    for _ in range(50):
+        felt = feel(image(lands + 0.01 * rng.standard_normal(PAD.shape), np.full(PAD.shape, 0.01)))
+        assert felt.depth == pytest.approx(lands[felt.mask].mean(), abs=0.01)
+        assert felt.depth > 0.2
+
+
+def test_a_dead_taxel_in_the_middle_is_no_groove():
+    depth, sigma = np.full(PAD.shape, 0.5), np.full(PAD.shape, 0.01)
+    sigma[4:6, 7:9] = np.inf
     gx, gy = np.meshgrid(PAD.x, PAD.y)
-    round_about = np.maximum(0.5 - gx**2 / (2 * 22.0), 0.0)
-    lands = round_about * np.clip((np.abs(gy) - 4.0) / 3.0, 0.0, 1.0)  # their inner sides are blurred
-    felt = feel(image(lands, np.full(PAD.shape, 0.01)))
-    assert felt.depth == pytest.approx(lands[felt.mask].mean())
-    assert felt.depth > 0.2
+    dome = depth - (gx**2 + gy**2) / 300.0
+    assert feel(image(dome, sigma)).depth == pytest.approx(
+        feel(image(dome, np.full(PAD.shape, 0.01))).depth, abs=0.02
+    )
