@@ -4,9 +4,9 @@ What stops a pad that lies flush on a known face stands up from that face, and t
 at it.  A single stop tells neither how the wall lies nor that it is flat; but where two stops, from places apart,
 agree on one plane across a direction that the object has already, as of a face or an axis, that plane is the
 likeliest wall, and what is missing without it is a whole step (our derivation).  The rim that the wall has on
-another face says as much as a second stop, and where the wall stands more exactly.  Where as many stops right
-beside them lie elsewhere, pads were stopped by what they leant over, as the corners below a dome, and a few agree
-by chance.
+another face says as much as a second stop, and where the wall stands more exactly.  Where as many stops on the
+same face, right beside them, lie elsewhere, pads were stopped by what they leant over, as the corners below a dome,
+and a few agree by chance; walls that stand beside each other do not deny each other.
 """
 
 from __future__ import annotations
@@ -101,23 +101,17 @@ def _agreeing(
     stops: list[Stop], faces: Sequence[Face], rims: Sequence[Sighting], config: InferredWallConfig
 ) -> list[Contacts]:
     lots: list[Contacts] = []
-    every = tuple(stops)
-    while stops:
-        _, normal, offset = stops[0]
-        alike = [
-            s for s in stops if s.normal @ normal > config.flush and abs(s.offset - offset) < config.agree
-        ]
-        alike = _unparted(alike, faces, config)
-        stops = [s for s in stops if not any(s is other for other in alike)]
+    groups = _groups(stops, faces, config)
+    for alike in groups:
+        _, normal, offset = alike[0]
         ends = [
             rim.point
             for rim in rims
             if rim.outward @ normal > config.flush and abs(float(normal @ rim.point) - offset) < config.agree
         ]
-        places = np.array([*(wall.pose[:3, 3] for wall, _, _ in alike), *ends])
-        if np.linalg.norm(places - places[0], axis=1).max() < config.apart:
+        if not _are_apart([*(wall.pose[:3, 3] for wall, _, _ in alike), *ends], config):
             continue
-        if sum(_denies(stop, alike, config) for stop in every) >= len(places):
+        if not ends and _by_chance(alike, groups, faces, config):
             continue
         told = [float(normal @ point) for point in ends] or [offset for *_, offset in alike]
         at = float(np.median(told))  # a rim that was seen tells it nearer than a housing that was stopped
@@ -127,16 +121,58 @@ def _agreeing(
     return lots
 
 
-def _denies(stop: Stop, alike: Sequence[Stop], config: InferredWallConfig) -> bool:
-    """Whether it lay as one of others did and right beside, and stands neither in their plane nor in another's."""
+def _groups(stops: list[Stop], faces: Sequence[Face], config: InferredWallConfig) -> list[list[Stop]]:
+    """Stops of about one plane each, every stop in one of them."""
+    groups: list[list[Stop]] = []
+    while stops:
+        _, normal, offset = stops[0]
+        alike = [
+            s for s in stops if s.normal @ normal > config.flush and abs(s.offset - offset) < config.agree
+        ]
+        groups.append(_unparted(alike, faces, config))
+        stops = [s for s in stops if not any(s is other for other in groups[-1])]
+    return groups
+
+
+def _are_apart(places: Sequence[Floats], config: InferredWallConfig) -> bool:
+    return float(np.linalg.norm(np.array(places) - places[0], axis=1).max()) >= config.apart
+
+
+def _by_chance(
+    alike: list[Stop], groups: list[list[Stop]], faces: Sequence[Face], config: InferredWallConfig
+) -> bool:
+    """Whether as many stops of other groups, but those of walls beside this one, lie right beside its own."""
     deep, wide = config.rivals
-    return any(
-        stop.normal @ other.normal > config.flush
-        and config.agree < abs(stop.offset - other.offset) < deep
-        and stop.wall.normal @ other.wall.normal > config.across
-        and float(np.linalg.norm(stop.wall.point - other.wall.point)) < wide
-        for other in alike
-    ) and not any(stop is other for other in alike)
+    at, floors = float(np.median([stop.offset for stop in alike])), _floors(alike, faces, config)
+
+    def denies(stop: Stop) -> bool:
+        return bool(
+            stop.normal @ alike[0].normal > config.flush
+            and config.agree < abs(stop.offset - at) < deep
+            and _floors([stop], faces, config) & floors
+            and any(float(np.linalg.norm(stop.wall.point - own.wall.point)) < wide for own in alike)
+        )
+
+    others = [group for group in groups if group is not alike and not _stands_beside(group, alike, config)]
+    return sum(denies(stop) for group in others for stop in group) >= len(alike)
+
+
+def _stands_beside(group: list[Stop], other: list[Stop], config: InferredWallConfig) -> bool:
+    """Whether stops are of a wall of their own, that ends before another begins."""
+    own, others = (
+        np.array([stop.wall.pose[:3, 3] @ other[0].along for stop in lot]) for lot in (group, other)
+    )
+    apart = bool(own.max() < others.min() or others.max() < own.min())
+    return apart and _are_apart([stop.wall.pose[:3, 3] for stop in group], config)
+
+
+def _floors(stops: Sequence[Stop], faces: Sequence[Face], config: InferredWallConfig) -> set[int]:
+    """Indices of the faces that pads lay on."""
+    return {
+        n
+        for n, face in enumerate(faces)
+        if isinstance(face.fit, Fit) and any(_lies_on(face.fit, stop.wall, config) for stop in stops)
+    }
 
 
 def _unparted(stops: list[Stop], faces: Sequence[Face], config: InferredWallConfig) -> list[Stop]:

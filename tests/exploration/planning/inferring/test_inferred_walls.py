@@ -60,12 +60,42 @@ def test_one_stop_and_stops_at_one_place_tell_nothing():
     assert inferred_walls([one, stopped([10.1, 0.5, 0.0], [1.0, 0.0, 0.0])], PLATE) == []
 
 
-def test_stops_beside_each_other_that_lie_anywhere_agree_by_chance_and_a_step_beside_another_does_not():
-    one_step = [stopped([10.0, y, 0.0], [1.0, 0.0, 0.0]) for y in (-6.0, 6.0)]
-    anywhere = [stopped([x, y, 0.0], [1.0, 0.0, 0.0]) for x, y in ((8.0, -3.0), (5.5, 3.0), (12.0, 0.0))]
-    assert inferred_walls([*one_step, *anywhere], PLATE) == []
-    far_off = [stopped([5.0, y, 0.0], [1.0, 0.0, 0.0]) for y in (26.0, 38.0)]
-    assert len(inferred_walls([*one_step, *far_off], PLATE)) == 2
+def at_walls(*places, face=0.0):
+    """Stops at (x of the wall, y), of pads on a face at a height."""
+    return [stopped([x - 10.0, y, face], [1.0, 0.0, 0.0]) for x, y in places]
+
+
+def test_stops_on_one_face_that_lie_anywhere_agree_by_chance():
+    agree, anywhere = [(20.0, -6.0), (20.0, 6.0)], [(18.0, -3.0), (15.5, 3.0), (22.0, 0.0)]
+    assert len(inferred_walls(at_walls(*agree), PLATE)) == 1
+    assert inferred_walls(at_walls(*agree, *anywhere), PLATE) == []
+
+
+@pytest.mark.parametrize(
+    ("stops", "walls"),
+    [
+        (
+            at_walls((20.0, -20.0), (20.0, -12.0), (15.0, -8.0), (15.0, 0.0), (15.0, 8.0)),
+            [20.0, 15.0],
+        ),  # a jog
+        (
+            [*at_walls((20.0, -6.0), (20.0, 6.0)), *at_walls((26.0, -6.0), (26.0, 6.0), face=8.0)],
+            [20.0, 26.0],
+        ),
+        (at_walls((20.0, -6.0), (20.9, 0.0), (21.05, 6.0), (21.1, -12.0)), [20.45, 21.075]),
+    ],
+)
+def test_walls_beside_each_other_do_not_deny_each_other(stops, walls):
+    lots = inferred_walls(stops, [*PLATE, flat(UP, 8.0)])
+    assert sorted(float(np.median(lot.points[:, 0])) for lot in lots) == pytest.approx(sorted(walls))
+
+
+def test_a_rim_that_was_seen_makes_a_wall_of_one_stop_whatever_lies_beside():
+    rim = Sighting(
+        np.array([20.0, 12.0, 0.0]), np.array([0.0, 1.0, 0.0]), np.array([-1.0, 0.0, 0.0]), UP, 0.05, 12.0
+    )
+    strays = at_walls((18.0, -3.0), (23.0, 3.0))
+    assert len(inferred_walls([*at_walls((20.0, 0.0)), *strays], PLATE, [rim])) == 1
 
 
 def test_bosses_between_which_the_floor_goes_on_are_no_wall_and_a_rib_is_one():
