@@ -17,6 +17,7 @@ _ALONG = 0.5  # most cosine between a rim and the way that the face behind it lo
 _ALIKE = 0.95  # least cosine between two directions that are one
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 _BEVEL = 3.0  # [mm] short of a flat face, within which the rim of a bevel is
+_GAP = 3.0  # [mm] from where a flat face begins to where it is felt, mostly
 _BESIDE = 16.0  # [mm] from a rim, within which a face was felt that goes on from it
 _FAR = 12.0  # [mm] from a rim, within which an inferred face is known
 
@@ -30,8 +31,7 @@ def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
     """Whether a face is known by now that passes behind a rim and along it: at its end another may pass, too.
 
     Where a flat face goes over into a round one there is no rim, but a pad that lies on both sees one.  The other
-    flange of a spool is on the same cylinder, and goes on from no rim of the first.  A rim a little short of a
-    flat face that was felt beside it is that of a bevel, and no wall stands there.
+    flange of a spool is on the same cylinder, and goes on from no rim of the first.
     """
     seen, own = rim
     for face in faces:
@@ -44,14 +44,23 @@ def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
             bends = bends and _beside(face.contacts.points, seen)
             if abs(behind) < _BEHIND and (bends or (along and _reaches(face, seen))):
                 return True
-            beveled = face.fit.kind == "plane" and _BEHIND <= behind < _BEVEL
-            if beveled and float(normal @ seen.outward) > _ALIKE and _beside(_felt(face), seen):
+            short = face.fit.kind == "plane" and float(normal @ seen.outward) > _ALIKE
+            if short and _BEHIND <= behind < _BEVEL and _bevels(_felt(face), seen, behind):
                 return True
     return False
 
 
 def _felt(face: Face) -> Floats:
     return np.asarray(face.contacts.points[face.contacts.touch != NOT_FELT])
+
+
+def _bevels(felt: Floats, rim: Sighting, short: float) -> bool:
+    """Whether a bevel lies between a rim and a flat face `short` [mm] beyond it, felt up to about as far below it.
+
+    A wall and a ledge in its place would be as low and as narrow.
+    """
+    near = felt[np.linalg.norm(felt - rim.point, axis=1) < _BESIDE]
+    return float(((rim.point - near) @ rim.normal).min(initial=np.inf)) < short + _GAP
 
 
 def _beside(points: Floats, rim: Sighting) -> bool:

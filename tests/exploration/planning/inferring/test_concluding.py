@@ -48,10 +48,12 @@ def test_a_wall_that_is_inferred_elsewhere_does_not_explain_a_rim_and_one_that_w
     assert unexplained([near], [guessed]) == []
 
 
-@pytest.mark.parametrize(("short", "left"), [(0.0, 0), (1.5, 0), (4.0, 1), (-1.5, 1)])
-def test_no_wall_stands_at_the_rim_of_a_bevel_a_little_short_of_a_face_that_was_felt(short, left):
+@pytest.mark.parametrize(
+    ("short", "above", "left"), [(0.0, 2.0, 0), (1.5, 2.0, 0), (2.0, 9.0, 1), (4.0, 2.0, 1), (-1.5, 2.0, 1)]
+)
+def test_no_wall_stands_at_the_rim_of_a_bevel_and_one_does_on_a_ledge_far_below_it(short, above, left):
     face, out, along = wall(1, 0.0)
-    rim = Sighting((18.0 + short) * out + 10.0 * Z, along, -out, Z, 0.05, 12.0), 0
+    rim = Sighting((18.0 + short) * out + (8.0 + above) * Z, along, -out, Z, 0.05, 12.0), 0
     assert len(unexplained([rim], [face])) == left
     guessed = replace(face, contacts=replace(face.contacts, touch=np.full(9, NOT_FELT)))
     assert len(unexplained([rim], [guessed])) == (short != 0.0)
