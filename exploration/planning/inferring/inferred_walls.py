@@ -5,8 +5,8 @@ at it.  A single stop tells neither how the wall lies nor that it is flat; but w
 agree on one plane across a direction that the object has already, as of a face or an axis, that plane is the
 likeliest wall, and what is missing without it is a whole step (our derivation).  The rim that the wall has on
 another face says as much as a second stop, and where the wall stands more exactly.  Where as many stops on the
-same face, right beside them, lie elsewhere, pads were stopped by what they leant over, as the corners below a dome,
-and a few agree by chance; walls that stand beside each other do not deny each other.
+same face, right beside them, lie elsewhere, pads were stopped by what they leant over, as the corners below a
+dome, and a few agree by chance; walls that stand beside each other do not deny each other.
 """
 
 from __future__ import annotations
