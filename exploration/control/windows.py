@@ -70,6 +70,7 @@ def _part(seen: Observation, rows: slice, columns: slice) -> Observation:
         array=replace(image.array, rows=rows.stop - rows.start, columns=columns.stop - columns.start),
         depth=image.depth[rows, columns],
         sigma=image.sigma[rows, columns],
+        saturated=None if image.saturated is None else image.saturated[rows, columns],
     )
     x, y = image.array.x[columns].mean(), image.array.y[rows].mean()
     return replace(

@@ -133,8 +133,12 @@ def correct(frame: TaxelFrame, calibration: Calibration, array: TaxelArray) -> T
         calibration.margin,
         calibration.usual_gain_sigma,
         calibration.response,
-        frame.counts >= calibration.full_scale if most >= calibration.full_scale else None,
+        _saturated(frame, calibration) if most >= calibration.full_scale else None,
     )
+
+
+def _saturated(frame: TaxelFrame, calibration: Calibration) -> Bools:
+    return (frame.counts >= calibration.full_scale) & ~calibration.dead
 
 
 @numba.njit(cache=True, error_model="numpy")

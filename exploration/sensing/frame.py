@@ -69,7 +69,7 @@ class TactileImage:
     margin: float = inf  # [mm] of skin past the outer taxels
     gain_sigma: float = 0.0  # relative 1 sigma to which gains are known; `sigma` includes it
     response: Response | None = None  # across an edge; None for rubber of `spread`
-    saturated: Bools | None = None  # (rows, columns) pressed past full scale; None where no taxel is
+    saturated: Bools | None = None  # (rows, columns) at full scale, or past it; None where none is
 
     def __post_init__(self) -> None:
         for name in ("depth", "sigma"):
@@ -78,3 +78,5 @@ class TactileImage:
                 view = np.ascontiguousarray(array).view()
                 view.flags.writeable = False
                 object.__setattr__(self, name, view)  # one layout, for which kernels are compiled once
+        if self.saturated is not None and self.saturated.flags.writeable:
+            object.__setattr__(self, "saturated", frozen(self.saturated, bool))

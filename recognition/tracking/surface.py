@@ -27,9 +27,11 @@ from recognition.running.felt_run import FeltRun
 
 Say = Callable[[str], None]
 LONGEST = 400.0  # [mm] of one stroke
+SHORTEST = 0.5  # [mm] of strokes, below which nothing was followed
 _PLACES = 3  # of the object, at which strokes begin
 _WORTH = 10.0  # [mm] of strokes, from which they tell a surface
-ELSEWHERE = "touch it elsewhere (another --seed)"
+ELSEWHERE = "touch it elsewhere (in simulation: another --seed)"
+_STOPPED = "stopped"  # as a stroke that the housing or a skin pressed through has ended is called
 _AT = {"edge": "an edge", "concavity": "a concavity", "wall": "a wall", "workspace": "the workspace's end"}
 
 
@@ -62,14 +64,14 @@ class SurfaceTrack:
             best = self.fits[0]
             out["shape"], out["probability"] = best.fit.shape.kind, best.probability
             out["parameters"] = parameters(best.fit.shape)
-        if not len(self.contacts):
+        if self.travel < SHORTEST or not len(self.contacts):
             out["why"] = self.why
         return out
 
     @property
     def lost(self) -> bool:
-        """Whether contact was, before a stroke had ended."""
-        return "lost" in self.ended or not self.ended
+        """Whether contact was, or had to be given up, before a stroke had ended."""
+        return not self.ended or any(ended in ("lost", _STOPPED) for ended in self.ended)
 
     @property
     def whole(self) -> bool:
@@ -79,6 +81,8 @@ class SurfaceTrack:
     @property
     def why(self) -> str:
         """What kept strokes from feeling anything, where they did not."""
+        if set(self.ended) <= {_STOPPED}:
+            return f"the pad was stopped where it came down, before it had stroked anything; {ELSEWHERE}"
         if self.lost:
             return f"contact was lost; {ELSEWHERE}"
         met = " and ".join(_AT[end] for end in dict.fromkeys(self.ended) if end in _AT) or "nothing"
@@ -98,7 +102,8 @@ def track_surface(run: FeltRun, speed: float, say: Say) -> SurfaceTrack:
         say("looking for another place")
         try:
             run.find_elsewhere()
-        except PalpateError:
+        except PalpateError as error:
+            run.warnings.append(f"no other place was come to: {error}")
             break
         tracks.append(_followed(run, speed, say))
     return max(tracks, key=lambda track: (track.whole, track.travel))
@@ -110,6 +115,7 @@ def _followed(run: FeltRun, speed: float, say: Say) -> SurfaceTrack:
     axes = pad.axes()
     strokes: list[Stroke] = []
     edges: list[Sighting] = []
+    stopped = False
     run.forces.clear()
     try:
         for heading in (axes[:, 0], axes[:, 1]):
@@ -117,6 +123,7 @@ def _followed(run: FeltRun, speed: float, say: Say) -> SurfaceTrack:
             _across(run, heading, speed, strokes, edges)
     except (OverPress, Collision) as error:
         run.warnings.append(str(error))
+        first, stopped = Contacts.concatenate([first, error.kept]), True
     say("feeling the curvature")
     seen = dwell(run.guard, pad.config.averaged)
     felt = feel(seen.image)
@@ -127,7 +134,7 @@ def _followed(run: FeltRun, speed: float, say: Say) -> SurfaceTrack:
         contacts,
         curvature,
         rank(contacts) if len(contacts) else (),
-        tuple(stroke.ended for stroke in strokes),
+        (*(stroke.ended for stroke in strokes), *([_STOPPED] if stopped else ())),
         tuple(edges),
         float(sum(stroke.travel for stroke in strokes)),
         list(run.forces),

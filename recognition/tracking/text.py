@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from recognition.report.terminal import table_text
+from recognition.tracking.surface import SHORTEST
 
 _TRUTH = (
     ("rms_mm", "rms", " mm"),
@@ -19,9 +20,10 @@ _TRUTH = (
 
 def nothing_followed(summary: Mapping[str, Any]) -> str | None:
     """Why nothing was followed at all, in one line; None where something was."""
-    if len(summary["trace"]):
+    found = summary["found"]
+    if len(summary["trace"]) and found.get("length_mm", SHORTEST) >= SHORTEST:
         return None
-    return f"no {summary['what']} was followed: {summary['found'].get('why', 'contact was lost')}"
+    return f"no {summary['what']} was followed: {found.get('why', 'contact was lost')}"
 
 
 def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
@@ -29,6 +31,7 @@ def summary_text(summary: Mapping[str, Any], folder: Path | None = None) -> str:
     s, found, force = summary, summary["found"], summary["force_n"]
     until = "until something stood in the way" if found.get("ended") == "blocked" else "to its end"
     how = "closed" if s["closed"] else "lost" if s["lost"] else f"followed {until}"
+    how = "not followed" if nothing_followed(s) else how
     lines = [f"{s['part']}: {s['what']} {how}, {_length(found)} in {s['device_seconds']:.1f} s on the device"]
     if force["mean"] is not None:
         lines.append(f"force: mean {force['mean']:.1f} N, greatest {force['max']:.1f} N")

@@ -56,7 +56,7 @@ def texture(
     told = [sweep for sweep in sweeps if sweep is not None and float(np.ptp(sweep.travel)) > config.least]
     if not told:
         return NotStroked(
-            f"contact shrank before {config.least:g} mm were stroked; touch a wider face, or its middle"
+            f"no {config.least:g} mm were left {config.margin:g} mm off edges; touch a wider face, or its middle"
         )
     longest = max(told, key=lambda sweep: float(np.ptp(sweep.travel)))
     return texture_of(longest, share, travel)

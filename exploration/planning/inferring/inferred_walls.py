@@ -44,10 +44,8 @@ class InferredWallConfig:
     went: int = 2  # places there that it went through, from which there is none
     past: tuple[float, float] = (0.7, 4.0)  # [mm] behind a wall, where its floor was not felt
     stays: float = 0.3  # of the places that must be left
-    rivals: tuple[float, float] = (
-        8.0,
-        16.0,
-    )  # [mm] of offset, and of place, within which other stops deny them
+    rival_off: float = 8.0  # [mm] from a wall, up to which stops on the same face deny it,
+    rival_beside: float = 16.0  # [mm] from where one of its own was stopped, likewise
     sigma: float = 0.3  # [mm]
     normal_sigma: float = 0.05  # [rad]
 
@@ -142,15 +140,14 @@ def _by_chance(
     alike: list[Stop], groups: list[list[Stop]], faces: Sequence[Face], config: InferredWallConfig
 ) -> bool:
     """Whether as many stops of other groups, but those of walls beside this one, lie right beside its own."""
-    deep, wide = config.rivals
     at, floors = float(np.median([stop.offset for stop in alike])), _floors(alike, faces, config)
 
     def denies(stop: Stop) -> bool:
         return bool(
             stop.normal @ alike[0].normal > config.flush
-            and config.agree < abs(stop.offset - at) < deep
+            and config.agree < abs(stop.offset - at) < config.rival_off
             and _floors([stop], faces, config) & floors
-            and any(float(np.linalg.norm(stop.wall.point - own.wall.point)) < wide for own in alike)
+            and any(np.linalg.norm(stop.wall.point - own.wall.point) < config.rival_beside for own in alike)
         )
 
     others = [group for group in groups if group is not alike and not _stands_beside(group, alike, config)]

@@ -204,7 +204,7 @@ class Reach:
     def _routed(self, start: Floats, goal: Floats) -> list[Floats] | None:
         """(4, 4) poses from one to another round what is known; None where nothing leads there.
 
-        That nothing does is known once nothing leads there as near to as little as can be.
+        Where nothing does among the fewest places with the least margin, nothing does at all.
         """
         tool, ways = self.pad.tool, self._ways()
         most, *others = (

@@ -79,10 +79,10 @@ def free_of(poses: Floats, points: Floats, places: Floats, low: Floats, high: Fl
 def comes_near(
     start: Floats, poses: Floats, others: Floats, reach: float, turn: float, leading_off: float
 ) -> bool:
-    """Whether one of (k, 4, 4) poses is near to one of (n, 4, 4) others, if it is no farther off than the start.
+    """Whether one of (k, 4, 4) poses is near to one of (n, 4, 4) others, and nearer than the start was.
 
-    Near is within `reach` [mm] and within `turn` in each element of the attitude's matrix; at a share of these
-    nearer than the start, a pose is no farther off.
+    Near is within `reach` [mm] and within `turn` in each element of the attitude's matrix; nearer is by more than
+    `leading_off` of these.
     """
     for n in range(len(others)):
         limit = min(1.0, _apart(start, others[n], reach, turn) - leading_off)

@@ -198,10 +198,8 @@ class _Legs:
         between = between[2:] if leg == 0 else between  # the pad leaves what it lies beside
         front = self._config.margin if leg > 0 else 0.0
         margin = self._config.margin if leg != 0 else 0.3
-        for poses in (
-            between[_FEW // 2 :: _FEW],
-            between,
-        ):  # most that are in the way are so over a long piece
+        few = between[_FEW // 2 :: _FEW]  # of a leg in whose way something is, most of these are so
+        for poses in (few, between):
             if not self._tool.clear(poses, self._obstacles, margin, front).all():
                 return False
         return not self._is_barred(a, between)

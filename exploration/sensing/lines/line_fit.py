@@ -13,7 +13,7 @@ The same with every response integrated once (`order` 1) is the rim of a smooth 
 a step, depth = (A + c v) w ramp(t/w) + b w^2 bend(t/w): the cheap alternative that an edge must beat.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numba
@@ -51,17 +51,7 @@ def softened(image: TactileImage) -> TactileImage:
         return image
     sigma = _trusted_less(image.sigma, image.depth, _lost(image.array, image.spread, image.margin))
     sigma.flags.writeable = False
-    return TactileImage(
-        image.array,
-        image.depth,
-        sigma,
-        image.spread,
-        image.stiffness,
-        image.time,
-        image.margin,
-        image.gain_sigma,
-        image.response,
-    )
+    return replace(image, sigma=sigma)
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -193,7 +193,10 @@ def surface_of(
 
 
 def _left_open(image: TactileImage, mask: Bools) -> float:
-    """[mm] of depth that saturated taxels leave open together: what lies deeper lies deeper under all of them."""
+    """[mm] of depth that saturated taxels leave open together: what lies deeper lies deeper under all of them.
+
+    `CLIPPED` of their depth whatever their characteristic, and however many frames were averaged.
+    """
     if image.saturated is None:
         return 0.0
     clipped = mask & image.saturated & np.isfinite(image.sigma)

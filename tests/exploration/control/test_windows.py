@@ -45,6 +45,7 @@ def flanks(observation):
 
 
 def test_parts_cover_the_pad_and_keep_their_places(seen):
+    seen = replace(seen, image=replace(seen.image, saturated=seen.image.depth > 0.4))
     image, covered = seen.image, np.zeros(seen.image.array.shape)
     places = np.stack(np.meshgrid(image.array.x, image.array.y), axis=-1)
     for part in windows(seen, 11.0):
@@ -56,6 +57,7 @@ def test_parts_cover_the_pad_and_keep_their_places(seen):
         assert off.min(axis=0).max() < 1e-9
         rows = off.argmin(axis=0)
         assert np.array_equal(image.depth.ravel()[rows], part.image.depth.ravel())
+        assert np.array_equal(image.saturated.ravel()[rows], part.image.saturated.ravel())
         covered.ravel()[rows] += 1
     assert covered.min() >= 1
 

@@ -63,3 +63,10 @@ def test_a_saturated_taxel_is_sure_of_no_more_than_its_depth_or_so(coarse):
     image = correct(TaxelFrame(frozen(counts), 0.0, 0), told, coarse.array)
     assert image.sigma[5, 3] > 0.2 * image.depth[5, 3]
     assert image.sigma[0, 0] < 0.1 * image.depth[0, 0]
+    assert np.argwhere(image.saturated).tolist() == [[5, 3]]
+    assert not image.saturated.flags.writeable
+    stuck = replace(told, dead=frozen(counts >= CEILING, bool))
+    assert not correct(TaxelFrame(frozen(counts), 0.0, 0), stuck, coarse.array).saturated.any()
+    assert (
+        correct(TaxelFrame(frozen(np.full_like(counts, 100.0)), 0.0, 0), told, coarse.array).saturated is None
+    )

@@ -139,7 +139,8 @@ def test_a_surface_that_is_lost_where_the_pad_came_down_is_followed_in_another_p
             "strokes met a concavity and an edge where the pad came down",
         ),
         (("wall", "lost"), True, "contact was lost; touch it elsewhere"),
-        ((), True, "contact was lost; touch it elsewhere"),
+        (("stopped",), True, "the pad was stopped where it came down"),
+        ((), True, "the pad was stopped where it came down"),
     ],
 )
 def test_a_surface_that_was_not_followed_is_lost_where_it_says_so_and_nowhere_else(ended, lost, why):
