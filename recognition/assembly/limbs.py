@@ -2,7 +2,8 @@
 
 A limb of which too little was felt to close it is no cell, and a body of cells leaves its contacts in the air.
 Those that hang together span it: a box or a bar whose sides are known surfaces where one is there, and else where
-contact ended.  It holds nothing that an array passed through (our derivation).
+contact ended.  A bar about the axis of what was felt to be round is as likely as one more known side makes it.  It
+holds nothing that an array passed through (our derivation).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from recognition.assembly.piece import Piece
 
 LIMB = "a limb that no faces close is added where contacts lie off all else"
 _STEP = 0.25  # [mm] at which it is looked into a body
+_COAXIAL = 0.01  # [mm] between axes that are one
 _ALONG = 0.5  # cosine to a body's surface, up to which a bar lies along it and does not stand on it
 
 
@@ -45,6 +47,7 @@ class LimbConfig:
     empty: float = 0.12  # of it at most
     on: float = 2.0  # [mm] from its surface, up to which a contact is on it
     share: float = 0.5  # of its contacts at least, that are so
+    side: float = 0.05  # of them, that a side at a known surface counts for
     strays: float = 0.2  # of as many contacts, up to which others may be buried by it
     apart: float = 2.0  # [mm] between contacts that are told apart
 
@@ -75,7 +78,7 @@ def with_limbs(body: Body, free: Floats | None, known: Known, config: LimbConfig
         joined = [whole for piece in kept if (whole := body.more(piece)) is not None]
         stood = [whole for whole in joined if _stands(whole, body, felt, felt[limb], config)]
         if stood:
-            body = max(stood, key=lambda whole: _explained(whole, felt[limb], config))
+            body = max(stood, key=lambda whole: _likely(whole, felt[limb], known, config))
             given_up &= body.solid.signed_distance(felt) > config.out
     return body
 
@@ -88,9 +91,27 @@ def _stands(whole: Body, before: Body, felt: Floats, limb: Floats, config: LimbC
 
 
 def _explained(whole: Body, limb: Floats, config: LimbConfig) -> float:
-    """Share of a limb's contacts on the surface of a body; sides at known surfaces count for a little more."""
-    on = np.abs(whole.solid.signed_distance(limb)) < config.on
-    return float(on.mean()) + 0.05 * len(whole.pieces[-1].surfaces)
+    """Share of a limb's contacts on the surface of a body."""
+    return float((np.abs(whole.solid.signed_distance(limb)) < config.on).mean())
+
+
+def _likely(whole: Body, limb: Floats, known: Known, config: LimbConfig) -> float:
+    """The same, and a little more for each side of the last piece at a known surface, or about a known axis."""
+    piece = whole.pieces[-1]
+    middle, axis = piece.world_from_piece[:3, 3], piece.world_from_piece[:3, 2]
+    turned = isinstance(piece.solid, Bar) and any(
+        np.linalg.norm(at - middle) < _COAXIAL for at in _axes(axis, middle, known)
+    )
+    return _explained(whole, limb, config) + config.side * (len(piece.surfaces) + turned)
+
+
+def _axes(axis: Floats, middle: Floats, known: Known) -> list[Floats]:
+    """(3,) places beside a middle, on the axes of known cylinders along a (3,) direction."""
+    return [
+        axis_beside(shape, middle)
+        for shape in known.shapes
+        if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > FLUSH
+    ]
 
 
 def _empty(piece: Piece, free: Floats, config: LimbConfig) -> bool:
@@ -134,12 +155,7 @@ def _tried(limb: Floats, known: Known, config: LimbConfig) -> list[Piece]:
 def _box(frame: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece | None:
     low, high, ends = np.empty(3), np.empty(3), []
     for k, way in enumerate(frame.T):
-        below, above = _side(-way, limb, known, config), _side(way, limb, known, config)
-        if above.level + below.level < config.unknown:  # contacts of one face alone
-            if below.wall is not None:
-                above = _behind(way, -below.level, limb, known, config)
-            elif above.wall is not None:
-                below = _behind(-way, -above.level, limb, known, config)
+        below, above = _sides(way, limb, known, config)
         low[k], high[k] = -below.level, above.level
         ends.append((below.wall, above.wall))
     size = high - low
@@ -153,18 +169,34 @@ def _bar(axis: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece 
     frame = frame_along(axis)
     center, radius = enclosing_circle((limb @ frame)[:, :2])
     body = None
+    for at in _axes(axis, limb.mean(axis=0), known):
+        if float(np.linalg.norm((at @ frame)[:2] - center)) < config.wall:
+            center = (at @ frame)[:2]
+            radius = float(np.linalg.norm((limb @ frame)[:, :2] - center, axis=1).max())
+            break
     for number, shape in enumerate(known.shapes):
         if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > FLUSH:
             at = (axis_beside(shape, limb.mean(axis=0)) @ frame)[:2]
             if max(float(np.linalg.norm(at - center)), abs(shape.radius - radius)) < config.wall:
                 center, radius, body = at, shape.radius, number
-    below, above = _side(-axis, limb, known, config), _side(axis, limb, known, config)
+    below, above = _sides(axis, limb, known, config)
     tall = above.level + below.level
     if tall < config.thin or radius < config.thin:
         return None
     middle = frame @ np.array([*center, 0.5 * (above.level - below.level)])
     ends = ((below.wall, above.wall),)
     return Piece("cylinder", "add", Bar(float(radius), float(tall)), pose(frame, middle), body, ends, LIMB)
+
+
+def _sides(way: Floats, limb: Floats, known: Known, config: LimbConfig) -> tuple[_Side, _Side]:
+    """Where it ends against a (3,) way, and along it."""
+    below, above = _side(-way, limb, known, config), _side(way, limb, known, config)
+    if above.level + below.level < config.unknown:  # contacts of one face alone
+        if below.wall is not None:
+            above = _behind(way, -below.level, limb, known, config)
+        elif above.wall is not None:
+            below = _behind(-way, -above.level, limb, known, config)
+    return below, above
 
 
 def _side(way: Floats, limb: Floats, known: Known, config: LimbConfig) -> _Side:

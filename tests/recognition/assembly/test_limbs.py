@@ -120,3 +120,20 @@ def test_a_great_many_contacts_of_a_limb_are_no_more_work_than_their_places():
     told = known([TOP, BOTTOM, LEDGE], [ON_TOP, np.concatenate([ON_BOTTOM, dense]), ON_LEDGE])
     whole = with_limbs(body(), None, told)
     assert whole.solid.bounds[1, 0] == pytest.approx(52.0, abs=1.0)
+
+
+def test_a_limb_on_a_turned_body_of_which_its_end_alone_was_felt_is_round():
+    flange = Cylinder(30.0, 20.0)
+    base = Body((Piece("cylinder", "add", flange, np.eye(4), 0, ()),), Solid.from_csg(flange, FACET), FACET)
+    turn = np.linspace(0.0, 2.0 * np.pi, 13)[:-1]
+    rim = np.concatenate(
+        [np.column_stack([30 * np.cos(turn), 30 * np.sin(turn), np.full(12, z)]) for z in (-5, 5)]
+    )
+    end = places((-7, 7), (-7, 7), (40, 40), 2.0) + np.array([0.4, -0.3, 0.0])
+    shapes = [RoundWall([0, 0, 0.0], [0, 0, 1.0], 30.0), BOTTOM, Plane([0, 0, 40.0], [0, 0, 1.0])]
+    under = places((-20, 20), (-20, 20), (-10, -10))
+    whole = with_limbs(base, None, known(shapes, [rim, under, end]))
+    piece = whole.pieces[-1]
+    assert piece.kind == "cylinder"
+    assert piece.world_from_piece[:2, 3] == pytest.approx(0.0, abs=1e-9)
+    assert whole.solid.bounds[:, 2] == pytest.approx([-10.0, 40.0], abs=0.01)
