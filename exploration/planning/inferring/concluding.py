@@ -99,6 +99,7 @@ def conclude(
     for groove in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
         _add_groove(found, groove)
     _add_ends(found, frontier, inside)
+    found.graph = uprighted(found.graph)  # again: a flat end may be inferred by now
     for keyway in keyways(frontier().known, found.graph.faces, mosaic):
         for lot, kind in keyway.walls():
             add_own(found, lot, keyway.told, kind)
