@@ -7,7 +7,7 @@ from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.touching.pad import Pad
 from exploration.planning.touching.reach import Reach
-from exploration.planning.ways.routes import Tool
+from exploration.planning.ways.routes import RoutesConfig, Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models.csg import Cube
@@ -65,3 +65,25 @@ def test_a_pad_that_is_shut_in_goes_back_the_way_it_came():
     pad.felt.append((walls, np.tile(-UP, (len(walls), 1))))
     assert reach.go(se3.pose(down, [20.0, 0.0, 130.0]))
     assert np.allclose(pad.guard.world_from_sensor[:3, 3], [20.0, 0.0, 130.0], atol=0.1)
+
+
+@pytest.mark.parametrize(
+    ("leads", "found", "searches"), [((), None, 2), ((3,), 3, 4), ((1, 3), 1, 3), ((0, 1, 2, 3), 0, 1)]
+)
+def test_a_way_that_keeps_off_more_is_preferred_and_none_is_known_from_the_most_lenient(
+    pad, monkeypatch, leads, found, searches
+):
+    reach, asked = Reach(pad), []
+    reach._routes = (RoutesConfig(margin=3.0), RoutesConfig(margin=1.0))
+    reach._suspect = np.array([[0.0, 0.0, 200.0]])
+
+    def searched(tool, start, goal, places, ways, config, barred):
+        number = 2 * (len(places) == 0) + (config.margin == 1.0)
+        asked.append(number)
+        return [np.full((4, 4), float(number))] if number in leads else None
+
+    monkeypatch.setattr("exploration.planning.touching.reach.route", searched)
+    poses = reach._routed(pad.guard.world_from_sensor, np.eye(4))
+    assert (poses is None) == (found is None)
+    assert found is None or poses[0][0, 0] == found
+    assert len(asked) == searches
