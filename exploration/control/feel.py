@@ -28,13 +28,9 @@ class FeelConfig:
     sigmas: float = 4.0  # standard deviations that a touched taxel stands out of the noise
     share: float = 0.35  # of the peak, below which a taxel counts as untouched
     rim: float = 2.0  # [spreads of the rubber] left out along the contact's end inside the pad
-    enough: int = (
-        15  # taxels that must remain for the rim to be left out, or be touched for a groove to be told
-    )
-    groove: tuple[float, float] = (
-        0.1,
-        0.3,
-    )  # of the peak, up to which nothing, or little, is touched in the middle
+    enough: int = 15  # taxels that must remain for the rim to be left out, or for a groove to be told
+    untouched: float = 0.1  # of the peak, up to which the middle is over a groove,
+    hardly: float = 0.3  # and from which it is over none
     hollow: float = -0.01  # [1/mm] greater curvature of what is hollow both ways, and no groove
     prior_curvature: float = 0.03  # [1/mm] of what is too small to be seen whole
     prior_sigma: float = 0.03  # [1/mm]
@@ -75,7 +71,7 @@ def feel(image: TactileImage, config: FeelConfig = FeelConfig()) -> Felt | NotTo
         image.spread,
         (config.sigmas, config.share, _taxels(config.rim * image.spread, array), config.enough),
         (config.prior_curvature, config.prior_sigma),
-        (*config.groove, config.hollow),
+        (config.untouched, config.hardly, config.hollow),
     )
     if found == NO_TAXEL:
         return NotTouching("every taxel is dead")
@@ -112,7 +108,7 @@ def _fitted(
     """What is touched, the masks, the numbers of `Felt` up to its curvature and a count of taxels, and K."""
     sigmas, share, rim, enough = taxels
     curvature, curvature_sigma = prior
-    nothing, little, hollow = grooved
+    untouched, hardly, hollow = grooved
     numbers, hessian = np.zeros(8), np.zeros((2, 2))
     mask, inner = np.zeros(depth.shape, np.bool_), np.zeros(depth.shape, np.bool_)
     smooth, sigma = _smoothed(depth, noise)
@@ -163,10 +159,10 @@ def _fitted(
     middle, half = (c[3] + c[5]) / 2.0, np.hypot((c[3] - c[5]) / 2.0, c[4])
     numbers[5], numbers[6], numbers[7] = middle + half, middle - half, count
     hessian[0, 0], hessian[0, 1], hessian[1, 0], hessian[1, 1] = c[3], c[4], c[4], c[5]
-    share = smooth[np.argmin(np.abs(y - cy)), np.argmin(np.abs(x - cx))] / peak
-    if used >= enough and share < little and numbers[5] > hollow:
+    in_middle = smooth[np.argmin(np.abs(y - cy)), np.argmin(np.abs(x - cx))] / peak
+    if used >= enough and in_middle < hardly and numbers[5] > hollow:
         lands = max(mean / used - numbers[0], 0.0)
-        numbers[0] += lands * min((little - share) / (little - nothing), 1.0)
+        numbers[0] += lands * min((hardly - in_middle) / (hardly - untouched), 1.0)
     return TOUCHED, mask, inner, numbers, hessian
 
 
