@@ -100,18 +100,24 @@ def _likely(whole: Body, limb: Floats, known: Known, config: LimbConfig) -> floa
     piece = whole.pieces[-1]
     middle, axis = piece.world_from_piece[:3, 3], piece.world_from_piece[:3, 2]
     turned = isinstance(piece.solid, Bar) and any(
-        np.linalg.norm(at - middle) < _COAXIAL for at in _axes(axis, middle, known)
+        np.linalg.norm(at - middle) < _COAXIAL for _, at in _axes(axis, middle, known)
     )
     return _explained(whole, limb, config) + config.side * (len(piece.surfaces) + turned)
 
 
-def _axes(axis: Floats, middle: Floats, known: Known) -> list[Floats]:
-    """(3,) places beside a middle, on the axes of known cylinders along a (3,) direction."""
+def _axes(axis: Floats, middle: Floats, known: Known) -> list[tuple[int, Floats]]:
+    """The known cylinders along a (3,) direction, and the (3,) places on their axes beside a middle."""
     return [
-        axis_beside(shape, middle)
-        for shape in known.shapes
+        (number, axis_beside(shape, middle))
+        for number, shape in enumerate(known.shapes)
         if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > FLUSH
     ]
+
+
+def _radius(number: int, known: Known) -> float:
+    shape = known.shapes[number]
+    assert isinstance(shape, Cylinder)
+    return shape.radius
 
 
 def _empty(piece: Piece, free: Floats, config: LimbConfig) -> bool:
@@ -166,19 +172,18 @@ def _box(frame: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece
 
 
 def _bar(axis: Floats, limb: Floats, known: Known, config: LimbConfig) -> Piece | None:
-    frame = frame_along(axis)
-    center, radius = enclosing_circle((limb @ frame)[:, :2])
-    body = None
-    for at in _axes(axis, limb.mean(axis=0), known):
-        if float(np.linalg.norm((at @ frame)[:2] - center)) < config.wall:
-            center = (at @ frame)[:2]
-            radius = float(np.linalg.norm((limb @ frame)[:, :2] - center, axis=1).max())
-            break
-    for number, shape in enumerate(known.shapes):
-        if isinstance(shape, Cylinder) and abs(float(shape.direction @ axis)) > FLUSH:
-            at = (axis_beside(shape, limb.mean(axis=0)) @ frame)[:2]
-            if max(float(np.linalg.norm(at - center)), abs(shape.radius - radius)) < config.wall:
-                center, radius, body = at, shape.radius, number
+    frame, body = frame_along(axis), None
+    flat = limb @ frame[:, :2]
+    center, radius = enclosing_circle(flat)
+    about = [(number, at @ frame[:, :2]) for number, at in _axes(axis, limb.mean(axis=0), known)]
+    about = [(number, at) for number, at in about if float(np.linalg.norm(at - center)) < config.wall]
+    own = [(number, at) for number, at in about if abs(_radius(number, known) - radius) < config.wall]
+    if own:
+        body, center = own[-1]
+        radius = _radius(body, known)
+    elif about:
+        center = about[0][1]
+        radius = float(np.linalg.norm(flat - center, axis=1).max())
     below, above = _sides(axis, limb, known, config)
     tall = above.level + below.level
     if tall < config.thin or radius < config.thin:
