@@ -2,24 +2,24 @@
 
 A picture that is soft by s shows what a Gaussian of that width makes of a region.  Where it comes to one half
 corners are cut off, and a hole of radius r ends s^2 / 2r early.  A polygon's own picture is compared with it
-instead, near the outline, and the corners are moved to the least squares of the difference (Gauss and Newton): an
-edge that moves out by d adds d N2(x - e; s) per mm of it to the picture at x.  With P the corners' covariance, one
-that lies h off the line c between its neighbors costs h^2 / (c P c') if it has to lie on it; the cheapest are
-taken out until each costs more than it says (our derivation).  A rim that a circle explains as well becomes one.
+instead, near the outline, and the corners are moved to the least squares of the difference (Gauss and Newton).
+With P the corners' covariance, one that lies h off the line c between its neighbors costs h^2 / (c P c') if it has
+to lie on it; the cheapest are taken out until each costs more than it says (our derivation).  A rim that a circle
+explains as well becomes one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import binary_erosion, gaussian_filter
-from scipy.sparse import csr_matrix, diags, hstack
-from scipy.spatial import KDTree
+from scipy.ndimage import binary_erosion
 
 from primitives.arrays import Bools, Floats, Ints
 from primitives.outlines import signed_area
+from primitives.soft_pictures import REACH, drawn, following, normal_equations, slopes, softened, within
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,6 @@ class SoftOutlineConfig:
     """What a picture tells of a corner."""
 
     soft: tuple[float, ...] = (0.4, 0.8, 1.1, 1.3, 1.5, 1.7)  # [mm] that a picture may be soft by
-    reach: float = 3.0  # times that, from an outline, within which the picture tells of it
     alike: float = 8.0  # [mm^2] of a picture in which its errors are one
     least: float = 0.015  # of a share, that a picture errs at least
     price: float = 10.0  # [chi2] that a corner must gain
@@ -83,27 +82,6 @@ def _well_inside(known: Bools, step: float, config: SoftOutlineConfig) -> Bools:
     return inside if inside.any() else known
 
 
-def drawn(rims: Sequence[Floats], shape: tuple[int, int], step: float, finer: int = 4) -> Floats:
-    """(n, m) share of each cell of a lattice inside rims, of which those of holes run the other way."""
-    rows, columns = shape[0] * finer, shape[1] * finer
-    x = (np.arange(rows) + 0.5) / finer - 0.5
-    turns = np.zeros((rows, columns + 1))
-    for rim in rims:
-        corners = rim / step
-        for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-            first, last = (int(np.ceil((end + 0.5) * finer - 0.5)) for end in sorted((x0, x1)))
-            i = np.arange(max(first, 0), min(last, rows))
-            if not len(i):
-                continue
-            at = np.clip((y0 + (x[i] - x0) / (x1 - x0) * (y1 - y0) + 0.5) * finer, 0.0, columns)
-            j = np.minimum(at.astype(np.int64), columns - 1)
-            sign = np.sign(x1 - x0)
-            np.add.at(turns, (i, j), sign * (1.0 - at + j))
-            np.add.at(turns, (i, j + 1), sign * (at - j))
-    inside = np.minimum(np.abs(np.cumsum(turns, axis=1)[:, :columns]), 1.0)
-    return np.asarray(inside.reshape(shape[0], finer, shape[1], finer).mean(axis=(1, 3)))
-
-
 class _Fit:
     """Polygons beside the picture that they are to explain."""
 
@@ -119,9 +97,19 @@ class _Fit:
         self.share, self.trust, self.step, self.soft, self.config = share, trust, step, soft, config
         self.rims = [np.array(rim, dtype=float) for rim in rims]
         self.side = np.sign(signed_area(max(self.rims, key=lambda rim: abs(signed_area(rim)))))
-        cells = np.argwhere(trust > 0.0)
-        away = KDTree(self._samples()[0]).query(cells * step, distance_upper_bound=config.reach * soft)[0]
-        self.cells = cells[np.isfinite(away)]
+
+    @cached_property
+    def cells(self) -> Ints:
+        """(p, 2) those near the outlines as they were first, which are compared."""
+        near = within(self._samples()[0], REACH * self.soft, self.share.shape, self.step)
+        return np.argwhere(near & (self.trust > 0.0))
+
+    @cached_property
+    def _numbers(self) -> Ints:
+        """(n, m) which of these a cell is, or -1."""
+        numbers = np.full(self.share.shape, -1)
+        numbers[tuple(self.cells.T)] = np.arange(len(self.cells))
+        return numbers
 
     def misfit(self, rims: Sequence[Floats] | None = None) -> Floats:
         """(p,) by how much more the picture shows near the outline than that of the polygons."""
@@ -134,16 +122,16 @@ class _Fit:
     def seen(self, rims: Sequence[Floats]) -> Floats:
         """(n, m) the picture that rims would give."""
         shape = self.share.shape[0], self.share.shape[1]
-        sharp = drawn(rims, shape, self.step, self.config.finer)
-        return np.asarray(gaussian_filter(sharp, self.soft / self.step, mode="constant"))
+        return softened(drawn(rims, shape, self.step, self.config.finer), self.soft, self.step)
 
     def improve(self, sigma: float, prune: bool = False) -> int:
         """Move all corners to the least squares, take those out that are not worth it, and tell how many."""
         config, corners = self.config, np.concatenate(self.rims)
-        count, off, slope = len(corners), self.misfit(), self._slope()
+        count, off = len(corners), self.misfit()
+        squares, sides = normal_equations(self._slope(), off)
         weight = self.step**2 / (config.alike * sigma**2)
-        covariance = np.linalg.inv((slope.T @ slope).toarray() * weight + np.eye(2 * count) / config.loose**2)
-        moved = np.clip(covariance @ (slope.T @ off) * weight, -config.move, config.move)
+        covariance = np.linalg.inv(squares * weight + np.eye(2 * count) / config.loose**2)
+        moved = np.clip(covariance @ sides * weight, -config.move, config.move)
         rim = np.repeat(np.arange(len(self.rims)), [len(each) for each in self.rims])
         kept = np.ones(count, dtype=bool)
         if prune:
@@ -157,7 +145,7 @@ class _Fit:
         """(n,) which corners are worth what they say; those left are `moved` to make up for the others."""
         config, count = self.config, len(corners)
         kept, left = np.ones(count, dtype=bool), np.bincount(rim)
-        after = _next(self.rims)
+        after = following(self.rims)
         before = np.empty_like(after)
         before[after] = np.arange(count)
         while count - kept.sum() < max(4, config.share * count):
@@ -189,7 +177,7 @@ class _Fit:
 
     def _samples(self) -> tuple[Floats, Ints, Floats, Floats]:
         """(q, 2) places on edges, (q,) whose they are and how far along, and (q, 2) ways out, of their length."""
-        start, after = np.concatenate(self.rims), _next(self.rims)
+        start, after = np.concatenate(self.rims), following(self.rims)
         line = start[after] - start
         count: Ints = np.maximum(2, np.ceil(np.linalg.norm(line, axis=1) / self.config.sample)).astype(
             np.int64
@@ -199,36 +187,14 @@ class _Fit:
         out = self.side * np.column_stack([line[:, 1], -line[:, 0]]) / count[:, None]
         return start[edge] + along[:, None] * line[edge], edge, along, out[edge]
 
-    def _slope(self) -> csr_matrix:
+    def _slope(self) -> Floats:
         """(p, 2n) derivative of the polygons' picture by the x, then the y, of their corners."""
         at, edge, along, out = self._samples()
-        places, after = self.cells * self.step, _next(self.rims)
-        near = KDTree(places).query_ball_point(at, self.config.reach * self.soft)
-        rows = np.concatenate([np.asarray(each, dtype=np.int64) for each in near])
-        columns = np.repeat(np.arange(len(at)), [np.size(each) for each in near])
-        squared = ((places[rows] - at[columns]) ** 2).sum(axis=1) / self.soft**2
-        density = (
-            np.exp(-0.5 * squared) / (2.0 * np.pi * self.soft**2) * self.trust[tuple(self.cells.T)][rows]
+        ends = np.column_stack([edge, following(self.rims)[edge]])
+        corners = sum(map(len, self.rims))
+        return np.asarray(
+            slopes(at, out, along, ends, corners, self._numbers, self.trust, self.soft, self.step)
         )
-        spread = csr_matrix((density, (rows, columns)), shape=(len(places), len(at)))
-        each = np.arange(len(at))
-        ends = csr_matrix(
-            (
-                np.concatenate([1.0 - along, along]),
-                (np.tile(each, 2), np.concatenate([edge, after[edge]])),
-            ),
-            shape=(len(at), len(after)),
-        )
-        by_axis = [spread @ (diags(out[:, axis]) @ ends) for axis in (0, 1)]
-        return csr_matrix(hstack(by_axis))
-
-
-def _next(rims: Sequence[Floats]) -> Ints:
-    """(n,) the corner after each, of all rims."""
-    first = np.cumsum([0, *(len(rim) for rim in rims)])
-    return np.concatenate(
-        [f + np.roll(np.arange(len(rim)), -1) for f, rim in zip(first[:-1], rims, strict=True)]
-    )
 
 
 def _better(fit: _Fit, old: Sequence[Floats], made: Sequence[Floats]) -> list[Floats]:

@@ -6,7 +6,8 @@ from scipy.ndimage import gaussian_filter, zoom
 
 from primitives.arcs import arcs
 from primitives.outlines import depth_inside, signed_area, simplified, traced
-from primitives.soft_outlines import drawn, sharpened
+from primitives.soft_outlines import sharpened
+from primitives.soft_pictures import drawn
 
 STEP, SHAPE = 0.5, (120, 140)
 MIDDLE = 0.5 * STEP * np.array(SHAPE)
