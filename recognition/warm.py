@@ -21,6 +21,7 @@ from scipy.ndimage import gaussian_filter
 from exploration.control.edge_refined import Frames, moved_outward, nodes_along
 from exploration.devices.kinematic_chain import KinematicChain
 from exploration.devices.stage_trail import StageTrail
+from exploration.planning.inferring.rounded_corners import farthest_of_arc
 from exploration.planning.known.swept_cells import SweptCells
 from exploration.planning.open.mouths import mouths
 from exploration.planning.open.views import best_view
@@ -36,6 +37,7 @@ from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.grain import Grain
 from primitives.shapes import Plane
+from primitives.soft_outlines import sharpened
 from recognition.assembly.lists import Target
 from recognition.assembly.search import shortest
 from recognition.assembly.vocabulary import Vocabulary
@@ -107,6 +109,7 @@ def the_rest(folder: Path) -> None:
     StageTrail(0.0, np.eye(4)).at(np.zeros(1), np.eye(4))
     look_once()
     bent_edge_once()
+    outline_once()
     assemble_once()
 
 
@@ -129,6 +132,14 @@ def bent_edge_once() -> None:
     curve = np.column_stack([places, np.zeros((len(places), 2))])
     frames = Frames(flat, flat + 1.0, (1.8, 1.8), np.eye(4)[None], np.ones((1, 2)), 1.0, np.zeros(1))
     moved_outward(curve, frames, float(places[0]), rubber(1.2, (1.8, 1.8)))
+
+
+def outline_once() -> None:
+    """A square hole in a picture, and the corner of another."""
+    share = gaussian_filter(np.pad(np.ones((30, 30)), 15), 2.0)
+    square = 7.0 + 15.0 * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    sharpened(share, share < 2.0, [square], 0.5)
+    farthest_of_arc(square, square[0], np.array([0.6, 0.8]), 1.0, 0.1)
 
 
 def assemble_once() -> None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations, permutations
 
 import numpy as np
@@ -173,9 +174,19 @@ def _beyond(share: Floats, known: Bools, reach: float) -> Floats:
 
 def _rims(share: Floats, told: Bools, step: float, config: PlatesConfig) -> tuple[Floats, ...]:
     """Closed rims [mm from the lattice's origin] of what looks like a share, where the pictures have `told` it."""
-    fine = zoom(share, config.finer, order=1, grid_mode=True, mode="nearest")
+    shape = share.shape[0], share.shape[1]
+    return _rims_of(np.asarray(share, dtype=np.float64).tobytes(), told.tobytes(), shape, step, config)
+
+
+@lru_cache(maxsize=64)
+def _rims_of(
+    share: bytes, told: bytes, shape: tuple[int, int], step: float, config: PlatesConfig
+) -> tuple[Floats, ...]:
+    """Once for each picture: drafts of the object see most of them again."""
+    seen = np.frombuffer(share).reshape(shape)
+    fine = zoom(seen, config.finer, order=1, grid_mode=True, mode="nearest")
     half = [
         simplified(((loop - 0.5 * config.finer) / config.finer)[:, ::-1] * step, config.straight)[:-1]
         for loop in traced(fine > 0.5)
     ]
-    return sharpened(share, told, half, step)
+    return sharpened(seen, np.frombuffer(told, dtype=bool).reshape(shape), half, step)

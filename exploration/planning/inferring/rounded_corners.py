@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+import numba
 import numpy as np
 
 from exploration.planning.open.known_face import KnownFace
@@ -139,16 +140,18 @@ def _circle(plate: _Plate, one: _Edge, other: _Edge, config: RoundedCornersConfi
     corner: Floats = np.linalg.inv(np.stack([one.normal, other.normal])) @ [one.offset, other.offset]
     out = (one.normal + other.normal) / np.linalg.norm(one.normal + other.normal)
     behind = [_behind(side, (one, other), config) for side in plate.sides]
+    nearest = max(float(np.linalg.norm(edge.points - corner, axis=1).min()) for edge in (one, other))
+    radii = np.arange(*config.radii, config.step)
+    radii = radii[radii * np.tan(0.5 * turn) > nearest - config.reach]
+    circles = [_Circle(corner - r / np.cos(0.5 * turn) * out, r, out, turn) for r in radii.tolist()]
     found: list[tuple[float, _Circle]] = []
-    for radius in np.arange(*config.radii, config.step):
-        circle = _Circle(corner - radius / np.cos(0.5 * turn) * out, float(radius), out, turn)
-        if not all(_reaches(edge, corner, radius * np.tan(0.5 * turn), config) for edge in (one, other)):
-            continue
-        last = [_outermost(side, circle, config) for side in plate.sides]
+    sides = [_before(side, circles[-1]) for side in plate.sides] if circles else []
+    for circle in circles:
+        last = [_outermost(side, circle, config) for side in sides]
         if min(map(len, last)) < config.least:
             continue
         short = [
-            radius - np.linalg.norm(places - circle.center, axis=1) - far
+            circle.radius - np.linalg.norm(places - circle.center, axis=1) - far
             for places, far in zip(last, behind, strict=True)
         ]
         off = np.minimum(np.abs(np.concatenate(short)), config.stray)
@@ -179,12 +182,31 @@ def _angles(places: Floats, circle: _Circle) -> Floats:
     return np.asarray(np.arctan2(away @ np.array([-circle.out[1], circle.out[0]]), away @ circle.out))
 
 
+def _before(side: Floats, circle: _Circle) -> Floats:
+    """(n, 2) of the (m, 2) places of a side those that an arc, or a smaller one of that corner, is before."""
+    return side[np.abs(_angles(side, circle)) < 0.5 * circle.turn]
+
+
 def _outermost(side: Floats, circle: _Circle, config: RoundedCornersConfig) -> Floats:
     """(n, 2) of the (m, 2) places of a side the farthest from an arc's center, one for each piece of the arc."""
-    away, angle = side - circle.center, _angles(side, circle)
-    rows = np.flatnonzero(np.abs(angle) < 0.5 * circle.turn)
-    far = np.linalg.norm(away[rows], axis=1)
-    return np.asarray(side[rows[_farthest(angle[rows] * circle.radius / config.bin, far)]])
+    half, bin = 0.5 * circle.turn, config.bin / circle.radius
+    return np.asarray(side[farthest_of_arc(side, circle.center, circle.out, half, bin)])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def farthest_of_arc(side: Floats, center: Floats, out: Floats, half: float, bin: float) -> Ints:
+    """(n,) rows of the farthest from a center in each bin [rad] of angles within `half` of a (2,) way out."""
+    first = int(np.floor(-half / bin))
+    rows = np.full(int(np.floor(half / bin)) - first + 1, -1)
+    far = np.zeros(len(rows))
+    for k in range(len(side)):
+        x, y = side[k, 0] - center[0], side[k, 1] - center[1]
+        angle = np.arctan2(y * out[0] - x * out[1], x * out[0] + y * out[1])
+        if abs(angle) < half:
+            piece = int(np.floor(angle / bin)) - first
+            if x * x + y * y > far[piece]:
+                rows[piece], far[piece] = k, x * x + y * y
+    return rows[rows >= 0]
 
 
 def _farthest(bins: Floats, far: Floats) -> Ints:
@@ -197,11 +219,6 @@ def _farthest(bins: Floats, far: Floats) -> Ints:
 def _to_wall(places: Floats, one: _Edge, other: _Edge) -> Floats:
     """(n,) [mm] from (n, 2) places to the nearer of two walls."""
     return np.asarray(np.minimum(one.offset - places @ one.normal, other.offset - places @ other.normal))
-
-
-def _reaches(edge: _Edge, corner: Floats, tangent: float, config: RoundedCornersConfig) -> bool:
-    """Whether a wall was found up to where an arc of a `tangent` [mm] length before the corner begins."""
-    return float(np.linalg.norm(edge.points - corner, axis=1).min()) < tangent + config.reach
 
 
 def _is_known(plate: _Plate, circle: _Circle, faces: Sequence[Face], config: RoundedCornersConfig) -> bool:
