@@ -38,6 +38,7 @@ class SoftOutlineConfig:
     move: float = 0.6  # [mm] that they move at a time at most
     share: float = 0.34  # of the corners, that are taken out at a time at most
     passes: int = 10
+    margin: float = 12.0  # [mm] round all rims, of the part of a picture that is looked at
     small: float = 6.0  # [mm^2] of a rim that stays as it is
     most: int = 400  # corners of which it is asked
     round_corners: int = 48  # of a circle
@@ -58,22 +59,48 @@ def sharpened(
     asked = [rim for rim in rims if abs(signed_area(rim)) > config.small]
     if not asked or sum(map(len, asked)) > config.most:
         return tuple(rims)
+    first, window = _window(asked, share.shape, step, config)
+    made = _sharpened(share[window], known[window], [rim - first for rim in asked], step, config)
+    left = [rim for rim in rims if abs(signed_area(rim)) <= config.small]
+    return (*(rim + first for rim in made), *left)
+
+
+def _window(
+    rims: Sequence[Floats], shape: tuple[int, ...], step: float, config: SoftOutlineConfig
+) -> tuple[Floats, tuple[slice, ...]]:
+    """(2,) [mm] where the part of a picture begins that rims have to do with, and its cells."""
+    corners = np.concatenate(rims)
+    low = np.maximum(0, np.floor((corners.min(axis=0) - config.margin) / step)).astype(np.int64)
+    high = np.minimum(shape, np.ceil((corners.max(axis=0) + config.margin) / step) + 1).astype(np.int64)
+    return low * step, tuple(slice(int(a), int(b)) for a, b in zip(low, high, strict=True))
+
+
+def _sharpened(
+    share: Floats, known: Bools, rims: Sequence[Floats], step: float, config: SoftOutlineConfig
+) -> list[Floats]:
     told = _well_inside(known, step, config)
     trust = np.where(known, 1.0, config.unseen)
-    fits = [_Fit(share, trust, asked, step, soft, config) for soft in config.soft]
-    best = min(fits, key=lambda fit: float(np.square(fit.off(asked)[told]).sum()))
+    fit = _Fit(share, trust, rims, step, _softness(share, trust * told, rims, step, config), config)
     for _ in range(2):
-        best.improve(2.0 * config.least)
-    off = best.misfit()[told[tuple(best.cells.T)]]
+        fit.improve(2.0 * config.least)
+    off = fit.misfit()[told[tuple(fit.cells.T)]]
     sigma = max(config.least, float(np.sqrt(np.mean(off**2))) if len(off) else 0.0)
     for _ in range(config.passes):
-        if not best.improve(sigma, prune=True):
+        if not fit.improve(sigma, prune=True):
             break
-    best.improve(sigma)
-    squares = float(np.square(best.misfit()).sum())
-    made = [_or_circle(best, k, squares, sigma, config) for k in range(len(best.rims))]
-    left = [rim for rim in rims if abs(signed_area(rim)) <= config.small]
-    return (*_better(best, asked, made), *left)
+    fit.improve(sigma)
+    squares = float(np.square(fit.misfit()).sum())
+    return _better(fit, rims, [_or_circle(fit, k, squares, sigma, config) for k in range(len(fit.rims))])
+
+
+def _softness(
+    share: Floats, trust: Floats, rims: Sequence[Floats], step: float, config: SoftOutlineConfig
+) -> float:
+    """[mm] that a picture is soft by, as rims through its half explain it best where it is trusted."""
+    sharp = drawn(rims, (share.shape[0], share.shape[1]), step, config.finer)
+    return min(
+        config.soft, key=lambda soft: float(np.square(trust * (share - softened(sharp, soft, step))).sum())
+    )
 
 
 def _well_inside(known: Bools, step: float, config: SoftOutlineConfig) -> Bools:

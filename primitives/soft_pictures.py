@@ -18,7 +18,10 @@ REACH = 3.0  # times what a picture is soft by, from an outline, within which th
 
 
 def drawn(rims: Sequence[Floats], shape: tuple[int, int], step: float, finer: int = 4) -> Floats:
-    """(n, m) share of each cell of a lattice inside rims, of which those of holes run the other way."""
+    """(n, m) share of each cell of a lattice inside rims, of which those of holes run the other way.
+
+    It is exact along each of so many rows of a cell.
+    """
     if not rims:
         return np.zeros(shape)
     return np.asarray(_drawn(np.concatenate(rims) / step, following(rims), shape[0], shape[1], finer))
@@ -39,7 +42,7 @@ def following(rims: Sequence[Floats]) -> Ints:
 
 @numba.njit(cache=True, error_model="numpy")
 def _drawn(corners: Floats, after: Ints, rows: int, columns: int, finer: int) -> Floats:
-    turns = np.zeros((rows * finer, columns * finer + 1))
+    turns, share = np.zeros((rows * finer, columns + 1)), np.zeros((rows, columns))
     for k in range(len(corners)):
         x0, y0 = corners[k]
         x1, y1 = corners[after[k]]
@@ -48,18 +51,16 @@ def _drawn(corners: Floats, after: Ints, rows: int, columns: int, finer: int) ->
         last = int(np.ceil((max(x0, x1) + 0.5) * finer - 0.5))
         for i in range(max(first, 0), min(last, rows * finer)):
             x = (i + 0.5) / finer - 0.5
-            at = (y0 + (x - x0) / (x1 - x0) * (y1 - y0) + 0.5) * finer
-            at = min(max(at, 0.0), float(columns * finer))
-            j = min(int(at), columns * finer - 1)
+            at = min(max(y0 + (x - x0) / (x1 - x0) * (y1 - y0) + 0.5, 0.0), float(columns))
+            j = min(int(at), columns - 1)
             turns[i, j] += sign * (1.0 - at + j)
             turns[i, j + 1] += sign * (at - j)
-    share = np.zeros((rows, columns))
     for i in range(rows * finer):
         inside = 0.0
-        for j in range(columns * finer):
+        for j in range(columns):
             inside += turns[i, j]
-            share[i // finer, j // finer] += min(abs(inside), 1.0)
-    return share / finer**2
+            share[i // finer, j] += min(abs(inside), 1.0) / finer
+    return share
 
 
 @numba.njit(cache=True, error_model="numpy")

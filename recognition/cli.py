@@ -68,10 +68,16 @@ app.add_typer(hardware.app, name="hardware")
 # and the arrays of a run go when they are used last.
 _GARBAGE = 50_000
 
+# Matrices here are small: a second thread wins next to nothing on them, and where another process has the core it
+# takes ten times as long (`inv` of 200 rows, two processes on two cores).
+_ONE_THREAD = ("OMP", "OPENBLAS", "MKL", "NUMBA")
+
 
 def main() -> None:
     """Run the command line: whatever happens is one line on stderr and an exit code, and never a traceback."""
     gc.set_threshold(_GARBAGE)
+    for name in _ONE_THREAD:
+        os.environ.setdefault(f"{name}_NUM_THREADS", "1")
     interrupts.heed()
     if sys.stdout is None:
         _end("standard output is closed; send it to a file or to /dev/null")

@@ -42,7 +42,6 @@ def experiment(
 
     Exit code 0: every trial has its row, failed ones with the reason.
     """
-    os.environ.update({f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA")})
     with one_line_errors(exit_code=2):
         with interrupts.held():
             from recognition.experiments.runner import ExperimentOptions, parse_shard, run
