@@ -16,19 +16,22 @@ hull that holds all of the face, and that most of the ways out of its middle end
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from exploration.control.sighting import Sighting
 from exploration.planning.inferring.upright_walls import depth_below
+from exploration.planning.known.surface_map import clusters
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import around
 from exploration.planning.touching.findings import SeenRim
 from primitives.arcs import circle_through
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
+from primitives.patch_graph import Face
 from primitives.pose import frame_along
 
 
@@ -51,6 +54,8 @@ class RoundWallsConfig:
     )  # where the face was felt last: the ways out are hardly known there
     round: float = 0.08  # of the radius, that a place may be off it at most
     share: float = 0.75  # of a face's places that must be of it
+    apart: float = 8.0  # [mm] between pieces of a face, each of which may have a circle of its own,
+    cells: int = 12  # felt places of one at least
     held: Likeness = Likeness(24, 1.5, 0.3)  # the same, where a circle holds all of a face
     past: float = 1.2  # [mm] past such a circle, which the blur of what was felt reaches at most
     stray: float = 0.01  # share of the face's places that may lie farther out
@@ -111,23 +116,50 @@ def round_walls(
             for rim, face in rims
             if face == own.face.id and abs(float(rim.outward @ axis)) < config.upright
         ]
-        edges = np.array([rim.point for rim in seen]).reshape(-1, 3)
-        ways = np.array([rim.outward for rim in seen]).reshape(-1, 3)
-        circle = _circle(edges, ways, axis, config.edges, config)
-        if circle is None and len(at) > config.bare * len(own.rim[0]):
-            circle = _circle(at, out, axis, config.ends, config)
-        if circle is None:
-            circle = _holding(own.cells, at, axis, config)
-        if circle is not None:
-            below = [depth_below(place, circle.axis, own.face.id, faces) for place in circle.places()]
-            deep = float(np.median(below))  # at its edge: in its middle may be a bore
-            if _gone_through(circle, (config.land, deep - config.land), free, config):
-                deep = config.land
-            if not _gone_through(circle, (0.0, min(config.land, deep)), free, config):
+        whole = _outline(own, seen, at, out, config)
+        pieces = [] if whole else _apart(own, seen, at, out, config)
+        for circle in [whole] if whole else [_outline(*piece, config) for piece in pieces]:
+            if circle is not None and (deep := _deep(circle, own.face.id, faces, free, config)) > 0.0:
                 found.append((circle, deep))
     return [
         _wall(_one_of(circle, [other for other, _ in found], config), deep, config) for circle, deep in found
     ]
+
+
+def _apart(
+    own: KnownFace, seen: Sequence[Sighting], at: Floats, out: Floats, config: RoundWallsConfig
+) -> Iterator[tuple[KnownFace, list[Sighting], Floats, Floats]]:
+    """The pieces of a face, as the feet of a frame are, each with the edges seen of it and where it ended."""
+    masks = clusters(own.cells, config.apart)
+    piece = np.argmax(masks, axis=0)
+    edges = piece[own.near.query(np.array([rim.point for rim in seen]).reshape(-1, 3))[1]]
+    ends = piece[own.near.query(at)[1]]
+    for k, mask in enumerate(masks):
+        if len(masks) > 1 and mask.sum() >= config.cells:
+            beside = [rim for rim, of in zip(seen, edges, strict=True) if of == k]
+            yield replace(own, cells=own.cells[mask]), beside, at[ends == k], out[ends == k]
+
+
+def _outline(
+    own: KnownFace, seen: Sequence[Sighting], at: Floats, out: Floats, config: RoundWallsConfig
+) -> Circle | None:
+    """The circle of edges `seen` of a face, or of (n, 3) places `at` which it was felt last, or that holds it."""
+    axis = own.side * own.fit.shape.direction
+    edges = np.array([rim.point for rim in seen]).reshape(-1, 3)
+    ways = np.array([rim.outward for rim in seen]).reshape(-1, 3)
+    circle = _circle(edges, ways, axis, config.edges, config)
+    if circle is None and len(at) > config.bare * len(own.rim[0]):
+        circle = _circle(at, out, axis, config.ends, config)
+    return circle or _holding(own.cells, at, axis, config)
+
+
+def _deep(circle: Circle, own: int, faces: Sequence[Face], free: Floats, config: RoundWallsConfig) -> float:
+    """[mm] that the wall below an outline goes down, 0 where an array was behind it."""
+    below = [depth_below(place, circle.axis, own, faces) for place in circle.places()]
+    deep = float(np.median(below))  # at its edge: in its middle may be a bore
+    if _gone_through(circle, (config.land, deep - config.land), free, config):
+        deep = config.land
+    return 0.0 if _gone_through(circle, (0.0, min(config.land, deep)), free, config) else deep
 
 
 def _one_of(circle: Circle, others: Sequence[Circle], config: RoundWallsConfig) -> Circle:

@@ -121,3 +121,17 @@ def test_a_wall_is_as_deep_as_the_face_below_its_edge_though_its_middle_is_bored
     lots = walls(rims, ring)
     assert lots
     assert all(lot.points[:, 2].min() > -1.0 for lot in lots)
+
+
+def test_each_of_a_face_s_pieces_that_lie_apart_may_be_round():
+    shifts = (np.array([-13.0, -4.0, 0.0]), np.array([13.0, 5.0, 0.0]))
+    feet = flat(0, lambda xy: np.any([np.hypot(*(xy - shift[:2]).T) < 9.0 for shift in shifts], axis=0))
+    rims = [
+        (replace(rim, point=rim.point + shift), own)
+        for shift in shifts
+        for rim, own in (edge(angle, 9.5) for angle in (0.3, 1.0, 2.5, 4.0, 5.4))
+    ]
+    found = [fit("cylinder", lot) for lot in walls(rims, [feet, FLOOR])]
+    assert [each.shape.radius for each in found] == pytest.approx([9.5, 9.5], abs=0.01)
+    for each, shift in zip(found, shifts, strict=True):
+        assert np.abs(each.shape.signed_distance(shift[None]))[0] == pytest.approx(9.5, abs=0.01)
