@@ -15,6 +15,7 @@ import numpy as np
 
 from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, OverPress
+from exploration.planning.moves.slot_ledges import SlotLedges
 from exploration.planning.open.mouths import Mouth, gathered, lids
 from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
@@ -59,6 +60,7 @@ class Entering:
         self._deep = -float(study.pad.tool.low[2])
         self._sounded = Attempts(1, self.config.between)
         self._through = Attempts(1, self.config.between)  # mouths behind which there was no floor
+        self._ledges = SlotLedges(study, reach)  # but at their sides, perhaps
 
     def ways_in(
         self, across: Sequence[Mouth], alongs: Callable[[Floats], list[Floats]]
@@ -69,6 +71,9 @@ class Entering:
         its rims are all that leads to its walls.
         """
         self.reach.lids = lids([mouth for mouth in across if not self._through.count(mouth.center)])
+        if (sides := self._ledges.next(across)) is not None:
+            yield sides.center, partial(self._ledges.feel, sides, across)
+            return
         turns = _once(alongs)
         wide, floors = 2.0 * float(self.study.pad.tool.high[:2].min()), _once(self._floors())
         untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, floors)]
@@ -124,6 +129,7 @@ class Entering:
                 here = self.study.pad.guard.world_from_sensor
                 self._sounded.note(here[:3, 3])  # perhaps out on the other side
                 self._through.note(mouth.center)
+                self._ledges.went_through(mouth)
                 self._went(mouth, here)
                 self.reach.come_out()
                 return None, "went in and met nothing"
