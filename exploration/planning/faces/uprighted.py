@@ -45,7 +45,7 @@ def uprighted(graph: PatchGraph, before: PatchGraph | None = None) -> PatchGraph
 
     Faces that it had `before` already are left as they are.
     """
-    ways, flats = list(_directions(graph)), list(_flats(graph))
+    ways, flats = list(directions(graph)), list(_flats(graph))
     faces = []
     for face in graph.faces:
         same = before is not None and any(face is other for other in before.faces)
@@ -54,7 +54,7 @@ def uprighted(graph: PatchGraph, before: PatchGraph | None = None) -> PatchGraph
     return replace(graph, faces=tuple(faces))
 
 
-def _directions(graph: PatchGraph) -> Iterator[Floats]:
+def directions(graph: PatchGraph) -> Iterator[Floats]:
     """(3,) normals and axes of the faces that tell theirs, each once."""
     found: list[Floats] = []
     for face in graph.faces:
@@ -92,7 +92,7 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     for way in ways:
         if np.median(np.abs(felt.normals @ way)) > _ACROSS:
             continue
-        told = _bent(felt) if float(np.ptp(felt.points @ way)) < _LOW else felt
+        told = bent(felt) if float(np.ptp(felt.points @ way)) < _LOW else felt
         made = fit("cylinder", drawn_out(told, way))
         if not isinstance(made, Fit) or (len(face.contacts) >= _FEW and not _narrow(face, made.shape, way)):
             continue
@@ -117,7 +117,7 @@ def _flat_side(own: Fit, felt: Contacts, ways: list[Floats], flats: list[Plane])
         low = float(np.ptp(felt.points @ way)) < _LOW
         if not low or abs(float(own.shape.direction @ way)) > _ACROSS or not any(_at_flats(felt, way, flats)):
             continue
-        told = _bent(felt)
+        told = bent(felt)
         made = fit("plane", drawn_out(told, way))
         if not isinstance(made, Fit) or made.rms > _BULGE:
             continue
@@ -139,7 +139,7 @@ def _sliver(own: Fit, felt: Contacts, way: Floats, flats: list[Plane]) -> Fit | 
     level = float(np.median(np.abs(rim.normals @ way))) < _LEVEL
     if not level or not any(_at_flats(rim, way, flats)):
         return None
-    told = _bent(rim)
+    told = bent(rim)
     made = fit("cylinder", drawn_out(told, way))
     if not isinstance(made, Fit) or made.rms > _BULGE:
         return None
@@ -161,7 +161,8 @@ def _at_flats(felt: Contacts, way: Floats, flats: list[Plane]) -> tuple[bool, bo
     return low, high
 
 
-def _bent(felt: Contacts) -> Contacts:
+def bent(felt: Contacts) -> Contacts:
+    """The contacts with what those of a low rim err by together."""
     sigma, normal_sigma = np.hypot(felt.sigma, _BENT[0]), np.hypot(felt.normal_sigma, _BENT[1])
     return replace(felt, sigma=sigma, normal_sigma=normal_sigma)
 
