@@ -30,12 +30,12 @@ _SLACK = 3.0  # times chi2, by which contacts of one touch err together beyond t
 _LOW = 8.0  # [mm] along a direction, up to which a face lies beside its edges throughout
 _BENT = 0.06, 0.1  # [mm], [rad] that contacts and their normals err by there
 _PLATE = 1.5  # [mm] from the flats at both ends of a plate's rim, within which it was felt
-_BULGE = 0.08  # [mm] rms from a cylinder, up to which such a rim is one
+_BULGE = 0.07  # [mm] rms from a cylinder, up to which such a rim is one
 _LEVEL = 0.1  # most cosine between a direction and the median normal of a rim that looks straight out
 _SLIVER = 3.0  # [mm] along a direction, up to which a rim that ends at one flat says nothing of its bulge
 _TOGETHER = 0.9  # share of a low face's contacts, at least, that lie so low: one may be of what is beside it
 _ACROSS = 0.3  # most cosine between a direction and the median contact's normal
-_STEP = 3.0  # [mm] along a cylinder, at which it is the same again
+_STEP = 30.0  # [mm] along a cylinder, at which it is the same again
 _SAME = 0.995  # cosine from which two directions are one
 _UPRIGHT = 0.9998  # cosine from which a cylinder stands along a direction as it is
 
@@ -85,7 +85,8 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     shape = face.fit.shape
     if isinstance(shape, Cylinder) and (side := _flat_side(face.fit, felt, ways, flats)) is not None:
         return side
-    if isinstance(shape, Cylinder) and any(abs(float(shape.direction @ way)) > _UPRIGHT for way in ways):
+    stands = (way for way in ways if abs(float(shape.direction @ way)) > _UPRIGHT)
+    if isinstance(shape, Cylinder) and any(not _narrow(face, shape, way) for way in stands):
         return None
     paid = np.log(_RESIDUALS * len(felt))
     best, most = None, 0.0
@@ -177,6 +178,6 @@ def _narrow(face: Face, shape: Shape, way: Floats) -> bool:
 
 
 def drawn_out(felt: Contacts, way: Floats) -> Contacts:
-    """The contacts, and the same again a step up and a step down a (3,) direction."""
+    """The contacts, and the same again far up and far down a (3,) direction."""
     moved = [replace(felt, points=felt.points + step * way) for step in (0.0, _STEP, -_STEP)]
     return Contacts.concatenate(moved)
