@@ -41,6 +41,8 @@ class PlatesConfig:
     straight: float = 0.4  # [mm] from a straight line, up to which an outline is straight
     beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
     touched: float = 1.5  # [mm] of a touched place, where nothing is missing unless both sides were seen
+    leans: tuple[float, float] = (0.15, 0.97)  # cosine of a way out of a slope with that of a step
+    slope: float = 4.0  # [mm] from a felt place of it, where it stands on the floor
     foot: float = 5.0  # [mm] from where a floor was seen to where a wall may stand on it
 
 
@@ -67,7 +69,7 @@ def plates(
         if _outward(own)[2] > config.opposed and config.thick[0] < thick < config.thick[1]:
             found.append(_plate((own,), thick, mosaic, config))
     for group in _alike(flat, config):
-        found.extend(_steps(group, mosaic, config))
+        found.extend(_steps(group, known, mosaic, config))
     return [plate for plate in found if plate.there and (plate.missing or not plate.step)]
 
 
@@ -99,6 +101,7 @@ def _touched(cells: Floats, lattice: Lattice) -> Bools:
     """Where a lattice has one of (n, 3) touched places."""
     touched = np.zeros(lattice.shape, dtype=bool)
     at = np.round((cells @ lattice.along - lattice.origin) / lattice.step).astype(np.int64)
+    at = at[((at >= 0) & (at < lattice.shape)).all(axis=1)]
     touched[at[:, 0], at[:, 1]] = True
     return touched
 
@@ -116,7 +119,9 @@ def _alike(flat: Sequence[KnownFace], config: PlatesConfig) -> list[list[KnownFa
     return groups
 
 
-def _steps(group: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig) -> Iterator[Plate]:
+def _steps(
+    group: Sequence[KnownFace], known: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig
+) -> Iterator[Plate]:
     """Of each face of a group and each floor below it: all are seen on one lattice, each once."""
     if len(group) < 2:
         return
@@ -126,6 +131,7 @@ def _steps(group: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig) -> 
     lattice = Lattice.over(cells, turn[:, :2], mosaic.config.step, config.margin)
     heights = [float(own.fit.shape.anchor @ up) for own in group]
     seen = [mosaic.picture(own.fit.shape.anchor, up, lattice) for own in group]
+    leaning = _leaning(known, up, config)
     rims: dict[int, tuple[Floats, ...]] = {}  # of each that is the upper one of a step
     for upper, lower in permutations(range(len(group)), 2):
         thick = heights[upper] - heights[lower]
@@ -133,12 +139,24 @@ def _steps(group: Sequence[KnownFace], mosaic: Mosaic, config: PlatesConfig) -> 
             low, high = heights[lower] + config.step[0], heights[upper] - config.step[0]
             ledges = [own for own, height in zip(seen, heights, strict=True) if low < height < high]
             gone = _over(seen[upper], seen[lower], ledges, lattice, config)
+            slope = _touched(leaning[(leaning @ up > low) & (leaning @ up < high)], lattice)
+            if slope.any():
+                gone[distance_transform_edt(~slope) * lattice.step < config.slope] = 0.0
             origin = np.array([*lattice.origin, heights[upper] - 0.5 * thick])
             top = seen[upper]
             if upper not in rims:
                 rims[upper] = _rims(np.where(top.known, top.share, 0.0), top.known, lattice.step, config)
             missing = _rims(gone, top.known & (gone == 1.0 - top.share), lattice.step, config)
             yield Plate(pose(turn, turn @ origin), thick, rims[upper], missing, step=True)
+
+
+def _leaning(known: Sequence[KnownFace], up: Floats, config: PlatesConfig) -> Floats:
+    """(n, 3) felt places of faces that lie neither across a (3,) way nor along it, as a cone's."""
+    places = [np.empty((0, 3))]
+    for own in known:
+        cosine = np.abs(own.fit.shape.normals(own.cells) @ up)
+        places.append(own.cells[(cosine > config.leans[0]) & (cosine < config.leans[1])])
+    return np.concatenate(places)
 
 
 def _over(

@@ -156,6 +156,27 @@ def test_a_ledge_between_a_floor_and_the_face_above_it_is_left_where_it_is():
     assert (depth_inside(whole.missing, own[:, :2]) > 0.0).tolist() == [False, True, False]
 
 
+def slope(number):
+    """A plane that comes down from x = 6 at the upper face to x = 10 at a floor 8 mm below it."""
+    along, y = np.meshgrid(np.linspace(0.1, 0.9, 6), np.linspace(-16.0, 16.0, 9))
+    points = np.column_stack([6.0 + 4.0 * along.ravel(), y.ravel(), 6.0 - 8.0 * along.ravel()])
+    normals = np.tile(np.array([2.0, 0.0, 1.0]) / np.sqrt(5.0), (len(points), 1))
+    face = ranked_face(number, Contacts.of(points, normals), MergeOptions())
+    return KnownFace(face, face.fit, 1.0 if face.fit.convex else -1.0, points, NOWHERE)
+
+
+def test_where_a_slope_stands_on_a_floor_nothing_is_missing():
+    def sloped(world, height):
+        return soft(world[..., 0] - 10.0 if height < 0.0 else 6.0 - world[..., 0])
+
+    asked = np.array([[8.0, 0.0, 2.0], [15.0, 0.0, 2.0], [0.0, 0.0, 2.0]])
+    floor = side(2, -2.0, 1.0)
+    for faces, missing in (([], [True, True, False]), ([slope(3)], [False, True, False])):
+        (step,) = plates([TOP, floor, *faces], Drawn(sloped))
+        own = transform_points(inverse(step.pose), asked)
+        assert (depth_inside(step.missing, own[:, :2]) > 0.0).tolist() == missing
+
+
 def test_faces_that_look_one_way_are_seen_once_each_for_all_their_steps():
     mosaic, seen = Drawn(notched), []
     picture = mosaic.picture
