@@ -40,6 +40,8 @@ class PlatesConfig:
     finer: int = 2  # times as fine as the pictures, of the outlines
     straight: float = 0.4  # [mm] from a straight line, up to which an outline is straight
     beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
+    past: tuple[float, float] = (0.5, 12.0)  # [mm] of something felt past a side, that may go on through it,
+    beside: float = 3.0  # [mm] round which nothing is missing where nobody looked
     touched: float = 1.5  # [mm] of a touched place, where nothing is missing unless both sides were seen
     leans: tuple[float, float] = (0.15, 0.97)  # cosine of a way out of a slope with that of a step
     slope: float = 4.0  # [mm] from a felt place of it, where it stands on the floor
@@ -63,11 +65,11 @@ def plates(
         up = _outward(one)
         thick = float((one.fit.shape.anchor - other.fit.shape.anchor) @ up)
         if float(up @ _outward(other)) < -config.opposed and config.thick[0] < thick < config.thick[1]:
-            found.append(_plate((one, other), thick, mosaic, config))
+            found.append(_plate((one, other), thick, known, mosaic, config))
     for own in flat:
         thick = -np.inf if table is None else float(own.fit.shape.anchor[2]) - table
         if _outward(own)[2] > config.opposed and config.thick[0] < thick < config.thick[1]:
-            found.append(_plate((own,), thick, mosaic, config))
+            found.append(_plate((own,), thick, known, mosaic, config))
     for group in _alike(flat, config):
         found.extend(_steps(group, known, mosaic, config))
     return [plate for plate in found if plate.there and (plate.missing or not plate.step)]
@@ -77,7 +79,13 @@ def _outward(own: KnownFace) -> Floats:
     return own.side * own.fit.shape.direction
 
 
-def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: PlatesConfig) -> Plate:
+def _plate(
+    sides: Sequence[KnownFace],
+    thick: float,
+    known_faces: Sequence[KnownFace],
+    mosaic: Mosaic,
+    config: PlatesConfig,
+) -> Plate:
     """Of its upper side and, where there is one, its lower."""
     up = _outward(sides[0])
     turn = frame_along(up)
@@ -90,11 +98,28 @@ def _plate(sides: Sequence[KnownFace], thick: float, mosaic: Mosaic, config: Pla
     felt = distance_transform_edt(~_touched(cells, lattice)) * lattice.step < config.touched
     gone = _beyond(np.where(felt & ~known, 0.0, neither), known | felt, config.beyond / lattice.step)
     gone = np.minimum(gone, neither)  # of a place that one side alone shows, too
+    through = _through(known_faces, sides[0], thick, lattice, config)
+    gone[through & ~known] = 0.0
     if len(sides) == 1 or thick > config.blind:
         gone[binary_fill_holes(both > 0.5)] = 0.0
     origin = np.array([*lattice.origin, float(sides[0].fit.shape.anchor @ up) - 0.5 * thick])
     missing = _rims(gone, known & (gone == neither), lattice.step, config)
     return Plate(pose(turn, turn @ origin), thick, there, missing, len(sides) == 1)
+
+
+def _through(
+    known: Sequence[KnownFace], upper: KnownFace, thick: float, lattice: Lattice, config: PlatesConfig
+) -> Bools:
+    """Where something that was felt past either side of a plate may go on through it, as a boss beside it."""
+    up = _outward(upper)
+    cells = np.concatenate([np.empty((0, 3)), *(own.cells for own in known)])
+    over = (cells - upper.fit.shape.anchor) @ up
+    low, high = config.past
+    past = np.maximum(over, -over - thick)
+    felt = _touched(cells[(past > low) & (past < high)], lattice)
+    if not felt.any():
+        return felt
+    return np.asarray(distance_transform_edt(~felt) * lattice.step < config.beside)
 
 
 def _touched(cells: Floats, lattice: Lattice) -> Bools:

@@ -177,6 +177,30 @@ def test_where_a_slope_stands_on_a_floor_nothing_is_missing():
         assert (depth_inside(step.missing, own[:, :2]) > 0.0).tolist() == missing
 
 
+class HalfSeen(Drawn):
+    """The same, of which nobody saw what is left of x = -15."""
+
+    def picture(self, anchor, normal, lattice):
+        seen = super().picture(anchor, normal, lattice)
+        rows = np.arange(lattice.shape[0])[:, None], np.arange(lattice.shape[1])[None]
+        flat = np.stack(np.broadcast_arrays(*rows), axis=-1) * lattice.step + lattice.origin
+        known = seen.known & ((flat @ lattice.along.T)[..., 0] > -15.0)
+        return Picture(np.where(known, seen.share, 0.0), known)
+
+
+def test_beside_what_goes_on_through_a_plate_nothing_is_missing_where_nobody_looked():
+    def bar(world, height):
+        return soft(world[..., 0] + 10.0)
+
+    sides = [replace(own, cells=own.cells[own.cells[:, 0] > -10.0]) for own in (TOP, BOTTOM)]
+    boss = side(3, 12.0, 1.0)
+    boss = replace(boss, cells=boss.cells * [0.05, 0.3, 1.0] - [18.0, 0.0, 0.0])
+    for faces, gone in (([], True), ([boss], False)):
+        plate = next(each for each in plates([*sides, *faces], HalfSeen(bar)) if each.thick == 12.0)
+        own = transform_points(inverse(plate.pose), np.array([[-17.5, 0.0, 0.0]]))
+        assert bool((depth_inside(plate.missing, own[:, :2]) > 0.0)[0]) is gone
+
+
 def test_faces_that_look_one_way_are_seen_once_each_for_all_their_steps():
     mosaic, seen = Drawn(notched), []
     picture = mosaic.picture
