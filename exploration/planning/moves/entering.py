@@ -12,6 +12,7 @@ from functools import partial
 from typing import TypeVar
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, OverPress
@@ -33,6 +34,8 @@ _PLANE = 1.5  # [mm] off a face's plane, that is still in it
 _ACROSS = np.array([-1.0, 0.0, 1.0])
 _BESIDE = 4.0  # [mm] beside a way, that is still on it
 _WAYS = 20  # across one mouth, that are looked at for room
+_TURNS = 3  # that are tried in one
+_ALONG = 8.0, 3.0  # [mm] from a way across a mouth, and of their widths, of those that run as it does
 _FLOORS = 12  # places of floors, nearest to a mouth, that are looked at
 
 
@@ -43,10 +46,13 @@ class EnteringConfig:
     inside: float = 2.0  # [mm] behind a mouth, where the array must have room
     between: float = 9.0  # [mm] between two soundings
     known: float = 25.0  # [mm] beside a felt floor, where it goes on and is not sounded again
+    under: float = 1.5  # [mm] beside a way across a mouth, that is under it
     aside: float = 4.5  # [mm] from the middle, of the two strokes to one side
     spare: float = 1.5  # [mm] of room beside them
     lift: float = 5.0  # [mm] off the floor between them
     land: float = 1.5  # [mm] beside the way from a mouth to a floor, where its face bars that
+    narrow: float = 3.6  # half widths of an array, below which a mouth leaves it no other turn
+    through: float = 20.0  # [mm] behind a mouth, from where an array that met nothing was not barred
     vain: int = 3  # of them that came to nothing, after which no more are made there
     within: float = 1.0  # [mm] of skin and housing, where there is surely nothing else
     rim: float = 6.0  # [mm] from a mouth's end, within which its face goes on
@@ -75,34 +81,47 @@ class Entering:
             yield sides.center, partial(self._ledges.feel, sides, across)
             return
         turns = _once(alongs)
-        wide, floors = 2.0 * float(self.study.pad.tool.high[:2].min()), _once(self._floors())
+        wide, floors = 2.0 * float(self.study.pad.tool.high[:2].min()), _once(self._floors(lids(across)))
         untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, floors)]
         for ways in gathered(untold):
-            rooms = ((mouth, self._room(mouth, turns)) for mouth in ways[:: max(1, len(ways) // _WAYS)])
+            some = ways[:: max(1, len(ways) // _WAYS)]
+            rooms = ((mouth, self._room(mouth, turns, _straight(mouth, ways))) for mouth in some)
             if way := next(((mouth, room) for mouth, room in rooms if room), None):
                 yield way[0].center, partial(self._sound, *way)
 
-    def _room(self, mouth: Mouth, alongs: Callable[[Floats], list[Floats]]) -> list[Floats]:
-        """(4, 4) poses just inside a mouth, at which nothing known is in the way: an island may be."""
-        turns = [*alongs(mouth.normal), mouth.across, np.cross(mouth.normal, mouth.across)]
+    def _room(self, mouth: Mouth, alongs: Callable[[Floats], list[Floats]], across: Floats) -> list[Floats]:
+        """(4, 4) poses just inside a mouth, at which nothing known is in the way: an island may be.
+
+        Straight along and `across` (3,) a narrow mouth comes first: there is room for nothing else.
+        """
+        upright, others = [across, np.cross(mouth.normal, across)], alongs(mouth.normal)
+        narrow = mouth.width < self.config.narrow * float(self.study.pad.tool.high[:2].max())
+        turns = [*upright, *others] if narrow else [*others, *upright]
         poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
-        return self.reach.with_room(poses)
+        return self.reach.with_room(poses)[:_TURNS]
 
     def _untold(self, mouth: Mouth, floors: Callable[[Floats], Floats]) -> bool:
         """Whether neither a sounding nor a floor tells what is behind a mouth."""
         return self._sounded.count(mouth.center) == 0 and not self._floored(mouth, floors(mouth.normal))
 
-    def _floors(self) -> Callable[[Floats], Floats]:
-        """Of a (3,) normal the (n, 3) felt places that face along it and lie on known faces.
+    def _floors(self, under: tuple[Floats, Floats]) -> Callable[[Floats], Floats]:
+        """Of a (3,) normal the (n, 3) felt places that face along it and lie on known faces, `under` some mouth.
 
-        What a rolling pad felt of a bowl's side is no floor.
+        What a rolling pad felt of a bowl's side is no floor; nor is the step that a slot opens onto.
         """
         felt, on = self.reach.felt, np.zeros(len(self.reach.felt.points), dtype=bool)
         for face in self.study.found.graph.faces:
             if isinstance(face.fit, Fit):
                 on |= felt.on(face.fit.shape, 1.0 if face.fit.convex else -1.0)
         points, facing = felt.points[on], felt.facing[on]
-        return lambda normal: points[facing @ normal > _ALIKE]
+
+        def of(normal: Floats) -> Floats:
+            flat = np.eye(3) - np.outer(normal, normal)
+            over, floors = under[0][under[1] @ normal > _ALIKE], points[facing @ normal > _ALIKE]
+            near = KDTree(over @ flat).query(floors @ flat)[0] if len(over) else np.full(len(floors), np.inf)
+            return floors[near < self.config.under]
+
+        return of
 
     def _floored(self, mouth: Mouth, floors: Floats) -> bool:
         """Whether one of (n, 3) places that face as a mouth does is a floor behind it, and not beyond its land."""
@@ -121,19 +140,22 @@ class Entering:
     def _sound(self, mouth: Mouth, poses: Sequence[Floats]) -> Done:
         """Go into a mouth, down to its floor."""
         self._sounded.note(mouth.center)
+        barred = False
         for pose in poses:
             if self.reach.sound(pose):
                 self._went(mouth, self.study.pad.guard.world_from_sensor)
                 return self._felt_round(mouth)
-            if self.reach.led:
-                here = self.study.pad.guard.world_from_sensor
+            here = self.study.pad.guard.world_from_sensor
+            if self.reach.led and float((mouth.center - here[:3, 3]) @ mouth.normal) > self.config.through:
                 self._sounded.note(here[:3, 3])  # perhaps out on the other side
                 self._through.note(mouth.center)
                 self._ledges.went_through(mouth)
                 self._went(mouth, here)
                 self.reach.come_out()
                 return None, "went in and met nothing"
-        return None, "no way led in"
+            barred |= self.reach.led
+            self.reach.come_out()
+        return None, "the housing found no room in a mouth" if barred else "no way led in"
 
     def _felt_round(self, mouth: Mouth) -> Done:
         """Stroke over the floor toward each side that has a rim, from two places apart."""
@@ -188,6 +210,18 @@ class Entering:
         self.study.note_wall(stroke)
         self._went(mouth, pad.guard.world_from_sensor if stroke.met is None else stroke.met)
         return stroke.ended in ("wall", "length", "concavity")
+
+
+def _straight(mouth: Mouth, ways: Sequence[Mouth]) -> Floats:
+    """(3,) the way across a mouth that those beside it agree on: each is known to some degrees."""
+    near, alike = _ALONG
+    beside = [
+        way.across
+        for way in ways
+        if np.linalg.norm(way.center - mouth.center) < near and abs(way.width - mouth.width) < alike
+    ]
+    across = np.linalg.svd(np.array(beside))[2][0]
+    return np.asarray(across - (across @ mouth.normal) * mouth.normal)
 
 
 def _once(told: Callable[[Floats], _Told]) -> Callable[[Floats], _Told]:

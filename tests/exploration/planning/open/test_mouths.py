@@ -13,6 +13,7 @@ from exploration.planning.touching.study import Study
 from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
+from models.csg import Cube
 from models.parts import build
 from models.solid import Solid
 from primitives import pose as se3
@@ -147,3 +148,35 @@ def test_a_floor_in_the_slot_tells_what_is_behind_its_mouth_and_one_beyond_its_l
     entering = Entering(study, reach, EnteringConfig(known=60.0))
     guard.use(1)
     assert len(list(entering.ways_in(across, lambda normal: []))) == ways
+
+
+def test_a_step_that_a_slot_opens_onto_is_no_floor_of_it(over_slot):
+    reach, guard, across = over_slot
+    study = Study(reach.pad, Findings(), ExplorerConfig().attribution)
+    x, y = np.meshgrid(np.arange(-5.0, 6.0, 2.0), np.arange(28.0, 40.0, 2.0))
+    cells = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    reach.pad.felt.append((cells, np.tile(UP, (len(cells), 1))))
+    step = Contacts.of(cells, np.tile(UP, (len(cells), 1)), 0.01, 0.002)
+    study.found.graph, _ = study.found.graph.add_stroke(step)
+    entering = Entering(study, reach, EnteringConfig(known=60.0))
+    guard.use(1)
+    assert len(list(entering.ways_in(across, lambda normal: []))) == 1
+
+
+def test_in_a_slot_hardly_wider_than_itself_the_finger_turns_along_it():
+    solid = Solid.from_csg(Cube((60.0, 50.0, 30.0)) - Cube((10.0, 60.0, 20.0)).at(0.0, 0.0, 13.0))
+    high = se3.pose(se3.frame_along(-UP), [0.0, 0.0, 80.0])
+    stage, arrays = simulate(solid, SPECS[1:], np.random.default_rng(0), start_pose=high)
+    guard = Guard(stage, arrays, [Calibration.nominal(SPECS[1])])
+    tools = Tool.each(SPECS[1:], [array.flange_from_sensor for array in arrays])
+    reach = Reach(Pad(guard, BOX, lambda kind, detail: None, tools=tools))
+    cells, rim, out = top_of_slotted_block()
+    cells[:, 0] -= 3.0 * np.sign(cells[:, 0])
+    rim[:, 0] -= 3.0 * np.sign(rim[:, 0])
+    reach.pad.felt.append((cells, np.tile(UP, (len(cells), 1))))
+    study = Study(reach.pad, Findings(), ExplorerConfig().attribution)
+    slanting = np.array([np.cos(0.7), np.sin(0.7), 0.0])
+    ((_, move),) = Entering(study, reach).ways_in(mouths(cells, rim, out, UP), lambda normal: [slanting])
+    face, note = move()
+    assert note == "went in and felt a floor and its walls"
+    assert np.median(study.found.graph.faces[face].contacts.points[:, 2]) == pytest.approx(3.0, abs=0.1)
