@@ -54,17 +54,19 @@ class _Flat:
     level: float  # [mm]
 
 
-def whole_rims(graph: PatchGraph, config: LowRimsConfig = LowRimsConfig()) -> PatchGraph:
-    """The graph with one upright cylinder for the flats of each such rim."""
-    faces = list(graph.faces)
+def whole_rims(
+    graph: PatchGraph, config: LowRimsConfig = LowRimsConfig()
+) -> tuple[PatchGraph, dict[int, int]]:
+    """The graph with one upright cylinder for the flats of each such rim, and whose ids it has taken."""
+    faces, gone = list(graph.faces), dict[int, int]()
     for way in directions(graph):
         flats = list(_flats(faces, way, config))
         while (found := _rim(flats, way, config)) is not None:
             rim, own = found
             flats = [flat for flat in flats if all(flat is not other for other in own)]
-            first, *rest = (flat.face.id for flat in own)
-            faces = [rim if face.id == first else face for face in faces if face.id not in rest]
-    return graph if len(faces) == len(graph.faces) else replace(graph, faces=tuple(faces))
+            gone |= {flat.face.id: rim.id for flat in own if flat.face.id != rim.id}
+            faces = [rim if face.id == rim.id else face for face in faces if face.id not in gone]
+    return (replace(graph, faces=tuple(faces)) if gone else graph), gone
 
 
 def _flats(faces: Sequence[Face], way: Floats, config: LowRimsConfig) -> Iterator[_Flat]:

@@ -18,6 +18,7 @@ from exploration.planning.faces.attribution import (
     take_in,
     without,
 )
+from exploration.planning.faces.low_rims import whole_rims
 from exploration.planning.faces.scatter import scatter_of
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.touching.findings import Findings
@@ -165,14 +166,16 @@ class Study:
 
     def name_loose(self) -> bool:
         """Whether what no face explained makes faces after all, now that there is more of it."""
-        if len(self.loose) == self._left_loose:
+        self.found.graph, rims = whole_rims(self.found.graph)
+        self._rename(rims)
+        if len(self.loose) == self._left_loose and not rims:
             return False
         taken = name_loose(self.found.graph, self.loose, self.config)
         before = {face.id for face in self.found.graph.faces}
         self._keep(taken.graph)
         self.loose, self._left_loose = taken.loose, len(taken.loose)
         self._rename(taken.gone)
-        return bool({face.id for face in taken.graph.faces} - before)
+        return bool(rims) or bool({face.id for face in taken.graph.faces} - before)
 
     def _rename(self, gone: dict[int, int]) -> None:
         """Call faces that turned out to be others by the ids of those, wherever an edge or a rim is on one."""

@@ -36,7 +36,7 @@ def touch(number, place, angle, rng, turned=0.0):
 
 def rims(flats):
     graph = PatchGraph((base(), *flats), (), OPTIONS)
-    return graph, [face for face in whole_rims(graph).faces if face.id]
+    return graph, [face for face in whole_rims(graph)[0].faces if face.id]
 
 
 def disc(angles, radius=13.0, center=(3.0, -2.0), seed=0, first=1):
@@ -61,12 +61,13 @@ def regular(sides, radius=13.0):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_touches_of_a_low_disc_are_its_rim(seed):
-    _, (rim,) = rims(disc(np.array([0.3, 1.2, 2.6, 4.1]), seed=seed))
+    graph, (rim,) = rims(disc(np.array([0.3, 1.2, 2.6, 4.1]), seed=seed))
     assert isinstance(rim, Face)
     assert rim.fit.kind == "cylinder"
     assert rim.fit.convex
     assert rim.fit.shape.radius == pytest.approx(13.0, abs=0.15)
     assert len(rim.contacts) == 16
+    assert whole_rims(graph)[1] == {2: 1, 3: 1, 4: 1}
 
 
 def test_discs_beside_each_other_are_two_rims():
