@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import binary_erosion
@@ -125,18 +124,10 @@ class _Fit:
         self.rims = [np.array(rim, dtype=float) for rim in rims]
         self.side = np.sign(signed_area(max(self.rims, key=lambda rim: abs(signed_area(rim)))))
 
-    @cached_property
-    def cells(self) -> Ints:
-        """(p, 2) those near the outlines as they were first, which are compared."""
-        near = within(self._samples()[0], REACH * self.soft, self.share.shape, self.step)
-        return np.argwhere(near & (self.trust > 0.0))
-
-    @cached_property
-    def _numbers(self) -> Ints:
-        """(n, m) which of these a cell is, or -1."""
-        numbers = np.full(self.share.shape, -1)
-        numbers[tuple(self.cells.T)] = np.arange(len(self.cells))
-        return numbers
+        near = within(self._samples()[0], REACH * soft, share.shape, step)
+        self.cells = np.argwhere(near & (trust > 0.0))  # (p, 2) which are compared
+        self._numbers = np.full(share.shape, -1)  # (n, m) which of these a cell is
+        self._numbers[tuple(self.cells.T)] = np.arange(len(self.cells))
 
     def misfit(self, rims: Sequence[Floats] | None = None) -> Floats:
         """(p,) by how much more the picture shows near the outline than that of the polygons."""

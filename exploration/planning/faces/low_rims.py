@@ -19,11 +19,13 @@ from itertools import combinations
 import numpy as np
 
 from exploration.planning.faces.uprighted import bent, directions, drawn_out
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
-from primitives.fit import Fit, fit
+from primitives.fit import Fit, fit, squares
 from primitives.patch_graph import Face, PatchGraph
 from primitives.pose import frame_along
+
+_ASIDE = 0.15  # of the weight of a distance, that of a place along a tangent
 
 
 @dataclass(frozen=True)
@@ -32,15 +34,15 @@ class LowRimsConfig:
 
     few: int = 10  # contacts of one at most
     low: float = 8.0  # [mm] along the rim's axis, that all of them lie within
-    across: float = 0.1  # most cosine between that and the way one looks
+    across: float = 0.1  # most cosine between the axis and the way that one looks
     level: float = 3.0  # [mm] along it, from the middle of one to that of another at most
     least: int = 3  # flats
     off: float = 0.25  # [mm] of one from the circle,
     aside: float = 1.2  # and along it from where the circle has its normal
     radii: tuple[float, float] = (4.0, 60.0)  # [mm]
     around: float = 2.0  # [rad] of the circle, over which they are
-    sides: tuple[int, ...] = (3, 4, 5, 6, 8)  # of polygons
-    turned: float = 0.07  # [rad] from the ways that a polygon's sides look, to be none of them
+    sides: tuple[int, ...] = (3, 4, 5, 6)  # of polygons; of more, a circle is as good
+    turned: float = 0.09  # [rad] of any flat from the ways that a polygon's sides look, to be none of them
     rms: float = 0.12  # [mm] of all contacts from the rim
 
 
@@ -93,21 +95,26 @@ def _rim(flats: Sequence[_Flat], way: Floats, config: LowRimsConfig) -> tuple[Fa
         center, radius = _circle(three)
         if not config.radii[0] < radius < config.radii[1]:
             continue
-        own = [
-            flat
-            for flat in flats
-            if abs(flat.level - three[0].level) < config.level and _is_on(flat, center, radius, config)
-        ]
-        rim = _made(own, center, way, config) if len(own) >= config.least else None
+        level = [flat for flat in flats if abs(flat.level - three[0].level) < config.level]
+        own = [flat for flat in level if _is_on(flat, center, radius, config)]
+        rim = _made(own, center, way, config) if len(own) >= max(best[0], config.least) else None
         if rim is not None and isinstance(rim.fit, Fit) and (len(own), -rim.fit.rms) > best:
             best, found = (len(own), -rim.fit.rms), (rim, own)
     return found
 
 
 def _circle(flats: Sequence[_Flat]) -> tuple[Floats, float]:
-    """(2,) center [mm] and radius of the circle that flats are tangents of, as nearly as they are."""
-    rows = [np.column_stack([np.eye(2), flat.normal]) for flat in flats]
-    solved = np.linalg.lstsq(np.concatenate(rows), np.concatenate([flat.place for flat in flats]))[0]
+    """(2,) center [mm] and radius of the circle that flats are tangents of, as nearly as they are.
+
+    Where along its tangent a flat touches the circle says little beside how far off that is.
+    """
+    normals = np.array([flat.normal for flat in flats])
+    alongs = np.column_stack([-normals[:, 1], normals[:, 0]])
+    places = np.array([flat.place for flat in flats])
+    rows = np.column_stack([normals, np.ones(len(flats))])
+    beside = _ASIDE * np.column_stack([alongs, np.zeros(len(flats))])
+    told = np.concatenate([(normals * places).sum(axis=1), _ASIDE * (alongs * places).sum(axis=1)])
+    solved = np.linalg.lstsq(np.concatenate([rows, beside]), told)[0]
     return solved[:2], float(solved[2])
 
 
@@ -124,15 +131,17 @@ def _made(own: Sequence[_Flat], center: Floats, way: Floats, config: LowRimsConf
     if 2.0 * np.pi - gap < config.around or any(_of_polygon(own, n, config) for n in config.sides):
         return None
     felt = Contacts.concatenate([flat.face.contacts for flat in own])
-    made = fit("cylinder", drawn_out(bent(felt), way))
+    told = bent(felt)
+    made = fit("cylinder", drawn_out(told, way))
     if not isinstance(made, Fit) or not made.convex or made.rms > config.rms:
         return None
-    first = own[0].face
-    return replace(first, fit=replace(made, inliers=np.ones(len(felt), dtype=bool)), contacts=felt, ranked=())
+    chi2, every = float(squares(made, told).sum()), frozen(np.ones(len(felt)), bool)
+    whole = replace(made, inliers=every, chi2=chi2, dof=3 * len(felt) - 3)
+    return replace(own[0].face, fit=whole, contacts=felt, ranked=())
 
 
 def _of_polygon(own: Sequence[_Flat], sides: int, config: LowRimsConfig) -> bool:
     """Whether all look only the ways that the sides of a regular polygon do."""
     ways = np.array([np.arctan2(flat.normal[1], flat.normal[0]) for flat in own])
-    turned = (ways - ways[0]) * sides / (2.0 * np.pi)
-    return bool(np.abs(turned - np.round(turned)).max() * 2.0 * np.pi / sides < config.turned)
+    turned = np.exp(1j * sides * ways)
+    return bool(np.abs(np.angle(turned / turned.mean())).max() < sides * config.turned)

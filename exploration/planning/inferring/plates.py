@@ -20,7 +20,7 @@ from scipy.ndimage import binary_fill_holes, distance_transform_edt, zoom
 
 from exploration.planning.known.mosaic import Lattice, Mosaic, Picture
 from exploration.planning.open.known_face import KnownFace
-from primitives.arrays import Bools, Floats, Ints
+from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.outlines import simplified, traced
 from primitives.plate import Plate
 from primitives.pose import frame_along, pose
@@ -40,11 +40,12 @@ class PlatesConfig:
     finer: int = 2  # times as fine as the pictures, of the outlines
     straight: float = 0.4  # [mm] from a straight line, up to which an outline is straight
     beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
-    past: tuple[float, float] = (0.5, 12.0)  # [mm] of something felt past a side, that may go on through it,
+    past: tuple[float, float] = (0.5, 12.0)  # [mm] of a wall felt past a side, that may go on through it,
+    stands: float = 0.5  # most cosine of a way out of it with that of the side,
     beside: float = 3.0  # [mm] round which nothing is missing where nobody looked
     touched: float = 1.5  # [mm] of a touched place, where nothing is missing unless both sides were seen
     leans: tuple[float, float] = (0.15, 0.97)  # cosine of a way out of a slope with that of a step
-    slope: float = 4.0  # [mm] from a felt place of it, where it stands on the floor
+    slope: float = 4.0  # [mm] from a felt place of it, seen from above, to where it comes down to the floor
     foot: float = 5.0  # [mm] from where a floor was seen to where a wall may stand on it
 
 
@@ -82,7 +83,7 @@ def _outward(own: KnownFace) -> Floats:
 def _plate(
     sides: Sequence[KnownFace],
     thick: float,
-    known_faces: Sequence[KnownFace],
+    faces: Sequence[KnownFace],
     mosaic: Mosaic,
     config: PlatesConfig,
 ) -> Plate:
@@ -98,7 +99,7 @@ def _plate(
     felt = distance_transform_edt(~_touched(cells, lattice)) * lattice.step < config.touched
     gone = _beyond(np.where(felt & ~known, 0.0, neither), known | felt, config.beyond / lattice.step)
     gone = np.minimum(gone, neither)  # of a place that one side alone shows, too
-    through = _through(known_faces, sides[0], thick, lattice, config)
+    through = _through(faces, sides[0], thick, lattice, config)
     gone[through & ~known] = 0.0
     if len(sides) == 1 or thick > config.blind:
         gone[binary_fill_holes(both > 0.5)] = 0.0
@@ -112,7 +113,8 @@ def _through(
 ) -> Bools:
     """Where something that was felt past either side of a plate may go on through it, as a boss beside it."""
     up = _outward(upper)
-    cells = np.concatenate([np.empty((0, 3)), *(own.cells for own in known)])
+    walls = [own.cells[np.abs(own.fit.shape.normals(own.cells) @ up) < config.stands] for own in known]
+    cells = np.concatenate([np.empty((0, 3)), *walls])
     over = (cells - upper.fit.shape.anchor) @ up
     low, high = config.past
     past = np.maximum(over, -over - thick)
@@ -156,7 +158,6 @@ def _steps(
     lattice = Lattice.over(cells, turn[:, :2], mosaic.config.step, config.margin)
     heights = [float(own.fit.shape.anchor @ up) for own in group]
     seen = [mosaic.picture(own.fit.shape.anchor, up, lattice) for own in group]
-    leaning = _leaning(known, up, config)
     rims: dict[int, tuple[Floats, ...]] = {}  # of each that is the upper one of a step
     for upper, lower in permutations(range(len(group)), 2):
         thick = heights[upper] - heights[lower]
@@ -164,7 +165,7 @@ def _steps(
             low, high = heights[lower] + config.step[0], heights[upper] - config.step[0]
             ledges = [own for own, height in zip(seen, heights, strict=True) if low < height < high]
             gone = _over(seen[upper], seen[lower], ledges, lattice, config)
-            slope = _touched(leaning[(leaning @ up > low) & (leaning @ up < high)], lattice)
+            slope = _touched(_feet(known, up, (heights[lower], high), config), lattice)
             if slope.any():
                 gone[distance_transform_edt(~slope) * lattice.step < config.slope] = 0.0
             origin = np.array([*lattice.origin, heights[upper] - 0.5 * thick])
@@ -175,13 +176,21 @@ def _steps(
             yield Plate(pose(turn, turn @ origin), thick, rims[upper], missing, step=True)
 
 
-def _leaning(known: Sequence[KnownFace], up: Floats, config: PlatesConfig) -> Floats:
-    """(n, 3) felt places of faces that lie neither across a (3,) way nor along it, as a cone's."""
-    places = [np.empty((0, 3))]
+def _feet(
+    known: Sequence[KnownFace], up: Floats, levels: tuple[float, float], config: PlatesConfig
+) -> Floats:
+    """(n, 3) where slopes that were felt between two levels come down to the lower, as a cone's foot does."""
+    feet = [np.empty((0, 3))]
     for own in known:
-        cosine = np.abs(own.fit.shape.normals(own.cells) @ up)
-        places.append(own.cells[(cosine > config.leans[0]) & (cosine < config.leans[1])])
-    return np.concatenate(places)
+        over, normals = own.cells @ up - levels[0], own.side * own.fit.shape.normals(own.cells)
+        cosine = normals @ up
+        leans = (cosine > config.leans[0]) & (cosine < config.leans[1])
+        rows = np.flatnonzero(leans & (over > 0.0) & (over < levels[1] - levels[0]))
+        out = normals[rows] - np.outer(cosine[rows], up)
+        run = over[rows] * cosine[rows] / (1.0 - cosine[rows] ** 2)
+        near = run * np.linalg.norm(out, axis=1) < config.slope
+        feet.append((own.cells[rows] + run[:, None] * out)[near])
+    return np.concatenate(feet)
 
 
 def _over(
@@ -218,18 +227,18 @@ def _beyond(share: Floats, known: Bools, reach: float) -> Floats:
 def _rims(share: Floats, told: Bools, step: float, config: PlatesConfig) -> tuple[Floats, ...]:
     """Closed rims [mm from the lattice's origin] of what looks like a share, where the pictures have `told` it."""
     shape = share.shape[0], share.shape[1]
-    return _rims_of(np.asarray(share, dtype=np.float64).tobytes(), told.tobytes(), shape, step, config)
+    return _rims_of(share.astype(np.float32).tobytes(), told.tobytes(), shape, step, config)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=32)
 def _rims_of(
     share: bytes, told: bytes, shape: tuple[int, int], step: float, config: PlatesConfig
 ) -> tuple[Floats, ...]:
-    """Once for each picture: drafts of the object see most of them again."""
-    seen = np.frombuffer(share).reshape(shape)
+    """The same, once for each picture: drafts of the object see most of them again."""
+    seen = np.frombuffer(share, np.float32).reshape(shape).astype(np.float64)
     fine = zoom(seen, config.finer, order=1, grid_mode=True, mode="nearest")
     half = [
         simplified(((loop - 0.5 * config.finer) / config.finer)[:, ::-1] * step, config.straight)[:-1]
         for loop in traced(fine > 0.5)
     ]
-    return sharpened(seen, np.frombuffer(told, dtype=bool).reshape(shape), half, step)
+    return tuple(map(frozen, sharpened(seen, np.frombuffer(told, dtype=bool).reshape(shape), half, step)))

@@ -131,11 +131,13 @@ def _apart(
 ) -> Iterator[tuple[KnownFace, list[Sighting], Floats, Floats]]:
     """The pieces of a face, as the feet of a frame are, each with the edges seen of it and where it ended."""
     masks = clusters(own.cells, config.apart)
+    if len(masks) < 2:
+        return
     piece = np.argmax(masks, axis=0)
     edges = piece[own.near.query(np.array([rim.point for rim in seen]).reshape(-1, 3))[1]]
     ends = piece[own.near.query(at)[1]]
     for k, mask in enumerate(masks):
-        if len(masks) > 1 and mask.sum() >= config.cells:
+        if mask.sum() >= config.cells:
             beside = [rim for rim, of in zip(seen, edges, strict=True) if of == k]
             yield replace(own, cells=own.cells[mask]), beside, at[ends == k], out[ends == k]
 

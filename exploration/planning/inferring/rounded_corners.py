@@ -189,21 +189,21 @@ def _before(side: Floats, circle: _Circle) -> Floats:
 
 def _outermost(side: Floats, circle: _Circle, config: RoundedCornersConfig) -> Floats:
     """(n, 2) of the (m, 2) places of a side the farthest from an arc's center, one for each piece of the arc."""
-    half, bin = 0.5 * circle.turn, config.bin / circle.radius
-    return np.asarray(side[farthest_of_arc(side, circle.center, circle.out, half, bin)])
+    half, piece = 0.5 * circle.turn, config.bin / circle.radius
+    return np.asarray(side[farthest_of_arc(side, circle.center, circle.out, half, piece)])
 
 
 @numba.njit(cache=True, error_model="numpy")
-def farthest_of_arc(side: Floats, center: Floats, out: Floats, half: float, bin: float) -> Ints:
-    """(n,) rows of the farthest from a center in each bin [rad] of angles within `half` of a (2,) way out."""
-    first = int(np.floor(-half / bin))
-    rows = np.full(int(np.floor(half / bin)) - first + 1, -1)
+def farthest_of_arc(side: Floats, center: Floats, out: Floats, half: float, step: float) -> Ints:
+    """(n,) rows of the farthest from a center in each `step` [rad] of angles within `half` of a (2,) way out."""
+    first = int(np.floor(-half / step))
+    rows = np.full(int(np.floor(half / step)) - first + 1, -1)
     far = np.zeros(len(rows))
     for k in range(len(side)):
         x, y = side[k, 0] - center[0], side[k, 1] - center[1]
         angle = np.arctan2(y * out[0] - x * out[1], x * out[0] + y * out[1])
         if abs(angle) < half:
-            piece = int(np.floor(angle / bin)) - first
+            piece = int(np.floor(angle / step)) - first
             if x * x + y * y > far[piece]:
                 rows[piece], far[piece] = k, x * x + y * y
     return rows[rows >= 0]

@@ -22,7 +22,7 @@ from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.evidence import Contacts
 from primitives.fit import Fit
 
@@ -34,9 +34,6 @@ _PLANE = 1.5  # [mm] off a face's plane, that is still in it
 _ACROSS = np.array([-1.0, 0.0, 1.0])
 _BESIDE = 4.0  # [mm] beside a way, that is still on it
 _WAYS = 20  # across one mouth, that are looked at for room
-_TURNS = 3  # that are tried in one
-_ALONG = 8.0, 3.0  # [mm] from a way across a mouth, and of their widths, of those that run as it does
-_FLOORS = 12  # places of floors, nearest to a mouth, that are looked at
 
 
 @dataclass(frozen=True)
@@ -52,7 +49,12 @@ class EnteringConfig:
     lift: float = 5.0  # [mm] off the floor between them
     land: float = 1.5  # [mm] beside the way from a mouth to a floor, where its face bars that
     narrow: float = 3.6  # half widths of an array, below which a mouth leaves it no other turn
-    through: float = 20.0  # [mm] behind a mouth, from where an array that met nothing was not barred
+    turns: int = 3  # of an array, that are tried in one mouth
+    near: float = 8.0  # [mm] from a way across a mouth to others,
+    wide: float = 3.0  # [mm] and between their widths,
+    alike: float = 0.9  # and least cosine between them, where they run as it does
+    floors: int = 12  # places of floors, nearest to a mouth, that are looked at
+    through: float = 0.6  # of its length, that an array came into a hole where it was not barred
     vain: int = 3  # of them that came to nothing, after which no more are made there
     within: float = 1.0  # [mm] of skin and housing, where there is surely nothing else
     rim: float = 6.0  # [mm] from a mouth's end, within which its face goes on
@@ -78,14 +80,14 @@ class Entering:
         """
         self.reach.lids = lids([mouth for mouth in across if not self._through.count(mouth.center)])
         if (sides := self._ledges.next(across)) is not None:
-            yield sides.center, partial(self._ledges.feel, sides, across)
+            yield sides.center, partial(self._ledges.feel, across)
             return
         turns = _once(alongs)
-        wide, floors = 2.0 * float(self.study.pad.tool.high[:2].min()), _once(self._floors(lids(across)))
-        untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, floors)]
+        wide, faced = 2.0 * float(self.study.pad.tool.high[:2].min()), _once(self._faced(lids(across)))
+        untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, faced)]
         for ways in gathered(untold):
             some = ways[:: max(1, len(ways) // _WAYS)]
-            rooms = ((mouth, self._room(mouth, turns, _straight(mouth, ways))) for mouth in some)
+            rooms = ((mouth, self._room(mouth, turns, _straight(mouth, ways, self.config))) for mouth in some)
             if way := next(((mouth, room) for mouth, room in rooms if room), None):
                 yield way[0].center, partial(self._sound, *way)
 
@@ -98,16 +100,16 @@ class Entering:
         narrow = mouth.width < self.config.narrow * float(self.study.pad.tool.high[:2].max())
         turns = [*upright, *others] if narrow else [*others, *upright]
         poses = [se3.pose(se3.frame_along(-mouth.normal, turn), self._inside(mouth)) for turn in turns]
-        return self.reach.with_room(poses)[:_TURNS]
+        return self.reach.with_room(poses)[: self.config.turns]
 
-    def _untold(self, mouth: Mouth, floors: Callable[[Floats], Floats]) -> bool:
+    def _untold(self, mouth: Mouth, faced: Callable[[Floats], tuple[Floats, Bools]]) -> bool:
         """Whether neither a sounding nor a floor tells what is behind a mouth."""
-        return self._sounded.count(mouth.center) == 0 and not self._floored(mouth, floors(mouth.normal))
+        return self._sounded.count(mouth.center) == 0 and not self._floored(mouth, *faced(mouth.normal))
 
-    def _floors(self, under: tuple[Floats, Floats]) -> Callable[[Floats], Floats]:
-        """Of a (3,) normal the (n, 3) felt places that face along it and lie on known faces, `under` some mouth.
+    def _faced(self, places: tuple[Floats, Floats]) -> Callable[[Floats], tuple[Floats, Bools]]:
+        """Of a (3,) normal the (n, 3) felt places on known faces that face along it, and which are under mouths.
 
-        What a rolling pad felt of a bowl's side is no floor; nor is the step that a slot opens onto.
+        What a rolling pad felt of a bowl's side is no floor.  `places` are those of the mouths, and how they face.
         """
         felt, on = self.reach.felt, np.zeros(len(self.reach.felt.points), dtype=bool)
         for face in self.study.found.graph.faces:
@@ -115,23 +117,27 @@ class Entering:
                 on |= felt.on(face.fit.shape, 1.0 if face.fit.convex else -1.0)
         points, facing = felt.points[on], felt.facing[on]
 
-        def of(normal: Floats) -> Floats:
+        def of(normal: Floats) -> tuple[Floats, Bools]:
             flat = np.eye(3) - np.outer(normal, normal)
-            over, floors = under[0][under[1] @ normal > _ALIKE], points[facing @ normal > _ALIKE]
-            near = KDTree(over @ flat).query(floors @ flat)[0] if len(over) else np.full(len(floors), np.inf)
-            return floors[near < self.config.under]
+            over, alike = places[0][places[1] @ normal > _ALIKE] @ flat, points[facing @ normal > _ALIKE]
+            away = KDTree(over).query(alike @ flat)[0] if len(over) else np.full(len(alike), np.inf)
+            return alike, np.asarray(away < self.config.under)
 
         return of
 
-    def _floored(self, mouth: Mouth, floors: Floats) -> bool:
-        """Whether one of (n, 3) places that face as a mouth does is a floor behind it, and not beyond its land."""
-        cells = floors - mouth.center
+    def _floored(self, mouth: Mouth, places: Floats, under: Bools) -> bool:
+        """Whether one of (n, 3) places that face as a mouth does is a floor behind it, and not beyond its land.
+
+        A step that a slot opens onto is not `under` (n,) any mouth.
+        """
+        cells = places - mouth.center
         deep = cells @ mouth.normal
         flat = cells - deep[:, None] * mouth.normal
         beside = np.linalg.norm(flat, axis=1)
-        behind = np.flatnonzero((deep < -_PLANE) & (beside < self.config.known) & (deep > -self._deep))
-        nearest = behind[np.argsort(beside[behind])[:_FLOORS]]
-        land = flat[(np.abs(deep) < _PLANE) & (beside < self.config.known)]
+        near = beside < self.config.known
+        behind = np.flatnonzero(under & near & (deep < -_PLANE) & (deep > -self._deep))
+        nearest = behind[np.argsort(beside[behind])[: self.config.floors]]
+        land = flat[(np.abs(deep) < _PLANE) & near]
         return bool(len(nearest)) and not all(_crossed(land, way, self.config.land) for way in flat[nearest])
 
     def _inside(self, mouth: Mouth) -> Floats:
@@ -146,7 +152,8 @@ class Entering:
                 self._went(mouth, self.study.pad.guard.world_from_sensor)
                 return self._felt_round(mouth)
             here = self.study.pad.guard.world_from_sensor
-            if self.reach.led and float((mouth.center - here[:3, 3]) @ mouth.normal) > self.config.through:
+            came = float((mouth.center - here[:3, 3]) @ mouth.normal) + self.study.pad.config.back
+            if self.reach.led and came > self.config.through * self._deep:
                 self._sounded.note(here[:3, 3])  # perhaps out on the other side
                 self._through.note(mouth.center)
                 self._ledges.went_through(mouth)
@@ -212,13 +219,14 @@ class Entering:
         return stroke.ended in ("wall", "length", "concavity")
 
 
-def _straight(mouth: Mouth, ways: Sequence[Mouth]) -> Floats:
+def _straight(mouth: Mouth, ways: Sequence[Mouth], config: EnteringConfig) -> Floats:
     """(3,) the way across a mouth that those beside it agree on: each is known to some degrees."""
-    near, alike = _ALONG
     beside = [
         way.across
         for way in ways
-        if np.linalg.norm(way.center - mouth.center) < near and abs(way.width - mouth.width) < alike
+        if np.linalg.norm(way.center - mouth.center) < config.near
+        and abs(way.width - mouth.width) < config.wide
+        and abs(way.across @ mouth.across) > config.alike
     ]
     across = np.linalg.svd(np.array(beside))[2][0]
     return np.asarray(across - (across @ mouth.normal) * mouth.normal)

@@ -15,6 +15,7 @@ import numpy as np
 from exploration.control.dwell import dwell
 from exploration.control.procedures.approach import ApproachConfig, advance
 from exploration.control.procedures.tare import tare
+from exploration.devices.guard import Collision, Observation, OverPress
 from exploration.planning.open.mouths import Mouth
 from exploration.planning.touching.findings import Done
 from exploration.planning.touching.reach import Reach
@@ -56,9 +57,9 @@ class SlotLedges:
             self._waiting.pop(0)
         return self._waiting[0] if self._waiting else None
 
-    def feel(self, mouth: Mouth, across: Sequence[Mouth]) -> Done:
+    def feel(self, across: Sequence[Mouth]) -> Done:
         """Come down at both sides of the mouth that is next."""
-        self._waiting.remove(mouth)
+        mouth = self._waiting.pop(0)
         met = [
             places for pose in self._poses(mouth, across) if (places := self._down(pose, mouth)) is not None
         ]
@@ -102,15 +103,24 @@ class SlotLedges:
         pad.count_touch()
         tare(pad.guard)
         long = config.before - float(pad.tool.low[2]) - config.out
-        met = None
-        if advance(pad.guard, over[:3, 2], long, ApproachConfig().speed) is not None:
-            seen = dwell(pad.guard)
-            depth = np.where(np.isfinite(seen.image.sigma), seen.image.depth, 0.0)
-            rows, columns = np.nonzero(depth > config.share * depth.max())
-            x, y = seen.image.array.x[columns], seen.image.array.y[rows]
-            places = np.column_stack([x, y, -depth[rows, columns]])
-            met = se3.transform_points(seen.world_from_sensor, places)
+        try:
+            seen = advance(pad.guard, over[:3, 2], long, ApproachConfig().speed)
+            places = None if seen is None else self._under(dwell(pad.guard))
+        except (Collision, OverPress) as fault:
+            self.study.found.warnings.append(str(fault))
+            places = None
         pad.guard.go_to(over)
-        if met is None or len(met) < config.places:
+        if places is None or len(places) < config.places:
             return None
-        return met if float((mouth.center - met.mean(axis=0)) @ mouth.normal) > config.floor else None
+        if float((mouth.center - places.mean(axis=0)) @ mouth.normal) < config.floor:
+            return None
+        pad.felt.append((places, np.broadcast_to(mouth.normal, places.shape)))
+        return places
+
+    def _under(self, seen: Observation) -> Floats:
+        """(n, 3) places of the taxels that lie on what stopped an array with all of themselves."""
+        depth = np.where(np.isfinite(seen.image.sigma), seen.image.depth, 0.0)
+        rows, columns = np.nonzero(depth > self.config.share * depth.max())
+        x, y = seen.image.array.x[columns], seen.image.array.y[rows]
+        pressed = np.column_stack([x, y, -depth[rows, columns]])
+        return se3.transform_points(seen.world_from_sensor, pressed)

@@ -20,14 +20,14 @@ def base():
     return ranked_face(0, Contacts.of(points, np.tile(-UP, (len(points), 1))), OPTIONS)
 
 
-def touch(number, place, angle, rng, turned=0.0):
+def touch(number, place, angle, rng):
     """A strip 4 mm high that was felt as flat, about a (2,) place that looks along an angle [rad]."""
     way = np.array([np.cos(angle), np.sin(angle), 0.0])
     along = np.array([-way[1], way[0], 0.0])
     spots = [[a, z] for a in (-1.2, 1.2) for z in (2.0, 4.0)]
     points = np.array([[*place, 0.0] + a * along + z * UP for a, z in spots])
     off = rng.normal(0.0, 0.02)
-    seen = angle + turned + rng.normal(0.0, 0.02)
+    seen = angle + rng.normal(0.0, 0.03)
     normal = np.array([np.cos(seen), np.sin(seen), 0.0])
     return ranked_face(
         number, Contacts.of(points + off * way, np.tile(normal, (4, 1)), touch=number), OPTIONS
@@ -61,25 +61,28 @@ def regular(sides, radius=13.0):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_touches_of_a_low_disc_are_its_rim(seed):
-    graph, (rim,) = rims(disc(np.array([0.3, 1.2, 2.6, 4.1]), seed=seed))
+    graph, (rim,) = rims(disc(np.array([0.3, 1.1, 2.7, 3.9, 5.1]), seed=seed))
     assert isinstance(rim, Face)
     assert rim.fit.kind == "cylinder"
     assert rim.fit.convex
     assert rim.fit.shape.radius == pytest.approx(13.0, abs=0.15)
-    assert len(rim.contacts) == 16
-    assert whole_rims(graph)[1] == {2: 1, 3: 1, 4: 1}
+    assert len(rim.contacts) == 20
+    assert whole_rims(graph)[1] == {2: 1, 3: 1, 4: 1, 5: 1}
 
 
 def test_discs_beside_each_other_are_two_rims():
-    flats = [*disc([0.3, 1.3, 2.8, 4.4]), *disc([0.1, 1.0, 2.7, 3.9], 9.0, (60.0, 0.0), first=9)]
+    flats = [*disc([0.3, 1.1, 2.7, 3.9, 5.1]), *disc([0.1, 1.0, 2.7, 3.8, 5.3], 9.0, (60.0, 0.0), first=9)]
     _, found = rims(flats)
     assert sorted(round(rim.fit.shape.radius) for rim in found) == [9, 13]
 
 
-@pytest.mark.parametrize("sides", [3, 4, 6])
-def test_the_middles_of_a_regular_polygon_s_sides_are_no_rim(sides):
-    graph, found = rims(prism(regular(sides), np.full(sides, 0.5)))
-    assert len(found) == len(graph.faces) - 1
+@pytest.mark.parametrize("sides", [3, 4, 5, 6])
+def test_the_middles_of_a_regular_polygon_s_sides_are_hardly_ever_a_rim(sides):
+    mistaken = 0
+    for seed in range(20):
+        graph, found = rims(prism(regular(sides), np.full(sides, 0.5), seed))
+        mistaken += len(found) < len(graph.faces) - 1
+    assert mistaken <= 1
 
 
 def test_sides_of_any_triangle_felt_somewhere_are_no_rim():

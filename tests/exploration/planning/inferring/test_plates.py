@@ -165,6 +165,24 @@ def slope(number):
     return KnownFace(face, face.fit, 1.0 if face.fit.convex else -1.0, points, NOWHERE)
 
 
+def chamfer(number):
+    """Of the step at x = 6, at its top."""
+    y, z = np.meshgrid(np.linspace(-16.0, 16.0, 9), np.array([4.3, 5.0, 5.7]))
+    points = np.column_stack([12.0 - z.ravel(), y.ravel(), z.ravel()])
+    normals = np.tile(np.array([1.0, 0.0, 1.0]) / np.sqrt(2.0), (len(points), 1))
+    face = ranked_face(number, Contacts.of(points, normals), MergeOptions())
+    return KnownFace(face, face.fit, 1.0 if face.fit.convex else -1.0, points, NOWHERE)
+
+
+def test_below_a_chamfer_all_that_is_missing_is_missing():
+    def step(world, height):
+        return soft(world[..., 0] - 8.0 if height < 0.0 else 6.0 - world[..., 0])
+
+    (found,) = plates([TOP, side(2, -2.0, 1.0), chamfer(3)], Drawn(step))
+    own = transform_points(inverse(found.pose), np.array([[9.0, 0.0, 2.0], [0.0, 0.0, 2.0]]))
+    assert (depth_inside(found.missing, own[:, :2]) > 0.0).tolist() == [True, False]
+
+
 def test_where_a_slope_stands_on_a_floor_nothing_is_missing():
     def sloped(world, height):
         return soft(world[..., 0] - 10.0 if height < 0.0 else 6.0 - world[..., 0])
@@ -188,13 +206,22 @@ class HalfSeen(Drawn):
         return Picture(np.where(known, seen.share, 0.0), known)
 
 
+def upright(number, x):
+    """A wall at x that stands on the upper face and looks right."""
+    y, z = np.meshgrid(np.linspace(-6.0, 6.0, 7), np.linspace(7.0, 11.0, 5))
+    points = np.column_stack([np.full(y.size, x), y.ravel(), z.ravel()])
+    face = ranked_face(
+        number, Contacts.of(points, np.tile([1.0, 0.0, 0.0], (len(points), 1))), MergeOptions()
+    )
+    return KnownFace(face, face.fit, 1.0 if face.fit.convex else -1.0, points, NOWHERE)
+
+
 def test_beside_what_goes_on_through_a_plate_nothing_is_missing_where_nobody_looked():
     def bar(world, height):
         return soft(world[..., 0] + 10.0)
 
     sides = [replace(own, cells=own.cells[own.cells[:, 0] > -10.0]) for own in (TOP, BOTTOM)]
-    boss = side(3, 12.0, 1.0)
-    boss = replace(boss, cells=boss.cells * [0.05, 0.3, 1.0] - [18.0, 0.0, 0.0])
+    boss = upright(3, -17.5)
     for faces, gone in (([], True), ([boss], False)):
         plate = next(each for each in plates([*sides, *faces], HalfSeen(bar)) if each.thick == 12.0)
         own = transform_points(inverse(plate.pose), np.array([[-17.5, 0.0, 0.0]]))

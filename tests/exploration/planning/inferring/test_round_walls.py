@@ -135,3 +135,8 @@ def test_each_of_a_face_s_pieces_that_lie_apart_may_be_round():
     assert [each.shape.radius for each in found] == pytest.approx([9.5, 9.5], abs=0.01)
     for each, shift in zip(found, shifts, strict=True):
         assert np.abs(each.shape.signed_distance(shift[None]))[0] == pytest.approx(9.5, abs=0.01)
+
+
+def test_a_face_without_touched_places_makes_none():
+    bare = replace(TOP, cells=NOWHERE)
+    assert walls([], [bare]) == []

@@ -43,12 +43,13 @@ def test_the_ledges_beside_a_slot_in_a_pocket_s_floor_are_one_face(deep):
     ledges, found = explored(PLATE - SLOT - pocket)
     ledges.went_through(MOUTH)
     assert ledges.next([MOUTH, BEHIND]) is MOUTH
-    home, note = ledges.feel(MOUTH, [MOUTH, BEHIND])
+    home, note = ledges.feel([MOUTH, BEHIND])
     assert note == "felt a ledge in a mouth"
     (floor,) = found.graph.faces
     assert floor.id == home
     assert floor.contacts.points[:, 2] == pytest.approx(7.0 - deep, abs=0.2)
     assert np.ptp(floor.contacts.points[:, 0]) > 11.0
+    assert ledges.reach.felt.points[:, 2] == pytest.approx(7.0 - deep, abs=0.2)
     assert ledges.next([MOUTH, BEHIND]) is None
 
 
@@ -61,7 +62,7 @@ def test_a_window_as_wide_behind_is_not_gone_into_again():
 def test_where_the_other_side_is_not_known_a_window_s_sides_are_asked_for_once():
     ledges, found = explored(PLATE - Cube((26.0, 46.0, 30.0)))
     ledges.went_through(MOUTH)
-    assert ledges.feel(ledges.next([MOUTH]), [MOUTH]) == (None, "felt no ledge in a mouth")
+    assert ledges.feel([MOUTH]) == (None, "felt no ledge in a mouth")
     assert found.graph.faces == ()
     assert ledges.next([MOUTH]) is None
 

@@ -180,3 +180,26 @@ def test_in_a_slot_hardly_wider_than_itself_the_finger_turns_along_it():
     face, note = move()
     assert note == "went in and felt a floor and its walls"
     assert np.median(study.found.graph.faces[face].contacts.points[:, 2]) == pytest.approx(3.0, abs=0.1)
+
+
+def test_the_floor_of_one_slot_says_nothing_of_the_next(over_slot):
+    reach, guard, _ = over_slot
+    study = Study(reach.pad, Findings(), ExplorerConfig().attribution)
+    x, y = np.meshgrid(np.arange(-3.0, 4.0, 2.0), np.arange(-24.0, 25.0, 2.0))
+    land, floor, found = np.column_stack([x.ravel(), y.ravel()]), np.empty((0, 2)), []
+    for middle in (-12.0, 12.0):  # two slots 16 mm wide with a land of 8 mm between
+        sides = np.array([[side * 21.0, v] for side in (-1.0, 1.0) for v in np.arange(-24.0, 25.0, 2.0)])
+        cells = np.column_stack([np.concatenate([land, sides]), np.full(len(land) + len(sides), 15.0)])
+        rim = cells[np.abs(np.abs(cells[:, 0] - middle) - 9.0) < 1e-6]
+        ways = np.sign(middle - rim[:, :1]) * np.array([[1.0, 0.0, 0.0]])
+        found += mouths(cells, rim, ways, UP)
+        floor = np.column_stack([land[:, 0] - 12.0, land[:, 1], np.zeros(len(land))])
+    top = np.column_stack([land, np.full(len(land), 15.0)])
+    reach.pad.felt.clear()
+    for places in (floor, top):
+        reach.pad.felt.append((places, np.tile(UP, (len(places), 1))))
+        flat = Contacts.of(places, np.tile(UP, (len(places), 1)), 0.01, 0.002)
+        study.found.graph, _ = study.found.graph.add_stroke(flat)
+    guard.use(1)
+    entering = Entering(study, reach, EnteringConfig(known=60.0))
+    assert [place[0] for place, _ in entering.ways_in(found, lambda normal: [])] == [12.0]
