@@ -13,7 +13,7 @@ from exploration.planning.touching.study import Study
 from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Cube
+from models.csg import Cube, Cylinder
 from models.parts import build
 from models.solid import Solid
 from primitives import pose as se3
@@ -163,13 +163,30 @@ def test_a_step_that_a_slot_opens_onto_is_no_floor_of_it(over_slot):
     assert len(list(entering.ways_in(across, lambda normal: []))) == 1
 
 
-def test_in_a_slot_hardly_wider_than_itself_the_finger_turns_along_it():
-    solid = Solid.from_csg(Cube((60.0, 50.0, 30.0)) - Cube((10.0, 60.0, 20.0)).at(0.0, 0.0, 13.0))
+def over(tree):
+    """The finger alone, over a body."""
     high = se3.pose(se3.frame_along(-UP), [0.0, 0.0, 80.0])
-    stage, arrays = simulate(solid, SPECS[1:], np.random.default_rng(0), start_pose=high)
+    stage, arrays = simulate(Solid.from_csg(tree), SPECS[1:], np.random.default_rng(0), start_pose=high)
     guard = Guard(stage, arrays, [Calibration.nominal(SPECS[1])])
     tools = Tool.each(SPECS[1:], [array.flange_from_sensor for array in arrays])
-    reach = Reach(Pad(guard, BOX, lambda kind, detail: None, tools=tools))
+    return Reach(Pad(guard, BOX, lambda kind, detail: None, tools=tools))
+
+
+NARROW = Cube((60.0, 50.0, 30.0)) - Cube((10.0, 60.0, 20.0)).at(0.0, 0.0, 13.0)
+
+
+def test_where_a_narrow_slot_comes_out_in_a_bore_the_finger_lies_on_its_floor_as_it_came():
+    reach = over(NARROW - Cylinder(15.0, 40.0))
+    entering = Entering(Study(reach.pad, Findings(), ExplorerConfig().attribution), reach)
+    at_end = se3.pose(se3.frame_along(-UP, [1.0, 0.0, 0.0]), [0.2, 16.1, 13.0])
+    assert not reach.sound(at_end)
+    reach.come_out()
+    assert entering._met(at_end)
+    assert reach.pad.guard.world_from_sensor[2, 3] == pytest.approx(2.6, abs=0.4)
+
+
+def test_in_a_slot_hardly_wider_than_itself_the_finger_turns_along_it():
+    reach = over(NARROW)
     cells, rim, out = top_of_slotted_block()
     cells[:, 0] -= 3.0 * np.sign(cells[:, 0])
     rim[:, 0] -= 3.0 * np.sign(rim[:, 0])
