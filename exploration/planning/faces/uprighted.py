@@ -85,8 +85,9 @@ def _upright(face: Face, ways: list[Floats], flats: list[Plane]) -> Fit | None:
     shape = face.fit.shape
     if isinstance(shape, Cylinder) and (side := _flat_side(face.fit, felt, ways, flats)) is not None:
         return side
-    stands = (way for way in ways if abs(float(shape.direction @ way)) > _UPRIGHT)
-    if isinstance(shape, Cylinder) and any(not _narrow(face, shape, way) for way in stands):
+    if isinstance(shape, Cylinder) and any(
+        abs(float(shape.direction @ way)) > _UPRIGHT and not _narrow(face, shape, way) for way in ways
+    ):
         return None
     paid = np.log(_RESIDUALS * len(felt))
     best, most = None, 0.0

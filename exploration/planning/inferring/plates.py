@@ -40,8 +40,8 @@ class PlatesConfig:
     finer: int = 2  # times as fine as the pictures, of the outlines
     straight: float = 0.4  # [mm] from a straight line, up to which an outline is straight
     beyond: float = 4.0  # [mm] past what was seen to be missing, that is missing too where nobody looked
-    past: tuple[float, float] = (0.5, 12.0)  # [mm] of a wall felt past a side, that may go on through it,
-    stands: float = 0.5  # most cosine of a way out of it with that of the side,
+    past: tuple[float, float] = (0.5, 12.0)  # [mm] of what was felt past a side, and may go on through it,
+    back: float = 0.5  # unless it looks back at it, from such a cosine,
     beside: float = 3.0  # [mm] round which nothing is missing where nobody looked
     touched: float = 1.5  # [mm] of a touched place, where nothing is missing unless both sides were seen
     leans: tuple[float, float] = (0.15, 0.97)  # cosine of a way out of a slope with that of a step
@@ -112,13 +112,13 @@ def _through(
     known: Sequence[KnownFace], upper: KnownFace, thick: float, lattice: Lattice, config: PlatesConfig
 ) -> Bools:
     """Where something that was felt past either side of a plate may go on through it, as a boss beside it."""
-    up = _outward(upper)
-    walls = [own.cells[np.abs(own.fit.shape.normals(own.cells) @ up) < config.stands] for own in known]
-    cells = np.concatenate([np.empty((0, 3)), *walls])
-    over = (cells - upper.fit.shape.anchor) @ up
+    up, felt = _outward(upper), np.zeros(lattice.shape, dtype=bool)
     low, high = config.past
-    past = np.maximum(over, -over - thick)
-    felt = _touched(cells[(past > low) & (past < high)], lattice)
+    for own in known:
+        over = (own.cells - upper.fit.shape.anchor) @ up
+        past = np.maximum(over, -over - thick)
+        back = -np.sign(over) * own.side * (own.fit.shape.normals(own.cells) @ up)
+        felt |= _touched(own.cells[(past > low) & (past < high) & (back < config.back)], lattice)
     if not felt.any():
         return felt
     return np.asarray(distance_transform_edt(~felt) * lattice.step < config.beside)
