@@ -112,10 +112,8 @@ class SlotLedges:
         pad.guard.go_to(over)
         if places is None or len(places) < config.places:
             return None
-        if float((mouth.center - places.mean(axis=0)) @ mouth.normal) < config.floor:
-            return None
-        pad.felt.append((places, np.broadcast_to(mouth.normal, places.shape)))
-        return places
+        deep = float((mouth.center - places.mean(axis=0)) @ mouth.normal)
+        return places if deep > config.floor else None
 
     def _under(self, seen: Observation) -> Floats:
         """(n, 3) places of the taxels that lie on what stopped an array with all of themselves."""
