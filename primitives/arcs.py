@@ -40,6 +40,12 @@ def circle_through(flat: Floats) -> tuple[Floats, float] | None:
     return None if rank < 3 or squared <= 0.0 else (np.array([cx, cy]), float(np.sqrt(squared)))
 
 
+def around(angles: Floats) -> float:
+    """[rad] of a turn that angles lie over: all of it but their widest gap."""
+    angle = np.sort(angles)
+    return float(2.0 * np.pi - np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+
+
 def evenly(rim: Floats, step: float = 1.0) -> Floats:
     """(m, 2) places about a `step` [mm] apart along a closed rim of (n, 2) corners."""
     closed = np.concatenate([rim, rim[:1]])
@@ -114,6 +120,5 @@ def _fitted(places: Floats, config: ArcConfig) -> Arc | None:
     if made is None or made[1] > config.widest:
         return None
     center, radius = middle + made[0], made[1]
-    angle = np.sort(np.arctan2(*(places - center).T[::-1]))
-    turn = float(2.0 * np.pi - np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
+    turn = around(np.arctan2(*(places - center).T[::-1]))
     return Arc(center, radius, turn) if turn > config.turn else None

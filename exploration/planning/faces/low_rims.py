@@ -19,6 +19,7 @@ from itertools import combinations
 import numpy as np
 
 from exploration.planning.faces.uprighted import bent, directions, drawn_out
+from primitives.arcs import around
 from primitives.arrays import Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit, squares
@@ -126,9 +127,8 @@ def _is_on(flat: _Flat, center: Floats, radius: float, config: LowRimsConfig) ->
 
 def _made(own: Sequence[_Flat], center: Floats, way: Floats, config: LowRimsConfig) -> Face | None:
     """The cylinder through all contacts of some flats, where they are no polygon's sides."""
-    angle = np.sort([np.arctan2(*(flat.place - center)[::-1]) for flat in own])
-    gap = float(np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
-    if 2.0 * np.pi - gap < config.around or any(_of_polygon(own, n, config) for n in config.sides):
+    angles = np.array([np.arctan2(*(flat.place - center)[::-1]) for flat in own])
+    if around(angles) < config.around or any(_of_polygon(own, n, config) for n in config.sides):
         return None
     felt = Contacts.concatenate([flat.face.contacts for flat in own])
     told = bent(felt)

@@ -22,7 +22,7 @@ import numpy as np
 from exploration.planning.inferring.groove_tubes import Tube, half_round, tube_felt
 from exploration.planning.known.mosaic import Band, Mosaic
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import around
+from primitives.arcs import around
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit

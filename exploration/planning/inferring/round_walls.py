@@ -26,9 +26,8 @@ from exploration.control.sighting import Sighting
 from exploration.planning.inferring.upright_walls import depth_below
 from exploration.planning.known.surface_map import clusters
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import around
 from exploration.planning.touching.findings import SeenRim
-from primitives.arcs import circle_through
+from primitives.arcs import around, circle_through
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import Face

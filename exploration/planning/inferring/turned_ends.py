@@ -17,8 +17,8 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import around
 from primitives import pose as se3
+from primitives.arcs import around
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit

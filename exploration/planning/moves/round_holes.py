@@ -16,13 +16,14 @@ import numpy as np
 from exploration.control.dwell import dwell
 from exploration.control.procedures.land import AS_TOLD
 from exploration.control.procedures.settle import AS_IT_CAME, SettleConfig
-from exploration.planning.open.round_rims import RoundRim, around, aside
+from exploration.planning.open.round_rims import RoundRim, aside
 from exploration.planning.touching.findings import Attempts, Done, SeenRim
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.round_hole import RoundHole, fit_round_hole
 from primitives import pose as se3
+from primitives.arcs import around
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.fit import Fit

@@ -17,7 +17,8 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.open.known_face import KnownFace
-from exploration.planning.open.round_rims import RoundRim, around, aside
+from exploration.planning.open.round_rims import RoundRim, aside
+from primitives.arcs import around
 from primitives.arrays import Floats
 from primitives.shapes import Cylinder
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from primitives.arcs import circle_through
+from primitives.arcs import around, circle_through
 from primitives.arrays import Floats
 from primitives.pose import frame_along
 
@@ -126,12 +126,6 @@ def round_rim(
         return None
     center: Floats = middle + turn @ np.array([cx, cy, float(flat[:, 2].mean())])
     return RoundRim(center, axis, radius, rms / float(np.sqrt(len(points))), face)
-
-
-def around(angles: Floats) -> float:
-    """[rad] of a turn that angles lie over: all of it but their widest gap."""
-    angle = np.sort(angles)
-    return float(2.0 * np.pi - np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max())
 
 
 def aside(places: Floats, center: Floats, axis: Floats) -> Floats:
