@@ -25,7 +25,7 @@ from models.formats.openscad import sided, sizes
 from models.formats.openscad.affine import TRANSFORMS, matrix_of, split, vector
 from models.formats.openscad.convex import hull_of_flats, hull_of_solids, offset, sum_of_flats, sum_of_solids
 from models.formats.openscad.extrude import linear, rotated
-from models.formats.openscad.flat import Plan
+from models.formats.openscad.flat import Flat, Plan
 from models.formats.openscad.shapes import Shape
 from models.formats.openscad.stretch import flat_sided, stretched
 from primitives.arrays import Floats
@@ -33,6 +33,7 @@ from primitives.errors import PalpateError
 from primitives.pose import pose
 
 _GROUPS = frozenset({"group", "union", "color", "render"})
+_MOST_MEANT = 8  # sides up to which $fn is written for the sides: who draws a nut writes $fn = 6
 _FEW_SIDES = 13  # circles of fewer sides may be meant as polygons
 
 
@@ -154,17 +155,21 @@ class Solids:
         plan = Plan(self.sided, _FLAT_CONVEX, offset).union(shape.children)
         if plan is None:
             return None
-        made = linear(shape, plan) if shape.name == "linear_extrude" else rotated(shape, plan, self.facets)
+        made = linear(shape, plan) if shape.name == "linear_extrude" else self._rotated(shape, plan)
         tree = self.refitted(made, matrix, shape)
         return tree.named(shape.label) if shape.label else tree
 
+    def _rotated(self, shape: Shape, plan: Flat) -> Csg:
+        whole = abs(sizes.number(shape, "angle", 360.0)) >= 360.0
+        return rotated(shape, plan, self.sided(shape) if whole else self.facets)
+
     def sided(self, shape: Shape) -> bool:
         """Whether a circle keeps its sides; warns where it does not and they may be meant."""
-        if self.facets:
+        if self.facets or 0 < shape.facets[0] <= _MOST_MEANT:
             return True
         if 0 < shape.facets[0] < _FEW_SIDES:
             few = f"{shape.place}: {shape.name} with $fn = {shape.facets[0]:g} is read as round; "
-            self.warnings.append(few + "draw a polygon if flat sides are meant")
+            self.warnings.append(few + "--facets keeps its sides, and those of all circles")
         return False
 
     def refitted(self, tree: Csg, matrix: Floats, shape: Shape) -> Csg:

@@ -101,7 +101,7 @@ READ: dict[str, Csg] = {
     "uses_library.scad": bar(7, 25) | (Sphere(7) - Cube((100, 100, 100)).at(0, 0, -50)).at(0, 0, 25),
     "intersections.scad": (Cube((30, 30, 30)) & Sphere(19))
     | (BEAM & BEAM.turned("z", pi / 3) & BEAM.turned("z", 2 * pi / 3)).at(60, 0, 0),
-    "few_sides.scad": bar(10, 5),
+    "few_sides.scad": Prism(tuple((x, y) for x, y in HEX.outline), 5).at(0, 0, 2.5),
 }
 VOLUMES = {
     "sheared_box.csg": 20 * 10 * 5,
@@ -171,13 +171,35 @@ def test_names_come_from_the_comment_right_above() -> None:
     assert [leaf.primitive.name for leaf in tree.leaves()] == ["base, made longer by hand", "foot hole"]
 
 
-def test_a_circle_of_few_sides_is_round_with_a_warning_and_flat_when_asked() -> None:
-    (warning,) = openscad.read(FILES / "few_sides.scad").warnings
+def test_a_circle_of_few_sides_is_a_polygon_and_one_of_a_dozen_round_with_a_warning() -> None:
+    assert openscad.read(FILES / "few_sides.scad").warnings == ()
+    twelve = openscad.read_text("cylinder(r = 10, h = 5, $fn = 12);", "part.scad")
+    (warning,) = twelve.warnings
     assert "line 1" in warning
-    assert "$fn = 6" in warning
-    sided = openscad.read(FILES / "few_sides.scad", facets=True)
+    assert "$fn = 12" in warning
+    assert same_tree(twelve.tree, bar(10, 5))
+    sided = openscad.read_text("cylinder(r = 10, h = 5, $fn = 12);", "part.scad", facets=True)
     assert sided.warnings == ()
-    assert same_tree(sided.tree, Prism(tuple((x, y) for x, y in HEX.outline), 5).at(0, 0, 2.5))
+    assert len(next(iter(sided.tree.leaves())).primitive.outline) == 12
+
+
+@pytest.mark.parametrize(
+    ("text", "faces"),
+    [
+        ("rotate_extrude($fn = 4) square([10, 20]);", 4),
+        ("linear_extrude(20) circle(r = 10, $fn = 8);", 8),
+        ("$fn = 5; cylinder(r1 = 10, r2 = 5, h = 20);", 5),
+    ],
+)
+def test_few_sides_are_kept_by_whatever_draws_a_circle(text: str, faces: int) -> None:
+    drawing = openscad.read_text(text, "part.scad")
+    assert drawing.warnings == ()
+    assert len(Solid.from_csg(drawing.tree).surfaces) == faces + 2
+
+
+def test_a_part_of_a_turn_stays_round() -> None:
+    quarter = openscad.read_text("rotate_extrude(angle = 90, $fn = 6) square([10, 20]);", "part.scad").tree
+    assert Solid.from_csg(quarter).volume == pytest.approx(pi * 100 * 20 / 4, rel=1e-3)
 
 
 def test_a_part_keeps_its_tree_in_any_unit_and_case(tmp_path: Path) -> None:
