@@ -103,7 +103,7 @@ class AnyForm:
         face: int | None = None
         while not self.config.spent(self.pad.guard.cost):
             move = self._next(face)
-            if move is None and self.study.name_loose():
+            if move is None and (self.study.merge() or self.study.name_loose()):
                 continue
             if move is None:
                 break

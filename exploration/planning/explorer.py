@@ -105,6 +105,9 @@ class Explorer:
             if move is None and not self.found.hollow and (self.found.open or self._bumpy()):
                 self.found.hollow = True
                 continue
+            if move is None and self._study.merge():
+                face = None
+                continue
             if move is None:
                 self.found.graph = flattened(self.found.graph)
                 self.found.ended = "nothing reachable is open" if self._hidden else "closed"

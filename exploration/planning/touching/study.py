@@ -177,6 +177,12 @@ class Study:
         self._rename(taken.gone)
         return bool(rims) or bool({face.id for face in taken.graph.faces} - before)
 
+    def merge(self) -> bool:
+        """Whether faces that grew since they were last compared turn out to be one."""
+        self.found.graph, gone = self.found.graph.merge_faces()
+        self._rename(gone)
+        return bool(gone)
+
     def _rename(self, gone: dict[int, int]) -> None:
         """Call faces that turned out to be others by the ids of those, wherever an edge or a rim is on one."""
         if not gone:

@@ -1,5 +1,6 @@
 """What contacts become on an object that turns out not to be convex."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,8 @@ from exploration.planning.faces.attribution import AttributionConfig
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.study import Study, Wall
 from primitives.evidence import Contacts
+from primitives.fit import fit
+from primitives.patch_graph import Face, ranked_face
 
 
 def tread(height, x, width, touch):
@@ -58,3 +61,29 @@ def test_a_stroke_that_the_table_stops_at_one_corner_of_the_array_met_no_wall():
     pad.told = None
     assert study.note_wall(stroke)
     assert len(study.walls) == 1
+
+
+def of_a_ball(longitudes, latitudes, touch):
+    """Contacts of a ball of 40 mm round the origin, over ranges [rad]."""
+    rng = np.random.default_rng(touch)
+    around, up = rng.uniform(*longitudes, 40), rng.uniform(*latitudes, 40)
+    out = np.column_stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)])
+    points = 40.0 * out + rng.normal(scale=0.02, size=(40, 3))
+    return Contacts.of(points, out, sigma=0.03, normal_sigma=0.01, touch=touch)
+
+
+def test_a_strip_read_as_a_cylinder_is_part_of_the_ball_once_that_is_known():
+    study = Study(SimpleNamespace(felt=[]), Findings(), AttributionConfig(convex=False))
+    options = study.found.graph.options
+    narrow = of_a_ball((-0.5, 0.5), (-0.02, 0.02), touch=1)
+    strip = Face(0, fit("cylinder", narrow), narrow)  # as noise may have it
+    dome = ranked_face(1, of_a_ball((-0.5, 0.5), (0.2, 0.9), touch=2), options)
+    assert dome.fit.kind == "sphere"
+    study.found.graph = replace(study.found.graph, faces=(strip, dome))
+    study.seen = [("an edge", 1)]
+    assert study.merge()
+    (whole,) = study.found.graph.faces
+    assert whole.fit.kind == "sphere"
+    assert len(whole.contacts) == 80
+    assert study.seen == [("an edge", whole.id)]
+    assert not study.merge()
