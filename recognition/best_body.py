@@ -2,8 +2,8 @@
 
 First all faces as they are.  A body that nothing closes is cut off at the last contacts.  Where the faces still
 leave none, as when a narrow edge was read as a cone, the round face with the fewest contacts is left out, and the
-rest is tried again; flat faces are not.  Where most contacts lie off the body, walls that were only inferred are
-left out, and if that does not help their hull takes its place.
+rest is tried again; flat faces are not.  Walls that were only inferred are left out where most contacts lie off
+the body, or faces that were felt bound no side of it.  Where most lie off it still, their hull takes its place.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ _FEW = 6  # contacts outside the body, that are no strays
 _SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
 _LEFT_OUT = 8  # faces at most
 _ON = 0.01  # [mm] from a surface, of a triangle that is on it
+_IDLE = 20  # contacts of felt faces that bound nothing, from which walls that nobody felt are doubted
+_LESS_IDLE = 0.5  # times those, as which fewer must be idle without the walls
 _OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
 
 
@@ -96,10 +98,12 @@ def best_body(
     contacts = Contacts.concatenate([*(face.contacts for face in felt), rest])
     places = contacts.points[contacts.touch != NOT_FELT]
     body = _of_faces(felt, make, past, places)
-    surer = [face for face in felt if face.fit.kind != "plane" or (face.contacts.touch != NOT_FELT).any()]
+    surer = [face for face in felt if not _is_guessed(face)]
     if len(surer) < len(felt) and (off := off_body(body.assembly, places)) > MOST:
         other = _of_faces(surer, make, past, places)
         body = other if off_body(other.assembly, places) < BETTER * off else body
+    if len(surer) < len(felt) and _idle(body) > _IDLE:
+        body = _less_guessed(body, make, past, places)
     if open_ended(body.assembly) and reach_past(body.assembly, contacts) > (most := min(_OPEN, past)):
         bare = make(body.felt) if body.ends else body.assembly
         sooner = replace(_ended(bare, body.felt, make, most), left_out=body.left_out)
@@ -107,6 +111,36 @@ def best_body(
         body = sooner if nearer else body
     hull = hulled(body.felt, contacts, body.assembly, free)
     return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
+
+
+def _is_guessed(face: FeltFace) -> bool:
+    """Whether it is a flat wall that nobody felt."""
+    return face.fit.kind == "plane" and not (face.contacts.touch != NOT_FELT).any()
+
+
+def _idle(body: Body) -> int:
+    """Contacts of faces that were felt and bound no side of the body; none where there is no body."""
+    if isinstance(body.assembly, NotClosed):
+        return 0
+    felt = (face.contacts.touch != NOT_FELT for face in body.felt)
+    return sum(int(own.sum()) for k, own in enumerate(felt) if own.any() and not _bounds(body.assembly, k))
+
+
+def _less_guessed(body: Body, make: Make, past: float, places: Floats) -> Body:
+    """The body without the flat walls that nobody felt and that keep faces out of it which were; else itself.
+
+    All are left out first, and each is taken back with which no more of what was felt is idle.
+    """
+    guessed = [face for face in body.felt if _is_guessed(face)]
+    kept = [face for face in body.felt if not _is_guessed(face)]
+    best = _of_faces(kept, make, past, places)
+    if isinstance(best.assembly, NotClosed) or _idle(best) > _LESS_IDLE * _idle(body):
+        return body
+    for face in guessed:
+        found = _of_faces([*best.felt, face], make, past, places)
+        if not isinstance(found.assembly, NotClosed) and _idle(found) <= _idle(best):
+            best = found
+    return replace(best, left_out=(*body.left_out, *best.left_out))
 
 
 def _bounds(assembly: Assembly, number: int) -> bool:

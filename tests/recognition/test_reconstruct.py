@@ -233,3 +233,19 @@ def test_a_round_face_that_contradicts_the_others_is_left_out(monkeypatch):
     assert made.warnings[0] == "a face (sphere, 9 contacts) contradicts the others; left out"
     assert len(made.contacts) == 6 * 80 + 9
     assert (made.face_of_contact[-9:] == -1).all()
+
+
+def test_walls_that_nobody_felt_do_not_keep_a_round_one_that_was_out_of_the_body():
+    """Sixteen guessed flats round a rod lie on its contacts as well as it does, and would be all of it."""
+    graph, _ = graph_of(Cylinder(10.0, 30.0))
+    felt = [best_body.FeltFace(face.fit, face.contacts) for face in graph.faces]
+    turns = 2.0 * np.pi * np.arange(16) / 16
+
+    def guessed(turn, out):
+        way, along = np.array([np.cos(turn), np.sin(turn), 0.0]), np.array([-np.sin(turn), np.cos(turn), 0.0])
+        places = out * way + np.array([s * along + [0.0, 0.0, t] for s in (-1, 0, 1) for t in (-9, 0, 9)])
+        contacts = Contacts.of(places, np.broadcast_to(way, places.shape), 0.05, 0.05, touch=NOT_FELT)
+        return best_body.FeltFace(fit("plane", contacts), contacts)
+
+    body = best_body.best_body([*felt, *(guessed(turn, 9.8) for turn in turns)], BOX, None, 15.0)
+    assert all(best_body._bounds(body.assembly, k) for k in range(len(felt)))
