@@ -16,6 +16,7 @@ from primitives.arrays import frozen
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, NoFit, fit
 from primitives.patch_graph import Face
+from primitives.surface_sigma import distance_sigma
 
 _ALIKE = 0.95  # least cosine between inferred contacts and a face that they belong to
 _PARALLEL = 0.998  # least cosine between the normals of an inferred wall and a felt face that are parallel
@@ -65,14 +66,18 @@ def add_own(found: Findings, lot: Contacts, why: str, kind: str) -> Fit | None:
 
 
 def home_of(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
-    """The face that inferred contacts lie on and face like: one that was felt, or inferred as of the same kind."""
+    """The face that inferred contacts lie on and face like: one that was felt, or inferred as of the same kind.
+
+    Of a round one felt on one side it is not sure where the other lies, and neither is it of a rim.
+    """
     best: tuple[float, Face] | None = None
     for face in faces:
         if not isinstance(face.fit, Fit) or not (face.fit.kind == kind or _felt(face)):
             continue
         side = 1.0 if face.fit.convex else -1.0
         facing = side * (face.fit.shape.normals(lot.points) * lot.normals).sum(axis=1)
-        off = np.abs(face.fit.shape.signed_distance(lot.points)) / lot.sigma
+        sigma = lot.sigma if kind == "plane" else np.hypot(lot.sigma, distance_sigma(face.fit, lot.points))
+        off = np.abs(face.fit.shape.signed_distance(lot.points)) / sigma
         if float(facing.min()) > _ALIKE and float(off.max()) < min(_OFF, np.inf if best is None else best[0]):
             best = float(off.max()), face
     return None if best is None else best[1]

@@ -73,3 +73,23 @@ def test_where_no_felt_face_is_parallel_later_rims_turn_a_wall():
         )
         fit = add(found, Contacts.of(places, np.tile(normal, (42, 1)), 0.1, 0.02, touch=NOT_FELT), "why")
     assert abs(float(fit.shape.normal @ way)) > np.cos(0.005)
+
+
+def round_hole(radius, turns, touch, center=(0.0, 0.0), sigma=0.01, off=0.0):
+    """A hole's wall along z, over some of its turn [rad], felt or told by its rims."""
+    around, up = (grid.ravel() for grid in np.meshgrid(np.linspace(*turns, 9), np.linspace(0.0, 20.0, 6)))
+    out = np.column_stack([np.cos(around), np.sin(around), np.zeros(len(around))])
+    noise = np.random.default_rng(0).normal(scale=off, size=(len(out), 1))
+    points = (radius + noise) * out + [*center, 0.0] + np.outer(up, Z)
+    return Contacts.of(points, -out, sigma, 0.01, touch=touch)
+
+
+def test_rims_of_a_hole_of_which_one_side_was_felt_add_no_second_wall():
+    felt = ranked_face(0, round_hole(26.0, (-0.4, 0.4), touch=1, sigma=0.05, off=0.05), MergeOptions())
+    found = Findings(graph=PatchGraph(faces=(felt,)))
+    rims = round_hole(26.25, (-np.pi, np.pi), NOT_FELT, center=(-0.1, 0.0), sigma=0.085)
+    add(found, rims, "why", "cylinder")
+    assert len(found.graph.faces) == 1
+    other = round_hole(20.0, (-np.pi, np.pi), NOT_FELT, sigma=0.085)  # a ledge lies between these two
+    add(found, other, "why", "cylinder")
+    assert len(found.graph.faces) == 2
