@@ -14,6 +14,8 @@ from functools import partial
 
 import numpy as np
 
+from models.csg import Cube, Cylinder
+from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.evidence import NOT_FELT, Contacts
@@ -29,6 +31,7 @@ _LEFT_OUT = 8  # faces at most
 _ON = 0.01  # [mm] from a surface, of a triangle that is on it
 _IDLE = 20  # contacts of felt faces that bound nothing, from which walls that nobody felt are doubted
 _LESS_IDLE = 0.5  # times those, as which fewer must be idle without the walls
+_ALONG = 0.99  # least cosine between two ways that are one
 _OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
 
 
@@ -58,14 +61,18 @@ class Body:
             f"a face ({face.fit.kind}, {len(face.contacts)} contacts) contradicts the others; left out"
             for face in self.left_out
         ]
-        ways = [", ".join(f"{v:.2f}" for v in end.contacts.normals[0]) for end in self.cut]
+        ends = [end.contacts.normals[0] for end in self.cut]
+        ends += [way for way in open_ways(self.assembly) if not any(way @ end > _ALONG for end in ends)]
+        ways = [", ".join(f"{v:.2f}" for v in end) for end in ends]
         ended = "nothing that was felt ends the body along ({}): it is cut off where contact ended"
         return [*left, *map(ended.format, ways)]
 
     @property
     def whole(self) -> bool:
         """Whether its faces close it."""
-        return not self.cut and not self.hulled
+        if isinstance(self.assembly, NotClosed):
+            return not self.hulled
+        return not self.cut and not self.hulled and not open_ways(self.assembly)
 
     @property
     def cut(self) -> tuple[FeltFace, ...]:
@@ -179,6 +186,30 @@ def open_ended(assembly: Assembly | NotClosed) -> bool:
         piece.ends[-1:] if piece.kind == "prism" else piece.ends for piece in added
     )  # its outline is whole
     return any(None in ends for sides in along for ends in sides)
+
+
+def open_ways(assembly: Assembly) -> list[Floats]:
+    """(3,) each way along which the body has a side that no face ends."""
+    found: list[Floats] = []
+    for piece in assembly.pieces:
+        if piece.operation != "add" or piece.why or not isinstance(piece.solid, Cube | Cylinder):
+            continue
+        rows = range(3) if piece.kind == "cube" else (2,)
+        for axis, pair in zip(rows, piece.ends, strict=True):
+            for side, end in zip((-1.0, 1.0), pair, strict=True):
+                way = side * piece.world_from_piece[:3, axis]
+                at = piece.world_from_piece[:3, 3] + 0.5 * piece.size(axis) * way
+                if end is None and not any(way @ other > _ALONG for other in found):
+                    found += [way] if _has_side(assembly.solid, at, way) else []
+    return found
+
+
+def _has_side(solid: Solid, at: Floats, way: Floats) -> bool:
+    """Whether a solid has a facet in the plane through a (3,) place that looks along a (3,) way."""
+    on = np.abs((solid.vertices - at) @ way) < _ON
+    facets = solid.vertices[solid.triangles[on[solid.triangles].all(axis=1)]]
+    out = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0]) @ way
+    return bool((out > 0.0).any())
 
 
 def reach_past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:

@@ -24,7 +24,7 @@ from recognition.assembly.closure import NotClosed, greatest_ball
 from recognition.assembly.exchange import exchanged
 from recognition.assembly.labels import solid_cells
 from recognition.assembly.lists import Listed, Step, Target
-from recognition.assembly.piece import Piece
+from recognition.assembly.piece import Piece, ended_with
 from recognition.assembly.pieces import pieces, ring_piece, round_piece, slab_cube
 from recognition.assembly.prisms import prism
 from recognition.assembly.search import shortest
@@ -74,7 +74,9 @@ def concave_pieces(
     # What takes away reaches farther where it is open than what it is taken from: else a film is left there.
     farther = corners + _FARTHER * (corners - corners.mean(axis=0))
     made = [
-        _piece(step, vocabulary, corners if step.operation == "add" else farther, room)
+        ended_with(_piece(step, vocabulary, points, room), points)
+        if step.operation == "add"
+        else _piece(step, vocabulary, farther, room)
         for step in found.listed.steps
     ]
     return tuple(replace(piece, ends=_felt(piece.ends, measured)) for piece in made)

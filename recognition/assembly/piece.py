@@ -72,6 +72,20 @@ class Piece:
         )
 
 
+def ended_with(piece: Piece, points: Floats) -> Piece:
+    """A box or an upright bar whose open sides end with the last of (n, 3) points."""
+    if not isinstance(piece.solid, Cube | Cylinder):
+        return piece
+    own = (points - piece.world_from_piece[:3, 3]) @ piece.world_from_piece[:3, :3]
+    rows = range(_AXES) if len(piece.ends) == _AXES else (_Z,)
+    for axis, pair in zip(rows, piece.ends, strict=True):
+        past = 0.5 * piece.size(axis) - np.array([-own[:, axis].min(), own[:, axis].max()])
+        for above, end in enumerate(pair):
+            if end is None and 0.0 < past[above] < piece.size(axis):
+                piece = piece.longer(axis, bool(above), -float(past[above]))
+    return piece
+
+
 def tree_of(named: Sequence[Piece]) -> Csg:
     """The pieces one after another, each added, taken away or kept to."""
     tree = named[0].placed

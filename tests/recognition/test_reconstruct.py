@@ -249,3 +249,26 @@ def test_walls_that_nobody_felt_do_not_keep_a_round_one_that_was_out_of_the_body
 
     body = best_body.best_body([*felt, *(guessed(turn, 9.8) for turn in turns)], BOX, None, 15.0)
     assert all(best_body._bounds(body.assembly, k) for k in range(len(felt)))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_side_that_no_face_ends_is_said_and_lies_at_the_last_contact(seed):
+    world = pose(random_rotation(np.random.default_rng(seed)))
+    step = (Cube((60.0, 40.0, 10.0)) | Cube((20.0, 40.0, 20.0)).at(-20, 0, 5)).placed(world)
+    brep = labeled_boundary(Solid.from_csg(step, 0.01))[0]
+    end = [f.id for f in brep.faces if f.shape.direction @ world[:3, 1] > 0.9]
+    graph, _ = graph_of(step, skip=end)
+    felt = [best_body.FeltFace(face.fit, face.contacts) for face in graph.faces]
+    body = best_body.best_body(felt, BOX, None, 15.0)
+    last = max(float((face.contacts.points @ world[:3, 1]).max()) for face in felt)
+    assert (body.assembly.solid.vertices @ world[:3, 1]).max() == pytest.approx(last, abs=0.01)
+    assert not body.whole
+    (told,) = body.told()
+    way = np.array([float(v) for v in told.split("(")[1].split(")")[0].split(",")])
+    np.testing.assert_allclose(way, world[:3, 1], atol=0.01)
+    whole = graph_of(step)[0]
+    closed = best_body.best_body(
+        [best_body.FeltFace(f.fit, f.contacts) for f in whole.faces], BOX, None, 15.0
+    )
+    assert closed.whole
+    assert closed.told() == []
