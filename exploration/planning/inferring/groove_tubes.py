@@ -5,7 +5,7 @@ fingertip tell r and the middle by a straight line through (h, sin lean).  The s
 width w at the wall and its depth s there, r = (w^2 / 4 + s^2) / 2 s.  Where the two agree, a ring comes near the
 bottom; a flat one has no such line, and one that is deeper than round has straight sides.  Contacts at one place
 of its side tell no line.  Each lies on one circle through both ends of the wall, and where it leans as that does
-there the groove is that (our derivation).
+there the groove is that.  Sides that lean alike over much of their height are straight (our derivation).
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ class TubesConfig:
     aside: float = 0.8  # [mm] that the bottom may be beside the middle between the walls' ends
     leaning: float = 0.3  # sine of the lean of a side, from which it is no flat bottom's,
     off: float = 0.12  # that this may be off
+    told: float = 2.0  # of the error of a normal, that leans of a circle must differ by, to tell it from a V
     same: float = 0.5  # [mm] by which depths of one bottom may differ
 
 
@@ -63,9 +64,12 @@ def tube_felt(
     """Of (n,) heights and depths [mm], and sines of the leans toward the axis, of contacts between two heights."""
     if len(heights) < config.few:
         return None
-    return _by_line(heights, depths, leans, low, high, config) or _by_side(
-        heights, depths, leans, low, high, config
-    )
+    told = heights, depths, leans, low, high, config
+    tube = _by_line(*told) or _by_side(*told)
+    steep = np.abs(leans) > config.leaning
+    if tube is None or _straight(np.abs(heights - tube.height)[steep], np.abs(leans)[steep], tube, config):
+        return None
+    return tube
 
 
 def _by_line(
@@ -107,3 +111,14 @@ def _by_side(
     if (steep & alike).sum() < config.few or alike.mean() < 0.5:
         return None
     return Tube(middle, depth, float(radius))
+
+
+def _straight(away: Floats, leans: Floats, tube: Tube, config: TubesConfig) -> bool:
+    """Whether sines of leans, (n,) so far [mm] from the middle, are one rather than a circle's: as of a V-belt's.
+
+    Where a circle's would hardly differ, they tell nothing.
+    """
+    expected = away / tube.radius
+    if len(leans) < config.few or float(np.std(expected)) < config.told * config.angle:
+        return False
+    return float(np.std(leans)) < float(np.sqrt(np.mean(np.square(leans - expected))))

@@ -41,3 +41,12 @@ def test_a_flat_bottom_and_a_slope_that_is_no_circle_are_none():
     mixed = [np.concatenate([a, b]) for a, b in zip(on_it(np.full(3, 4.0)), on_it(np.zeros(3)), strict=True)]
     assert tube_felt(mixed[0], mixed[1], np.array([0.9, 0.9, 0.9, 0.0, 0.0, 0.0]), LOW, HIGH) is None
     assert tube_felt(at, 0.0 * depths, leans, LOW, HIGH) is None
+
+
+@pytest.mark.parametrize("sides", [(1.0,), (1.0, -1.0)])
+def test_straight_sides_of_a_groove_for_a_belt_are_no_circle(sides):
+    at = np.concatenate([side * np.linspace(2.5, 5.5, 12) for side in sides])
+    leans = -0.75 * np.sign(at) + np.random.default_rng(0).normal(scale=0.02, size=len(at))
+    assert tube_felt(at, 1.13 * (6.0 - np.abs(at)), leans, LOW, HIGH) is None
+    sides_of_a_circle = np.concatenate([side * np.linspace(3.0, 5.5, 12) for side in sides])
+    assert tube_felt(*on_it(sides_of_a_circle), LOW, HIGH).depth == pytest.approx(DEPTH, abs=0.05)
