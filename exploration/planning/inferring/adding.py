@@ -68,7 +68,8 @@ def add_own(found: Findings, lot: Contacts, why: str, kind: str) -> Fit | None:
 def home_of(faces: Sequence[Face], lot: Contacts, kind: str) -> Face | None:
     """The face that inferred contacts lie on and face like: one that was felt, or inferred as of the same kind.
 
-    Of a round one felt on one side it is not sure where the other lies, and neither is it of a rim.
+    They lie off it by at most `_OFF` sigmas, of theirs and of the surface there together: a round face felt on one
+    side only is unsure of its other.  A flat one is held to theirs alone, or it would take in walls beside it.
     """
     best: tuple[float, Face] | None = None
     for face in faces:
