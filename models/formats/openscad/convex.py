@@ -126,10 +126,24 @@ def sum_of_solids(shape: Shape, trees: Sequence[Csg]) -> Csg:
             centers = np.array([(i * x / 2, j * y / 2) for i in (-1, 1) for j in (-1, 1)])
             bar = _bars(_rounded(centers, second.radius), z + second.height)
             return bar.placed(pose(None, a[:3, 3] + b[:3, 3]))
-        if isinstance(first, Cube) and isinstance(second, Cube):
-            p, q = (transform_points(m, outside(c)[0]) for c, m in ((first, a), (second, b)))
+        if _is_convex(first) and _is_convex(second):
+            p, q = (transform_points(m, outside(c)[0]) for c, m in ((first, a), (second, b)))  # type: ignore[arg-type]
             return _hull((p[:, None] + q).reshape(-1, 3))
     raise shape.error("minkowski() of these has no exact form here; sum a cube and one more solid")
+
+
+def _is_convex(primitive: Primitive) -> bool:
+    """Whether it is flat-sided and lies behind all of its faces."""
+    if not isinstance(primitive, Cube | Prism | Polyhedron):
+        return False
+    corners, faces = outside(primitive)
+    size = float(np.ptp(corners, axis=0).max())
+    for face in faces:
+        rim = corners[list(face)]
+        normal = np.cross(rim - rim[0], np.roll(rim, -1, axis=0) - rim[0]).sum(axis=0)  # Newell
+        if float(((corners - rim[0]) @ normal).max()) > _SAME * size * float(np.linalg.norm(normal)):
+            return False
+    return True
 
 
 def _rounded(centers: Floats, radius: float) -> Flat:

@@ -74,8 +74,8 @@ def rotated(shape: Shape, flat: Flat, facets: bool = False) -> Csg:
             "rotate_extrude by less than a full turn is read round only; read it without facets"
         )
     whole = _each(flat, ring, 0)
-    if abs(angle) == 360:
-        return whole
+    if abs(angle) == 360:  # OpenSCAD begins it on the -x axis
+        return whole.turned("z", np.pi) if facets and fragments % 2 else whole
     start = (180.0 if left else 0.0) + min(angle, 0.0)
     return _sector(whole, start, abs(angle), float(high[0]), low[1], high[1])
 

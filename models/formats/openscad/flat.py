@@ -168,3 +168,8 @@ def _joined(operation: str, found: Sequence[Flat | None]) -> Flat | None:
     if not flats or (operation == "difference" and found[0] is None):
         return None
     return flats[0] if len(flats) == 1 else Combined(operation, tuple(flats))
+
+
+def has_discs(flat: Flat) -> bool:
+    """Whether a circle is part of it."""
+    return any(map(has_discs, flat.parts)) if isinstance(flat, Combined) else isinstance(flat, Disc)

@@ -25,7 +25,7 @@ from models.formats.openscad import sided, sizes
 from models.formats.openscad.affine import TRANSFORMS, matrix_of, split, vector
 from models.formats.openscad.convex import hull_of_flats, hull_of_solids, offset, sum_of_flats, sum_of_solids
 from models.formats.openscad.extrude import linear, rotated
-from models.formats.openscad.flat import Flat, Plan
+from models.formats.openscad.flat import Flat, Plan, has_discs
 from models.formats.openscad.shapes import Shape
 from models.formats.openscad.stretch import flat_sided, stretched
 from primitives.arrays import Floats
@@ -160,17 +160,24 @@ class Solids:
         return tree.named(shape.label) if shape.label else tree
 
     def _rotated(self, shape: Shape, plan: Flat) -> Csg:
-        whole = abs(sizes.number(shape, "angle", 360.0)) >= 360.0
-        return rotated(shape, plan, self.sided(shape) if whole else self.facets)
+        """Of a few sides, where it is a whole turn of what has corners; a ring of a circle is round."""
+        if abs(sizes.number(shape, "angle", 360.0)) >= 360.0 and not has_discs(plan):
+            return rotated(shape, plan, self.sided(shape))
+        if not self.facets and 0 < shape.facets[0] < _FEW_SIDES:
+            self._say_round(shape)
+        return rotated(shape, plan, self.facets)
 
     def sided(self, shape: Shape) -> bool:
         """Whether a circle keeps its sides; warns where it does not and they may be meant."""
         if self.facets or 0 < shape.facets[0] <= _MOST_MEANT:
             return True
         if 0 < shape.facets[0] < _FEW_SIDES:
-            few = f"{shape.place}: {shape.name} with $fn = {shape.facets[0]:g} is read as round; "
-            self.warnings.append(few + "--facets keeps its sides, and those of all circles")
+            self._say_round(shape)
         return False
+
+    def _say_round(self, shape: Shape) -> None:
+        few = f"{shape.place}: {shape.name} with $fn = {shape.facets[0]:g} is read as round; "
+        self.warnings.append(few + "--facets keeps its sides, and those of all circles")
 
     def refitted(self, tree: Csg, matrix: Floats, shape: Shape) -> Csg:
         """A tree that is not of one primitive under a matrix."""

@@ -191,15 +191,43 @@ def test_a_circle_of_few_sides_is_a_polygon_and_one_of_a_dozen_round_with_a_warn
         ("$fn = 5; cylinder(r1 = 10, r2 = 5, h = 20);", 5),
     ],
 )
-def test_few_sides_are_kept_by_whatever_draws_a_circle(text: str, faces: int) -> None:
+def test_few_sides_are_kept_where_corners_are_turned_and_circles_drawn(text: str, faces: int) -> None:
     drawing = openscad.read_text(text, "part.scad")
     assert drawing.warnings == ()
     assert len(Solid.from_csg(drawing.tree).surfaces) == faces + 2
 
 
-def test_a_part_of_a_turn_stays_round() -> None:
-    quarter = openscad.read_text("rotate_extrude(angle = 90, $fn = 6) square([10, 20]);", "part.scad").tree
-    assert Solid.from_csg(quarter).volume == pytest.approx(pi * 100 * 20 / 4, rel=1e-3)
+def test_a_part_of_a_turn_and_a_ring_of_a_circle_stay_round_and_say_so() -> None:
+    quarter = openscad.read_text("rotate_extrude(angle = 90, $fn = 6) square([10, 20]);", "part.scad")
+    assert Solid.from_csg(quarter.tree).volume == pytest.approx(pi * 100 * 20 / 4, rel=1e-3)
+    ring = openscad.read_text("rotate_extrude($fn = 6) translate([20, 0]) circle(5, $fn = 48);", "part.scad")
+    assert Solid.from_csg(ring.tree).volume == pytest.approx(2 * pi * 20 * pi * 25, rel=1e-3)
+    for drawing in (quarter, ring):
+        (warning,) = drawing.warnings
+        assert "is read as round" in warning
+
+
+def test_a_turned_shape_with_an_odd_number_of_sides_has_a_corner_on_the_negative_x_axis() -> None:
+    low, high = openscad.read_text("rotate_extrude($fn = 5) square([10, 20]);", "part.scad").tree.bounds()
+    assert low[0] == pytest.approx(-10.0, abs=1e-9)
+    assert high[0] == pytest.approx(10.0 * np.cos(pi / 5), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "second", ["sphere(r = 2, $fn = 8)", "cylinder(r = 2, h = 4, center = true, $fn = 8)"]
+)
+def test_a_cube_is_rounded_by_what_has_few_sides(second: str) -> None:
+    drawing = openscad.read_text(f"minkowski() {{ cube(10); {second}; }}", "part.scad")
+    assert drawing.warnings == ()
+    low, high = drawing.tree.bounds()
+    np.testing.assert_allclose([low[:2], high[:2]], [[-2, -2], [12, 12]], atol=0.2)
+    assert 10**3 < Solid.from_csg(drawing.tree).volume < 14.0**3
+
+
+def test_a_sum_of_what_is_not_convex_is_refused() -> None:
+    cross = "linear_extrude(5) polygon([[0, 0], [20, 0], [20, 5], [5, 5], [5, 20], [0, 20]])"
+    with pytest.raises(PalpateError, match="no exact form"):
+        openscad.read_text(f"minkowski() {{ cube(10); {cross}; }}", "part.scad")
 
 
 def test_a_part_keeps_its_tree_in_any_unit_and_case(tmp_path: Path) -> None:
