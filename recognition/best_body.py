@@ -14,8 +14,6 @@ from functools import partial
 
 import numpy as np
 
-from models.csg import Cube, Cylinder
-from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.errors import PalpateError
 from primitives.evidence import NOT_FELT, Contacts
@@ -23,7 +21,8 @@ from primitives.fit import Fit, fit
 from primitives.plate import Plate
 from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import CutOffConfig, cut_off
-from recognition.hulled import BETTER, MOST, all_on_hull, hulled, off_body
+from recognition.hulled import BETTER, MOST, all_on_hull, hulled, mean_distance, off_body
+from recognition.open_sides import open_ended, open_ways
 
 _FEW = 6  # contacts outside the body, that are no strays
 _SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
@@ -32,6 +31,8 @@ _ON = 0.01  # [mm] from a surface, of a triangle that is on it
 _IDLE = 20  # contacts of felt faces that bound nothing, from which walls that nobody felt are doubted
 _LESS_IDLE = 0.5  # times those, as which fewer must be idle without the walls
 _ALONG = 0.99  # least cosine between two ways that are one
+_TAKEN_BACK = 6  # walls that nobody felt, of those that are doubted, at most
+_AS_NEAR = 1.01  # times the mean distance of what was felt from the body, as which it stays with one of them
 _OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
 
 
@@ -126,28 +127,34 @@ def _is_guessed(face: FeltFace) -> bool:
 
 
 def _idle(body: Body) -> int:
-    """Contacts of faces that were felt and bound no side of the body; none where there is no body."""
+    """Contacts of faces that were felt and bound no side of the body, or were left out of it."""
     if isinstance(body.assembly, NotClosed):
         return 0
-    felt = (face.contacts.touch != NOT_FELT for face in body.felt)
-    return sum(int(own.sum()) for k, own in enumerate(felt) if own.any() and not _bounds(body.assembly, k))
+    idle = [face for k, face in enumerate(body.felt) if not _bounds(body.assembly, k)]
+    return sum(int((face.contacts.touch != NOT_FELT).sum()) for face in (*idle, *body.left_out))
 
 
 def _less_guessed(body: Body, make: Make, past: float, places: Floats) -> Body:
     """The body without the flat walls that nobody felt and that keep faces out of it which were; else itself.
 
-    All are left out first, and each is taken back with which no more of what was felt is idle.
+    All are left out first.  One is taken back, those of most contacts first, if with it no more of what was felt
+    is idle, and the (n, 3) felt places lie as near.
     """
-    guessed = [face for face in body.felt if _is_guessed(face)]
+    guessed = sorted(filter(_is_guessed, body.felt), key=lambda face: -len(face.contacts))
     kept = [face for face in body.felt if not _is_guessed(face)]
     best = _of_faces(kept, make, past, places)
-    if isinstance(best.assembly, NotClosed) or _idle(best) > _LESS_IDLE * _idle(body):
+    if isinstance(best.assembly, NotClosed):
         return body
-    for face in guessed:
+    best = replace(best, left_out=(*body.left_out, *best.left_out))
+    if _idle(best) > _LESS_IDLE * _idle(body):
+        return body
+    near = mean_distance(best.assembly, places)
+    for face in guessed[:_TAKEN_BACK]:
         found = _of_faces([*best.felt, face], make, past, places)
-        if not isinstance(found.assembly, NotClosed) and _idle(found) <= _idle(best):
+        found = replace(found, left_out=(*best.left_out, *found.left_out))
+        if _idle(found) <= _idle(best) and mean_distance(found.assembly, places) <= _AS_NEAR * near:
             best = found
-    return replace(best, left_out=(*body.left_out, *best.left_out))
+    return best
 
 
 def _bounds(assembly: Assembly, number: int) -> bool:
@@ -174,42 +181,6 @@ def _of_faces(felt: Sequence[FeltFace], make: Make, past: float, places: Floats)
         found = _closed(rest, make, past)
         whole = Body(found.assembly, rest, found.ends, (*whole.left_out, poorest))
     return first if isinstance(whole.assembly, NotClosed) else whole
-
-
-def open_ended(assembly: Assembly | NotClosed) -> bool:
-    """Whether a primitive that faces added has a side that none ends."""
-    if isinstance(assembly, NotClosed):
-        return False
-    of_faces = (piece for piece in assembly.pieces if piece.operation == "add" and not piece.why)
-    added = (piece for piece in of_faces if piece.kind != "cone")
-    along = (
-        piece.ends[-1:] if piece.kind == "prism" else piece.ends for piece in added
-    )  # its outline is whole
-    return any(None in ends for sides in along for ends in sides)
-
-
-def open_ways(assembly: Assembly) -> list[Floats]:
-    """(3,) each way along which the body has a side that no face ends."""
-    found: list[Floats] = []
-    for piece in assembly.pieces:
-        if piece.operation != "add" or piece.why or not isinstance(piece.solid, Cube | Cylinder):
-            continue
-        rows = range(3) if piece.kind == "cube" else (2,)
-        for axis, pair in zip(rows, piece.ends, strict=True):
-            for side, end in zip((-1.0, 1.0), pair, strict=True):
-                way = side * piece.world_from_piece[:3, axis]
-                at = piece.world_from_piece[:3, 3] + 0.5 * piece.size(axis) * way
-                if end is None and not any(way @ other > _ALONG for other in found):
-                    found += [way] if _has_side(assembly.solid, at, way) else []
-    return found
-
-
-def _has_side(solid: Solid, at: Floats, way: Floats) -> bool:
-    """Whether a solid has a facet in the plane through a (3,) place that looks along a (3,) way."""
-    on = np.abs((solid.vertices - at) @ way) < _ON
-    facets = solid.vertices[solid.triangles[on[solid.triangles].all(axis=1)]]
-    out = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0]) @ way
-    return bool((out > 0.0).any())
 
 
 def reach_past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.csg import Csg, Cube, Cylinder
+from models.csg import Csg, Cube, Cylinder, Prism
 from primitives.arrays import Floats
 from primitives.pose import pose, rotation_exp
 from primitives.shapes import Plane
@@ -47,7 +47,7 @@ class Piece:
         """[mm] along one of its axes; TypeError where it is neither a box nor a bar along z."""
         if isinstance(self.solid, Cube):
             return self.solid.size[axis]
-        if isinstance(self.solid, Cylinder) and axis == _Z:
+        if isinstance(self.solid, Cylinder | Prism) and axis == _Z:
             return self.solid.height
         raise TypeError(f"a {self.kind} is not measured along an axis")
 
@@ -58,7 +58,7 @@ class Piece:
             x, y, z = (size if k == axis else own for k, own in enumerate(self.solid.size))
             solid: Csg = replace(self.solid, size=(x, y, z))
         else:
-            assert isinstance(self.solid, Cylinder)
+            assert isinstance(self.solid, Cylinder | Prism)
             solid = replace(self.solid, height=size)
         shift = np.zeros(3)
         shift[axis] = 0.5 * by if above else -0.5 * by
@@ -73,12 +73,12 @@ class Piece:
 
 
 def ended_with(piece: Piece, points: Floats) -> Piece:
-    """A box or an upright bar whose open sides end with the last of (n, 3) points."""
-    if not isinstance(piece.solid, Cube | Cylinder):
+    """A box or a bar along z whose open sides end with the last of (n, 3) points; of another kind, itself."""
+    if not isinstance(piece.solid, Cube | Cylinder | Prism):
         return piece
     own = (points - piece.world_from_piece[:3, 3]) @ piece.world_from_piece[:3, :3]
-    rows = range(_AXES) if len(piece.ends) == _AXES else (_Z,)
-    for axis, pair in zip(rows, piece.ends, strict=True):
+    rows = list(enumerate(piece.ends)) if piece.kind == "cube" else [(_Z, piece.ends[-1])]
+    for axis, pair in rows:
         past = 0.5 * piece.size(axis) - np.array([-own[:, axis].min(), own[:, axis].max()])
         for above, end in enumerate(pair):
             if end is None and 0.0 < past[above] < piece.size(axis):

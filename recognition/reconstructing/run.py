@@ -15,8 +15,8 @@ from primitives.errors import PalpateError
 from primitives.evidence import Contacts
 from primitives.toml_text import toml_lines
 from recognition.assembly import NotClosed
-from recognition.best_body import open_ended
 from recognition.console import bugs, interrupts
+from recognition.open_sides import open_ended
 from recognition.reconstruct import Reconstruction, ReconstructOptions, reconstruct
 from recognition.reconstructing.facing_alike import facing_alike
 from recognition.reconstructing.facing_out import facing_out
