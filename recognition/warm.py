@@ -16,6 +16,7 @@ from multiprocessing import active_children, get_context
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from scipy.ndimage import gaussian_filter
 
 from exploration.control.edge_refined import Frames, moved_outward, nodes_along
@@ -80,7 +81,8 @@ def _compile() -> None:
     ):
         try:
             for done in [
-                crew.submit(task, Path(name)) for task in (perceive_all, the_rest, explore_once, track_both)
+                crew.submit(task, Path(name))
+                for task in (perceive_all, the_rest, explore_once, track_both, touch_mesh)
             ]:
                 done.result()
         except BaseException:
@@ -98,6 +100,15 @@ def track_both(folder: Path) -> None:
     """One edge of a disc, and one face: what has many facets is felt by rays, and not by drawing them."""
     for what in ("edge", "surface"):
         track(TrackOptions(part="disc", out=folder / what, what=what), View())
+
+
+def touch_mesh(folder: Path) -> None:
+    """A few touches of a mesh of which no exact surface is known: a ball with a dent, as a scan is."""
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=20.0)
+    ball.vertices[ball.vertices[:, 2] > 15.0, 2] -= 2.0
+    ball.export(folder / "scan.stl")
+    options = ExploreOptions(part=str(folder / "scan.stl"), out=folder / "scanned", max_touches=6)
+    explore(options, lambda _: None)
 
 
 def the_rest(folder: Path) -> None:
