@@ -22,7 +22,7 @@ from primitives.plate import Plate
 from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import CutOffConfig, cut_off
 from recognition.hulled import BETTER, MOST, all_on_hull, hulled, mean_distance, off_body
-from recognition.open_sides import open_ended, open_ways
+from recognition.open_sides import ALONG, open_ended, open_ways
 
 _FEW = 6  # contacts outside the body, that are no strays
 _SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
@@ -30,7 +30,6 @@ _LEFT_OUT = 8  # faces at most
 _ON = 0.01  # [mm] from a surface, of a triangle that is on it
 _IDLE = 20  # contacts of felt faces that bound nothing, from which walls that nobody felt are doubted
 _LESS_IDLE = 0.5  # times those, as which fewer must be idle without the walls
-_ALONG = 0.99  # least cosine between two ways that are one
 _TAKEN_BACK = 6  # walls that nobody felt, of those that are doubted, at most
 _AS_NEAR = 1.01  # times the mean distance of what was felt from the body, as which it stays with one of them
 _OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
@@ -63,7 +62,7 @@ class Body:
             for face in self.left_out
         ]
         ends = [end.contacts.normals[0] for end in self.cut]
-        ends += [way for way in open_ways(self.assembly) if not any(way @ end > _ALONG for end in ends)]
+        ends += [way for way in open_ways(self.assembly) if not any(way @ end > ALONG for end in ends)]
         ways = [", ".join(f"{v:.2f}" for v in end) for end in ends]
         ended = "nothing that was felt ends the body along ({}): it is cut off where contact ended"
         return [*left, *map(ended.format, ways)]

@@ -20,7 +20,7 @@ from recognition.assembly.piece import Piece
 _ENDED = "cube", "cylinder", "prism", "cone"  # kinds that end at planes
 _ON = 0.01  # [mm] from a plane, of a facet that is on it
 _AREA = 0.1  # [mm^2] of a side, less than which a boolean may leave where two surfaces touch
-_ALONG = 0.99  # least cosine between two ways that are one
+ALONG = 0.99  # least cosine between two ways that are one
 
 
 def open_ended(assembly: Assembly | NotClosed) -> bool:
@@ -36,7 +36,7 @@ def open_ways(assembly: Assembly) -> list[Floats]:
     for piece in _added(assembly):
         for axis, side in _open(piece):
             way = side * piece.world_from_piece[:3, axis]
-            if not any(way @ other > _ALONG for other in found) and _has_side(
+            if not any(way @ other > ALONG for other in found) and _has_side(
                 assembly.solid, piece, axis, side
             ):
                 found.append(way)
