@@ -24,10 +24,11 @@ from exploration.planning.inferring.rimmed_wall import (
     directions,
     each_once,
     join,
+    width_of_gap,
 )
 from exploration.planning.touching.findings import SeenRim
 from primitives.arrays import Floats
-from primitives.evidence import NOT_FELT, Contacts
+from primitives.evidence import Contacts
 from primitives.patch_graph import Face
 
 
@@ -40,9 +41,6 @@ class RimWallsConfig:
     known: float = 0.998  # least cosine between a wall's direction and one that the object has
     faces: float = 0.9  # most cosine between the faces of the two rims
     slender: float = 5.0  # times as deep as it is wide, from which a gap is none that reaches through
-    aside: float = 2.5  # [mm] of the way straight across it, on which its face may be felt again,
-    again: float = 2.0  # [mm] at least from the rim
-    looks_back: float = 0.9  # least cosine between the ways out of its two rims on one face, reversed
 
 
 def rim_walls(
@@ -67,25 +65,7 @@ def _too_slender(
     if float(a[0].normal @ b[0].normal) > -config.known:
         return False
     deep = abs(float((b[0].point - a[0].point) @ a[0].normal))
-    return deep > config.slender * max(_width(rim, rims, faces, config) for rim in (a, b))
-
-
-def _width(seen: SeenRim, rims: Sequence[SeenRim], faces: Sequence[Face], config: RimWallsConfig) -> float:
-    """[mm] from a rim to the nearest on its face that looks back at it, or to where the face was felt again."""
-    rim, face = seen
-    felt = next((f.contacts for f in faces if f.id == face), Contacts.of([]))
-    away = felt.points[felt.touch != NOT_FELT] - rim.point
-    ahead = away @ rim.outward
-    beside = np.abs(away @ rim.tangent) < max(0.5 * rim.length, config.aside)
-    across = [
-        float((other.point - rim.point) @ rim.outward)
-        for other, own in rims
-        if own == face
-        and float(other.outward @ rim.outward) < -config.looks_back
-        and abs(float((other.point - rim.point) @ rim.tangent)) < 0.5 * (rim.length + other.length)
-    ]
-    across += ahead[beside & (ahead > config.again)].tolist()
-    return min((gap for gap in across if gap > 0.0), default=np.inf)
+    return deep > config.slender * max(width_of_gap(rim, rims, faces) for rim in (a, b))
 
 
 def _sides(

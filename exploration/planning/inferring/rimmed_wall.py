@@ -30,6 +30,9 @@ class RimmedWallConfig:
     known: float = 0.998  # least cosine between the ways that walls look which are one
     same: float = 0.6  # [mm] between them
     rows: tuple[float, ...] = (0.5, 1.2, 2.5)  # [mm] from a rim, where its wall is
+    aside: float = 2.5  # [mm] of the way straight across a gap, on which its face may be felt again,
+    again: float = 2.0  # [mm] at least from its rim
+    looks_back: float = 0.9  # least cosine between the ways out of its two rims on one face, reversed
     sigma: float = 0.1  # [mm]
     normal_sigma: float = 0.02  # [rad]
 
@@ -95,3 +98,29 @@ def between(a: Floats, b: Floats, config: RimmedWallConfig = RimmedWallConfig())
     far = float(np.linalg.norm(straight - a, axis=1).mean())
     deep = np.minimum(np.array(config.rows) / max(far, 1e-6), 0.4)
     return np.concatenate([(1.0 - share) * a + share * straight for share in (*deep, *(1.0 - deep))])
+
+
+def width_of_gap(
+    seen: SeenRim,
+    rims: Sequence[SeenRim],
+    faces: Sequence[Face],
+    config: RimmedWallConfig = RimmedWallConfig(),
+) -> float:
+    """[mm] from a rim to the nearest on its face that looks back at it, or to where the face was felt again.
+
+    Endless where neither is.
+    """
+    rim, face = seen
+    felt = next((f.contacts for f in faces if f.id == face), Contacts.of([]))
+    away = felt.points[felt.touch != NOT_FELT] - rim.point
+    ahead = away @ rim.outward
+    beside = np.abs(away @ rim.tangent) < max(0.5 * rim.length, config.aside)
+    across = [
+        float((other.point - rim.point) @ rim.outward)
+        for other, own in rims
+        if own == face
+        and float(other.outward @ rim.outward) < -config.looks_back
+        and abs(float((other.point - rim.point) @ rim.tangent)) < 0.5 * (rim.length + other.length)
+    ]
+    across += ahead[beside & (ahead > config.again)].tolist()
+    return min((gap for gap in across if gap > 0.0), default=np.inf)

@@ -58,6 +58,7 @@ class RoundWallsConfig:
     held: Likeness = Likeness(24, 1.5, 0.3)  # the same, where a circle holds all of a face
     past: float = 1.2  # [mm] past such a circle, which the blur of what was felt reaches at most
     stray: float = 0.01  # share of the face's places that may lie farther out
+    held_out: float = 0.1  # the same of a circle of edges
     tried: int = 300  # threes of its outermost places, through which a circle is laid
     sectors: int = 72  # of a turn
     filled: float = 0.6  # share of them in which the face ends at it
@@ -149,9 +150,18 @@ def _outline(
     edges = np.array([rim.point for rim in seen]).reshape(-1, 3)
     ways = np.array([rim.outward for rim in seen]).reshape(-1, 3)
     circle = _circle(edges, ways, axis, config.edges, config)
+    if circle is not None and not _holds(circle, own.cells, config):
+        circle = None
     if circle is None and len(at) > config.bare * len(own.rim[0]):
         circle = _circle(at, out, axis, config.ends, config)
     return circle or _holding(own.cells, at, axis, config)
+
+
+def _holds(circle: Circle, cells: Floats, config: RoundWallsConfig) -> bool:
+    """Whether a circle holds a face felt at (n, 3) cells: edges of letters in it may look out of one, too."""
+    away = cells - circle.center
+    far = np.linalg.norm(away - np.outer(away @ circle.axis, circle.axis), axis=1)
+    return float(np.mean(far > circle.radius + config.past)) < config.held_out
 
 
 def _deep(circle: Circle, own: int, faces: Sequence[Face], free: Floats, config: RoundWallsConfig) -> float:

@@ -2,8 +2,8 @@
 
 A rim of a flat face tells where a wall is and which way it looks, not how it stands nor how deep it goes.  It
 stands upright on the face, runs as the object's other faces do where it nearly does, and goes down to the next
-flat face that was felt beside it.  That is likely and not measured, so the wall is marked as inferred (our
-derivation).
+flat face that was felt beside it; not to the object's back, where that would make a gap many times as deep as it
+is wide.  That is likely and not measured, so the wall is marked as inferred (our derivation).
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from exploration.planning.inferring.rimmed_wall import (
     each_once,
     join,
     same_wall,
+    width_of_gap,
 )
 from exploration.planning.touching.findings import SeenRim
 from primitives.arrays import Floats
@@ -48,6 +49,7 @@ class UprightWallConfig:
     bent: float = 45.0  # [mm] from it, shows that it is of a wide circle
     deep: float = 3.0  # [mm] of such a wall, where nothing tells more
     felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
+    slender: float = 5.0  # times as deep as it is wide, from which a gap reaches through to no other side
 
 
 def upright_walls(
@@ -76,8 +78,11 @@ def upright_walls(
         normal = normal if float(normal @ rim.outward) > config.likely else rim.outward
         if abs(float(normal @ rim.normal)) < config.parallel:
             straight = replace(rim, tangent=np.cross(normal, rim.normal))
-            down = depth_below(rim.point, rim.normal, face, faces, config) * rim.normal
-            down = down - float(down @ normal) * normal  # the pad leans a little, and the wall does not
+            gap = width_of_gap((rim, face), flat_rims, faces)
+            deep = depth_below(rim.point, rim.normal, face, faces, config, config.slender * gap)
+            down = deep * (
+                rim.normal - float(rim.normal @ normal) * normal
+            )  # the pad leans, and the wall does not
             wall = between(along(straight), along(straight) - down), normal
             join(found if sure else unsure, wall)
     for points, normal in [wall for wall in unsure if _looked_back_at(wall, [*found, *unsure], config)]:
@@ -108,8 +113,12 @@ def depth_below(
     own: int,
     faces: Sequence[Face],
     config: UprightWallConfig = UprightWallConfig(),
+    through: float = np.inf,
 ) -> float:
-    """[mm] from a (3,) rim of face `own` down to the next flat face parallel to it, if one was felt beside it."""
+    """[mm] from a (3,) rim of face `own` down to the next flat face parallel to it, if one was felt beside it.
+
+    One that looks the other way is the object's back, and counts down to `through` [mm] only.
+    """
     deep = [config.deep]
     for face in faces:
         if face.id == own or not isinstance(face.fit, Fit) or face.fit.kind != "plane":
@@ -118,7 +127,8 @@ def depth_below(
             away = point - face.contacts.points
             down = np.median(away @ normal)
             aside = np.linalg.norm(away - np.outer(away @ normal, normal), axis=1)
-            deep += [float(down)] if down > 0.0 and aside.min() < config.felt else []
+            most = through if float(face.contacts.normals.mean(axis=0) @ normal) < 0.0 else np.inf
+            deep += [float(down)] if 0.0 < down < most and aside.min() < config.felt else []
     return min(deep[1:], default=config.deep)
 
 

@@ -176,3 +176,13 @@ def test_narrow_letters_on_opposite_faces_are_no_slot_right_through():
 def test_nor_are_those_of_which_one_rim_was_seen_and_the_face_was_felt_on_beyond_them():
     seen = [(rim([4.0, 25.0 * side, -3.0], Z, X, side * Y), k) for k, side in ((1, 1.0), (2, -1.0))]
     assert rim_walls(seen, FACES) == []  # contacts at x = 9
+
+
+def test_a_wall_goes_down_to_the_object_s_back_but_in_a_gap_far_deeper_than_it_is_wide():
+    back = flat(9, -Z, -45.0 * Z)
+    seen = [rim([x, 0.0, 15.0], Y, out, Z) for x, out in ((-9.0, X), (-5.0, -X))]
+    side, looks_back = (replace(one, length=25.0) for one in seen)
+    (deep,) = upright_walls([(side, 0)], [back])
+    assert np.ptp(deep.points[:, 2]) > 55.0
+    shallow = upright_walls([(side, 0), (looks_back, 0)], [back])
+    assert [float(np.ptp(wall.points[:, 2])) < 3.0 for wall in shallow] == [True, True]

@@ -62,6 +62,12 @@ def test_the_middles_of_a_hexagon_s_sides_are_no_circle_nor_are_edges_on_one_sid
     assert walls([edge(angle, 14.6) for angle in (0.1, 0.5, 1.1, 1.7)], [TOP, FLOOR]) == []
 
 
+def test_edges_of_letters_in_a_face_that_goes_on_past_their_circle_are_no_end_of_a_wall():
+    around = flat(0, lambda xy: (np.hypot(*xy.T) < 13.0) | (np.hypot(*xy.T) > 17.0))
+    assert len(walls(EDGES, [TOP, FLOOR])) == 1
+    assert walls(EDGES, [around, FLOOR]) == []
+
+
 def test_where_an_array_was_behind_it_there_is_no_wall_and_below_its_land_a_groove():
     turn = np.linspace(0.0, 6.0, 20)
     ring = 12.0 * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(20)])
