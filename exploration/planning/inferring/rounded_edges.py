@@ -98,9 +98,10 @@ def _ended(one: _Wall, other: _Wall, walls: Sequence[_Wall], config: RoundedEdge
         ends = np.concatenate(
             [own[beside.min(axis=1) < config.together], others[beside.min(axis=0) < config.together]]
         )
-        alike = abs(far[0] - far[1]) < config.alike * max(far)
+        if not _enough(ends, config) or abs(far[0] - far[1]) > config.alike * max(far):
+            return ends[:0]
         bare = all(_nearest(ends, places, config) > config.nearer * max(far) for places in (felt, felt_other))
-        return ends if alike and bare and _enough(ends, config) else ends[:0]
+        return ends if bare else ends[:0]
     for ends, mine, theirs in ((own, felt, felt_other), (others, felt_other, felt)):
         if _enough(ends, config):
             last = config.nearer * float(np.median(ends[:, 1]))

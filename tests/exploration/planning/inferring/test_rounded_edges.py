@@ -104,6 +104,14 @@ def test_a_rim_far_along_the_edge_proves_nothing_of_it_here() -> None:
     assert np.abs(along).max() < 10.0
 
 
+def test_nor_do_rims_of_one_wall_far_along_the_edge_from_those_of_the_other() -> None:
+    far = end(6.0, np.pi / 2)
+    corner = Corner(np.pi / 2, (far + 2.0, far + 2.0))
+    along = 80.0 * corner.world[:3, 2]
+    away = [(replace(rim, point=rim.point + along), k) for rim, k in corner.rims(1, far)]
+    assert not rounded_edges([*corner.rims(0, far), *away], corner.faces)
+
+
 def test_what_goes_on_to_the_edge_is_a_step_and_what_was_felt_far_away_tells_nothing() -> None:
     far = end(6.0, np.pi / 2)
     assert not rounded_edges(Corner(np.pi / 2, (0.5, 0.5)).rims(0, far), Corner(np.pi / 2, (0.5, 0.5)).faces)
