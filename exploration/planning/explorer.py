@@ -19,6 +19,7 @@ from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.planning.any_form import LATER, AnyForm
 from exploration.planning.faces.consistency import flattened
+from exploration.planning.faces.faceted import rounded
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.known.told import Told
 from exploration.planning.moves.covering import Covering
@@ -109,7 +110,8 @@ class Explorer:
                 face = None
                 continue
             if move is None:
-                self.found.graph = flattened(self.found.graph)
+                self.found.graph, gone = rounded(flattened(self.found.graph))
+                self.found.rename(gone)
                 self.found.ended = "nothing reachable is open" if self._hidden else "closed"
                 return
             try:

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
+from exploration.planning.faces.faceted import rounded
 from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
@@ -92,7 +93,8 @@ def conclude(
 
     The `mosaic` is what the pad's images showed; the object may lie on a `table` of that height [mm].
     """
-    found.graph = drop_astride(uprighted(drop_poor(flattened(simpler(found.graph)))))
+    found.graph, taken = rounded(drop_astride(uprighted(drop_poor(flattened(simpler(found.graph))))))
+    found.rename(taken)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     add_holes(found, frontier, inside, mosaic)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)

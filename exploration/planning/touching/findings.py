@@ -98,6 +98,14 @@ class Findings:
         found = next((f.fit for f in self.graph.faces if f.id == face), None)
         return found if isinstance(found, Fit) else None
 
+    def rename(self, gone: dict[int, int]) -> None:
+        """Call faces that turned out to be others by the ids of those, wherever a rim is on one."""
+        self.wall_rims, self.glimpsed = (
+            [(sighting, gone.get(own, own)) for sighting, own in seen]
+            for seen in (self.wall_rims, self.glimpsed)
+        )
+        self.rims = [replace(rim, face=gone.get(rim.face, rim.face)) for rim in self.rims]
+
     @property
     def named(self) -> frozenset[int]:
         """The faces that have a shape."""

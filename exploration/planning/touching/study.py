@@ -187,11 +187,8 @@ class Study:
         """Call faces that turned out to be others by the ids of those, wherever an edge or a rim is on one."""
         if not gone:
             return
-        self.seen, self.found.wall_rims, self.found.glimpsed = (
-            [(sighting, gone.get(own, own)) for sighting, own in seen]
-            for seen in (self.seen, self.found.wall_rims, self.found.glimpsed)
-        )
-        self.found.rims = [replace(rim, face=gone.get(rim.face, rim.face)) for rim in self.found.rims]
+        self.seen = [(sighting, gone.get(own, own)) for sighting, own in self.seen]
+        self.found.rename(gone)
 
     def _keep(self, graph: PatchGraph) -> None:
         """Round faces that a few contacts made stand upright on the others, where those agree."""

@@ -1,0 +1,116 @@
+"""Flats that are facets of one round face."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from exploration.planning.faces.faceted import rounded
+from primitives.arrays import Floats
+from primitives.evidence import Contacts
+from primitives.fit import Fit
+from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
+from primitives.pose import pose, random_rotation, rotate, transform_points
+from primitives.shapes import Cone, Cylinder, Sphere
+
+WORLD = pose(random_rotation(np.random.default_rng(3)), [12.0, -40.0, 7.0])
+NOISE = 0.02  # [mm]
+
+
+def facet(number: int, corners: Floats, inside: Floats) -> Face:
+    """Felt all over a convex flat of (n, 3) corners that looks away from a (3,) place."""
+    rng = np.random.default_rng(number)
+    share = rng.dirichlet(np.ones(len(corners)), 24)
+    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    normal = normal / np.linalg.norm(normal)
+    normal = normal * np.sign(normal @ (corners[0] - inside))
+    points = share @ corners + np.outer(rng.normal(0.0, NOISE, 24), normal)
+    leans = normal + rng.normal(0.0, 0.005, (24, 3))
+    felt = transform_points(WORLD, points), rotate(WORLD, leans / np.linalg.norm(leans, axis=1)[:, None])
+    return ranked_face(number, Contacts.of(*felt, NOISE, 0.005, touch=number), MergeOptions())
+
+
+def frustum(sides: int, bottom: float, top: float, skip: int = 0, out: float = 1.0) -> list[Face]:
+    """The sides of a frustum 40 mm tall, without some of them; from inside where `out` is -1."""
+    turn = 2.0 * np.pi * np.arange(sides + 1) / sides
+    ring = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(sides + 1)])
+    low, high = bottom * ring, top * ring + [0.0, 0.0, 40.0]
+    quads = [np.array([low[k], low[k + 1], high[k + 1], high[k]]) for k in range(skip, sides)]
+    middle = np.array([0.0, 0.0, 20.0])
+    return [facet(k, quad, middle if out > 0.0 else 3.0 * quad.mean(axis=0)) for k, quad in enumerate(quads)]
+
+
+def lid(number: int, radius: float) -> Face:
+    turn = np.linspace(0.0, 6.0, 12)
+    corners = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(12, 40.0)])
+    return facet(number, corners, np.zeros(3))
+
+
+def graph(faces: list[Face]) -> PatchGraph:
+    return PatchGraph(faces=tuple(faces))
+
+
+def fit_of(face: Face) -> Fit:
+    assert isinstance(face.fit, Fit)
+    return face.fit
+
+
+@pytest.mark.parametrize(("sides", "skip"), [(24, 0), (16, 0), (30, 14), (24, 17)])
+def test_a_ring_of_many_flats_is_one_cylinder_and_the_lid_stays_flat(sides: int, skip: int) -> None:
+    found, gone = rounded(graph([*frustum(sides, 50.0, 50.0, skip), lid(99, 50.0)]))
+    drum, top = found.faces
+    shape = fit_of(drum).shape
+    assert isinstance(shape, Cylinder)
+    assert fit_of(drum).convex
+    assert 50.0 * np.cos(np.pi / sides) - 0.1 < shape.radius < 50.1
+    assert abs(float(shape.direction @ rotate(WORLD, np.array([[0.0, 0.0, 1.0]]))[0])) > 0.9999
+    assert fit_of(top).kind == "plane"
+    assert set(gone) | {drum.id} == set(range(sides - skip))
+    assert set(gone.values()) == {drum.id}
+
+
+def test_flats_that_lean_are_of_a_cone_and_those_that_look_inward_of_a_bore() -> None:
+    (leaning,) = rounded(graph(frustum(24, 45.0, 30.0)))[0].faces
+    shape = fit_of(leaning).shape
+    assert isinstance(shape, Cone)
+    assert np.rad2deg(shape.semi_angle) == pytest.approx(np.rad2deg(np.arctan(15.0 / 40.0)), abs=0.5)
+    (bore,) = rounded(graph(frustum(24, 45.0, 45.0, out=-1.0)))[0].faces
+    assert fit_of(bore).kind == "cylinder"
+    assert not fit_of(bore).convex
+
+
+def test_facets_of_a_ball_are_one_sphere() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=40.0)
+    flats = [facet(k, corners, np.zeros(3)) for k, corners in enumerate(np.asarray(ball.triangles)[::4])]
+    (found,) = rounded(graph(flats))[0].faces
+    shape = fit_of(found).shape
+    assert isinstance(shape, Sphere)
+    assert 39.0 < shape.radius < 40.0
+
+
+@pytest.mark.parametrize("sides", [4, 6, 8, 12])
+def test_sides_of_a_polygon_stay_flat(sides: int) -> None:
+    flats = graph(frustum(sides, 50.0, 50.0))
+    assert rounded(flats) == (flats, {})
+
+
+def test_so_do_four_flats_and_flats_of_no_circle() -> None:
+    few = graph(frustum(24, 50.0, 50.0, 20))
+    assert rounded(few) == (few, {})
+    turn = 2.0 * np.pi * np.arange(25) / 24
+    ring = np.column_stack([60.0 * np.cos(turn), 35.0 * np.sin(turn), np.zeros(25)])
+    up = np.array([0.0, 0.0, 40.0])
+    oval = [
+        facet(k, np.array([ring[k], ring[k + 1], ring[k + 1] + up, ring[k] + up]), 0.5 * up)
+        for k in range(24)
+    ]
+    assert len(rounded(graph(oval))[0].faces) > 8
+
+
+def test_what_else_was_felt_of_it_is_taken_too() -> None:
+    faces = frustum(24, 50.0, 50.0)
+    both = Contacts.concatenate([faces[0].contacts, faces[1].contacts])
+    bent = ranked_face(77, both, MergeOptions())  # two facets under one pad
+    found, gone = rounded(graph([*faces[2:], bent]))
+    assert len(found.faces) == 1
+    assert gone[77] == found.faces[0].id
+    assert len(found.faces[0].contacts) == 24 * 24
