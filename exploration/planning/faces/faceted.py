@@ -10,16 +10,18 @@ and rho is negative where they look at c.  They are those of a cone or cylinder 
     n_i . a = s
 
 as well, with s = 0 for the cylinder; all of it is linear.  Five flats of a ring and more, or eight of a ball, each
-turned a little from the next, are such a face: who means so many sides means what is round (our derivation).
+turned a little from the next, are such a face: who means so many sides means what is round.  So are two round
+faces that lie in each other, which their facets alone tell apart (our derivation).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, permutations
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from primitives.arrays import Bools, Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
@@ -28,6 +30,7 @@ from primitives.patch_graph import Face, PatchGraph
 from primitives.pose import frame_along
 from primitives.shapes import Sphere
 
+_ROUND = "cylinder", "cone", "sphere"
 _ALONE = 1_000_000  # more touches than any exploration makes
 
 
@@ -51,6 +54,11 @@ class FacetedConfig:
     )
     aside: float = 0.1  # [rad] more than half a turn to the next, that it looks aside,
     mostly: float = 0.9  # and the share of its contacts, that do so
+    many: int = 30  # contacts of a round face that a pad could span facets of,
+    leaning: float = 3.0  # [sigma] that its normals lean for the most part, if it did
+    among: float = 6.0  # [mm] from a contact of such a face to one of another that lies in it,
+    mixed: float = 0.5  # for such a share of them
+    twin: float = 0.15  # [mm] rms of contacts from one face
 
 
 @dataclass(frozen=True)
@@ -109,7 +117,71 @@ def rounded(graph: PatchGraph, config: FacetedConfig = FacetedConfig()) -> tuple
         whole, taken = made
         gone |= {old: whole.id for old in taken if old != whole.id}
         faces = [whole if face.id == whole.id else face for face in faces if face.id not in gone]
-    return (replace(graph, faces=tuple(faces)) if gone else graph), gone
+    eased = [_eased(face, config) for face in faces]
+    changed = any(face is not own for face, own in zip(faces, eased, strict=True))
+    faces = eased
+    while (twins := _twins(faces, config)) is not None:
+        whole, other = twins
+        gone = {old: whole.id if new == other else new for old, new in gone.items()} | {other: whole.id}
+        faces = [whole if face.id == whole.id else face for face in faces if face.id != other]
+    return (replace(graph, faces=tuple(faces)) if gone or changed else graph), gone
+
+
+def _eased(face: Face, config: FacetedConfig) -> Face:
+    """The face, fitted by where it was felt, if its normals disagree as those of facets do that a pad spans."""
+    felt = face.contacts
+    if not _is_round(face, config) or not isinstance(face.fit, Fit):
+        return face
+    lean = np.arccos(
+        np.clip(np.abs((face.fit.shape.normals(felt.points) * felt.normals).sum(axis=1)), 0.0, 1.0)
+    )
+    if not float(np.median(lean / felt.normal_sigma)) > config.leaning:
+        return face
+    found = fit(face.fit.kind, replace(felt, normal_sigma=frozen(np.full(len(felt), config.aside))))
+    alike = isinstance(found, Fit) and found.convex == face.fit.convex and found.rms < config.twin
+    if not isinstance(found, Fit) or not alike:
+        return face
+    return replace(face, fit=found, contacts=_each_alone(felt), ranked=())
+
+
+def _twins(faces: Sequence[Face], config: FacetedConfig) -> tuple[Face, int] | None:
+    """One face for two round ones that lie in each other, and the id of the one that it has taken."""
+    some = [face for face in faces if _is_round(face, config)]
+    for one, other in permutations(some, 2):
+        if len(one.contacts) < len(other.contacts) or not _lies_in(other, one, config):
+            continue
+        both = Contacts.concatenate([one.contacts, other.contacts])
+        eased = (
+            frozen(np.maximum(both.sigma, config.twin)),
+            frozen(np.maximum(both.normal_sigma, config.aside)),
+        )
+        found = fit(_fit_of(one).kind, replace(both, sigma=eased[0], normal_sigma=eased[1]))
+        if isinstance(found, Fit) and found.convex == _fit_of(one).convex and found.rms < config.twin:
+            return Face(one.id, found, _each_alone(both)), other.id
+    return None
+
+
+def _lies_in(other: Face, one: Face, config: FacetedConfig) -> bool:
+    """Whether most contacts of a face lie as those of another do, and among them."""
+    own, shape = _fit_of(one), _fit_of(one).shape
+    if own.kind != _fit_of(other).kind or own.convex != _fit_of(other).convex:
+        return False
+    felt, side = other.contacts, 1.0 if own.convex else -1.0
+    near: Bools = np.abs(shape.signed_distance(felt.points)) < config.on
+    alike: Bools = (side * shape.normals(felt.points) * felt.normals).sum(axis=1) > np.cos(config.aside)
+    among = KDTree(one.contacts.points).query(felt.points)[0] < config.among
+    return float(np.mean(near & alike)) > config.mostly and float(np.mean(among)) > config.mixed
+
+
+def _is_round(face: Face, config: FacetedConfig) -> bool:
+    """Whether a face is round, and was felt well."""
+    many = int((face.contacts.touch != NOT_FELT).sum()) >= config.many
+    return isinstance(face.fit, Fit) and face.fit.kind in _ROUND and many
+
+
+def _fit_of(face: Face) -> Fit:
+    assert isinstance(face.fit, Fit)
+    return face.fit
 
 
 def _flats(faces: Sequence[Face], config: FacetedConfig) -> _Flats:

@@ -7,7 +7,7 @@ import trimesh
 from exploration.planning.faces.faceted import rounded
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.fit import Fit
+from primitives.fit import Fit, fit
 from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
 from primitives.pose import pose, random_rotation, rotate, transform_points
 from primitives.shapes import Cone, Cylinder, Sphere
@@ -114,3 +114,45 @@ def test_what_else_was_felt_of_it_is_taken_too() -> None:
     assert len(found.faces) == 1
     assert gone[77] == found.faces[0].id
     assert len(found.faces[0].contacts) == 24 * 24
+
+
+def ball(number: int, turns: Floats, touch: int) -> Face:
+    """What pads wider than facets took for a sphere of 40 mm: its normals lean as the facets do."""
+    rng = np.random.default_rng(number)
+    ways = rng.normal(size=(len(turns), 3))
+    ways = ways / np.linalg.norm(ways, axis=1)[:, None]
+    leans = ways + turns * rng.choice([-1.0, 1.0], (len(turns), 1)) * np.roll(ways, 1, axis=1)
+    leans = leans / np.linalg.norm(leans, axis=1)[:, None]
+    points = (40.0 + rng.normal(0.0, 0.05, len(turns)))[:, None] * ways
+    felt = Contacts.of(transform_points(WORLD, points), rotate(WORLD, leans), 0.05, 0.01, touch=touch)
+    found = fit("sphere", felt)
+    assert isinstance(found, Fit)
+    return Face(number, found, felt)
+
+
+def test_two_readings_of_one_ball_are_one_whose_place_no_facet_pulls() -> None:
+    leaning = np.full((400, 1), 0.05)
+    pulled = np.linalg.norm(fit_of(ball(0, leaning, 1)).shape.anchor - WORLD[:3, 3])
+    found, gone = rounded(graph([ball(0, leaning, 1), ball(1, leaning, 2)]))
+    (whole,) = found.faces
+    assert gone in ({0: 1}, {1: 0})
+    assert np.linalg.norm(fit_of(whole).shape.anchor - WORLD[:3, 3]) < min(0.02, 0.5 * pulled)
+
+
+def test_a_smooth_ball_and_a_shaft_with_a_step_of_a_hair_stay_as_they_are() -> None:
+    smooth = graph([ball(0, np.zeros((100, 1)), 1)])
+    assert rounded(smooth) == (smooth, {})
+    shaft = graph([turned(0, 20.0, 0.0), turned(1, 20.12, 30.0)])
+    assert rounded(shaft) == (shaft, {})
+
+
+def turned(number: int, radius: float, low: float) -> Face:
+    """A cylinder 30 mm long about the z axis."""
+    rng = np.random.default_rng(number)
+    turn = rng.uniform(0.0, 2.0 * np.pi, 80)
+    ways = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(80)])
+    points = radius * ways + np.outer(rng.uniform(low, low + 30.0, 80), [0.0, 0.0, 1.0])
+    felt = transform_points(WORLD, points), rotate(WORLD, ways)
+    found = fit("cylinder", Contacts.of(*felt, 0.02, 0.01, touch=number))
+    assert isinstance(found, Fit)
+    return Face(number, found, Contacts.of(*felt, 0.02, 0.01, touch=number))
