@@ -117,7 +117,7 @@ def keyways(
         up = (own.cells - shape.anchor) @ shape.direction
         seen = mosaic.unrolled(shape, float(up.min()) - 2.0, float(up.max()) + 2.0)
         for gap in wall_gaps(seen, shape.radius):
-            key = _of(gap, shape, faces, mosaic, config)
+            key = None if _felt_in(own.cells, gap, shape, config) else _of(gap, shape, faces, mosaic, config)
             if key is not None and not any(key.same(other) for other in found):
                 found.append(key)
     return found
@@ -142,6 +142,15 @@ def _of(
             depth = _depth(gap, shape, out, end, way, mosaic, config)
     told = depth or 0.5 * gap.width
     return Keyway(shape, out, low, high, gap.width, told, depth is not None, gap.open_low, gap.open_high)
+
+
+def _felt_in(cells: Floats, gap: WallGap, shape: Cylinder, config: KeywaysConfig) -> bool:
+    """Whether the cylinder was felt, at (n, 3) places, amidst a gap that a picture shows, as on a facet of it."""
+    out = shape.frame[:, :2] @ [np.cos(gap.turn), np.sin(gap.turn)]
+    away = cells - shape.anchor
+    up, across = away @ shape.direction, away @ np.cross(shape.direction, out)
+    amidst = (up > gap.low + gap.width) & (up < gap.high - gap.width) & (away @ out > 0.0)
+    return int((amidst & (np.abs(across) < config.across * gap.width)).sum()) >= config.few
 
 
 def _within(face: Face, gap: WallGap, shape: Cylinder, out: Floats, config: KeywaysConfig) -> bool:

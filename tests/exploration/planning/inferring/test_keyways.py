@@ -82,8 +82,10 @@ def looked(there, end=False, over=(-20.0, -10.0, 0.0, 10.0, 20.0)):
     return mosaic
 
 
-def known(number=0):
-    turns, along = (lot.ravel() for lot in np.meshgrid(ROUND, np.linspace(-28.0, 29.0, 9)))
+def known(number=0, amidst=False):
+    """A cylinder that was felt all round but where the keyway is, or there as well."""
+    felt = ROUND if amidst else ROUND[np.abs(ROUND - KEY) > 0.1]
+    turns, along = (lot.ravel() for lot in np.meshgrid(felt, np.linspace(-28.0, 29.0, 9)))
     out = np.column_stack([0.0 * turns, np.cos(turns), np.sin(turns)])
     contacts = Contacts.of(RADIUS * out + along[:, None] * X, out)
     face = ranked_face(number, contacts, MergeOptions())
@@ -107,6 +109,11 @@ def test_a_slot_with_straight_sides_is_a_keyway_half_as_deep_as_wide(width):
     assert ends == pytest.approx([-12.0, 9.0], abs=0.8)
     assert key.depth == pytest.approx(0.5 * key.width)
     assert not key.seen
+
+
+def test_where_the_cylinder_was_felt_amidst_it_there_is_none():
+    own = known(amidst=True)
+    assert keyways([own], [own.face], looked(keyway(6.0, -20.0, 20.0))) == []
 
 
 def test_its_walls_face_into_it_and_nobody_felt_them():
