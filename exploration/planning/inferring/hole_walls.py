@@ -13,6 +13,7 @@ import numpy as np
 
 from exploration.control.sighting import Sighting
 from exploration.planning.inferring.adding import add, add_own, change
+from exploration.planning.inferring.blind_holes import floor_of
 from exploration.planning.inferring.far_ends import far_ends, into_bores, narrowed_ends, shut
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.slanting import slanting
@@ -30,6 +31,9 @@ from primitives.patch_graph import Face
 from primitives.shapes import Plane
 
 _BY_ENDS = "the wall of a round hole is inferred from the rims at its ends"
+_BY_REACH = (
+    "the floor of a round hole is taken for where an array got to: behind it the object was felt closed"
+)
 _ALIKE = 0.95  # least cosine between two directions that are one
 _RIM = 1.5  # [mm] from the face that a rim is of
 _AROUND = 16.0  # [mm] round a hole, within which the face was felt that it comes out of
@@ -100,6 +104,9 @@ def _holes(
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
         change(found, hole.off)
         add(found, hole.wall(), _BY_ENDS, "cylinder")
+    for floor in (floor_of(hole, faces) for hole in holes if not _at_rim(hole, rims)):
+        if floor is not None:
+            add(found, floor, _BY_REACH)
     for step in steps:
         add_own(found, step.contacts, step.why, step.kind)
     return left
