@@ -32,6 +32,7 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.patch_graph import Face
 from primitives.pose import frame_along
+from primitives.shapes import Cylinder
 
 
 @dataclass(frozen=True)
@@ -48,17 +49,14 @@ class RoundWallsConfig:
     """What tells of a circle, and where its wall is."""
 
     edges: Likeness = Likeness(4, 0.5, 0.95)  # as looks have shown them
-    ends: Likeness = Likeness(
-        16, 1.5, 0.3
-    )  # where the face was felt last: the ways out are hardly known there
+    ends: Likeness = Likeness(16, 1.5, 0.3)  # where the face was felt last: ways out are hardly known
     round: float = 0.08  # of the radius, that a place may be off it at most
     share: float = 0.75  # of a face's places that must be of it
     apart: float = 8.0  # [mm] between pieces of a face, each of which may have a circle of its own,
     cells: int = 12  # felt places of one at least
     held: Likeness = Likeness(24, 1.5, 0.3)  # the same, where a circle holds all of a face
     past: float = 1.2  # [mm] past such a circle, which the blur of what was felt reaches at most
-    stray: float = 0.01  # share of the face's places that may lie farther out
-    held_out: float = 0.1  # the same of a circle of edges
+    stray: tuple[float, float] = (0.01, 0.1)  # share of the face's places that may lie farther out; of edges'
     tried: int = 300  # threes of its outermost places, through which a circle is laid
     sectors: int = 72  # of a turn
     filled: float = 0.6  # share of them in which the face ends at it
@@ -67,6 +65,7 @@ class RoundWallsConfig:
     turned: float = 0.05  # [rad] from the ways that a polygon's edges look, to be none of them
     sides: tuple[int, ...] = (4, 6)  # of such polygons
     parallel: float = 0.998  # least cosine between the axes of two ends of one wall
+    same: float = 0.8  # [mm] between the axes of a circle and a cylinder that ends at it, and their radii
     upright: float = 0.1  # most cosine between the way out of an edge and the face's own
     behind: tuple[float, float] = (1.0, 5.0)  # [mm] behind a wall, where its material is
     went: int = 4  # places there that an array went through, from which there is none
@@ -119,7 +118,9 @@ def round_walls(
         whole = _outline(own, seen, at, out, config)
         pieces = [] if whole else _apart(own, seen, at, out, config)
         for circle in [whole] if whole else [_outline(*piece, config) for piece in pieces]:
-            if circle is not None and (deep := _deep(circle, own.face.id, faces, free, config)) > 0.0:
+            if circle is None or any(_is_end(circle, wall, config) for wall in known):
+                continue
+            if (deep := _deep(circle, own.face.id, faces, free, config)) > 0.0:
                 found.append((circle, deep))
     return [
         _wall(_one_of(circle, [other for other, _ in found], config), deep, config) for circle, deep in found
@@ -157,11 +158,23 @@ def _outline(
     return circle or _holding(own.cells, at, axis, config)
 
 
+def _is_end(circle: Circle, wall: KnownFace, config: RoundWallsConfig) -> bool:
+    """Whether a circle is the end of a cylinder that was felt beside it; corners of facets lie farther out."""
+    shape = wall.fit.shape
+    if not isinstance(shape, Cylinder) or wall.side < 0.0 or not len(wall.cells):
+        return False
+    away = circle.center - shape.anchor
+    aside = float(np.linalg.norm(away - float(away @ shape.direction) * shape.direction))
+    beside = np.abs((wall.cells - circle.center) @ circle.axis).min() < config.land
+    alike = max(aside, abs(circle.radius - shape.radius)) < config.same
+    return bool(beside and alike and abs(float(circle.axis @ shape.direction)) > config.parallel)
+
+
 def _holds(circle: Circle, cells: Floats, config: RoundWallsConfig) -> bool:
     """Whether a circle holds a face felt at (n, 3) cells: edges of letters in it may look out of one, too."""
     away = cells - circle.center
     far = np.linalg.norm(away - np.outer(away @ circle.axis, circle.axis), axis=1)
-    return float(np.mean(far > circle.radius + config.past)) < config.held_out
+    return float(np.mean(far > circle.radius + config.past)) < config.stray[1]
 
 
 def _deep(circle: Circle, own: int, faces: Sequence[Face], free: Floats, config: RoundWallsConfig) -> float:
@@ -222,7 +235,7 @@ def _holding(cells: Floats, at: Floats, axis: Floats, config: RoundWallsConfig) 
     for _ in range(config.tried):
         center, radius = _through(corners[rng.choice(len(corners), 3, replace=False)])
         far = np.linalg.norm(flat - center, axis=1)
-        if np.isfinite(radius) and np.mean(far > radius + config.past) < config.stray:
+        if np.isfinite(radius) and np.mean(far > radius + config.past) < config.stray[0]:
             on = np.abs(np.linalg.norm(ends - center, axis=1) - radius) < config.held.off
             count = _sectors(ends[on] - center, config)
             if count > best and around(_angles(ends[on] - center)) > config.around:

@@ -68,6 +68,21 @@ def test_edges_of_letters_in_a_face_that_goes_on_past_their_circle_are_no_end_of
     assert walls(EDGES, [around, FLOOR]) == []
 
 
+def test_the_end_of_a_cylinder_that_was_felt_is_no_other_wall():
+    """Corners of facets lie farther out than most of what was felt of it."""
+    turn, down = (lot.ravel() for lot in np.meshgrid(np.arange(0.0, 6.2, 0.2), np.arange(-9.0, 0.0, 2.0)))
+    ways = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+
+    def wall(radius):
+        points = radius * ways + np.outer(down, Z)
+        face, felt = ranked_face(5, Contacts.of(points, ways), MergeOptions()), SurfaceMap()
+        felt.add(points, ways)
+        return KnownFace.of(face, face.fit, felt, NOWHERE, 5.0)
+
+    assert walls(EDGES, [TOP, FLOOR, wall(14.1)]) == []
+    assert len(walls(EDGES, [TOP, FLOOR, wall(12.0)])) == 1
+
+
 def test_where_an_array_was_behind_it_there_is_no_wall_and_below_its_land_a_groove():
     turn = np.linspace(0.0, 6.0, 20)
     ring = 12.0 * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(20)])
