@@ -48,6 +48,7 @@ class Arrangement:
     touched: Floats  # (m,) contacts that lie on each surface
     facing: Floats  # (2, m) of those, that look to its outside, and to its inside
     inferred: Bools  # (m,) whether nobody felt a surface
+    stops: Bools  # (m,) whether it is no face's, but a plane that primitives may end at
 
     def __len__(self) -> int:
         return len(self.outside)
@@ -62,10 +63,12 @@ def arrange(
     options: ArrangementOptions | None = None,
     inferred: Bools | None = None,
     heard: Bools | None = None,
+    stops: Bools | None = None,
 ) -> Arrangement:
     """Of contacts at (n, 3) points with outward (n, 3) normals, and (k, 3) places known to be free.
 
-    Of the m surfaces some may be `inferred` (m,), and of the contacts some only `heard` of (n,), and never felt.
+    Of the m surfaces some may be `inferred` (m,), or `stops`, and of the contacts some only `heard` of (n,), and
+    never felt.
     `room` (2, 3) holds the contacts with some space round them.
     """
     options = options or ArrangementOptions()
@@ -120,6 +123,7 @@ def arrange(
         frozen(lies.sum(axis=0).astype(float)),
         frozen([(lies & (way * looks > options.along)).sum(axis=0) for way in (1.0, -1.0)]),
         frozen(bare, bool),
+        frozen(np.zeros(len(shapes)) if stops is None else stops, bool),
     )
 
 

@@ -102,10 +102,14 @@ def _explained(
     inferred: Sequence[bool],
     heard: Bools,
 ) -> _Explained | NotClosed:
-    """The shortest list that the cells between the surfaces ask for, of which the first may be `inferred`."""
+    """The shortest list that the cells between the surfaces ask for, of which the first may be `inferred`.
+
+    Those after them are no faces'.
+    """
     nobody = np.zeros(len(shapes), dtype=bool)
     nobody[: len(inferred)] = inferred
-    found = arrange(shapes, points, normals, free, room, inferred=nobody, heard=heard)
+    no_face = np.arange(len(shapes)) >= len(inferred)
+    found = arrange(shapes, points, normals, free, room, inferred=nobody, heard=heard, stops=no_face)
     solid = solid_cells(found)
     if not solid.any():
         return NotClosed("the contacts' normals leave no cell solid")

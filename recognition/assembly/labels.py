@@ -7,7 +7,8 @@ probability.  So, with s of {0, 1} the labels (our derivation)::
     -ln p = stray * (votes against) + sum over facets rho a [s_inner != s_outer],
 
 which is submodular: its minimum is a minimum cut (Greig, Porteous and Seheult 1989).  Where all contacts of a
-surface look one way, a boundary on it that looks the other way is another face, of which nobody felt anything.
+surface look one way, a boundary on it that looks the other way is another face, of which nobody felt anything.  A
+body that ends at a plane which is no face's has a face there that nobody felt, too.
 
 A cell with contacts that say solid, and places that something went through, is no one thing: a surface is missing
 that would part it, as of a bore whose wall nobody felt.  It is what its greater part is: the votes for the lesser
@@ -40,6 +41,7 @@ class LabelOptions:
     turned: float = (
         2.0  # times the mean, expected of a boundary that looks as none of its surface's contacts do
     )
+    stop: float = 2.0  # the same, of one at a plane that is no face's
     outside: float = 50.0  # of material past all contacts, for a cell of which all lies there
 
 
@@ -52,6 +54,7 @@ def solid_cells(found: Arrangement, options: LabelOptions | None = None) -> Bool
     supported |= material[found.pairs[:, 1]] & empty[found.pairs[:, 0]]
     mean = touched / max(float(found.area[supported].sum()), 1e-9)
     density = _densities(found, supported, mean, options.sparse)
+    density = np.where(found.stops[_surfaces(found)], np.maximum(density, options.stop * mean), density)
     volume = max(float(found.volume.sum()), 1e-9)
     whole = found.beyond > 0.5
     parted = (found.solid_votes > 0) & (found.swept_votes > 0)

@@ -25,6 +25,7 @@ def parted(solid, swept, share):
         touched=np.array([20.0, 20.0]),
         facing=np.array([[20.0, 20.0], [0.0, 0.0]]),
         inferred=np.zeros(2, dtype=bool),
+        stops=np.zeros(2, dtype=bool),
     )
 
 
@@ -43,6 +44,7 @@ def test_a_corner_that_nobody_felt_is_no_notch_whose_sides_would_look_the_wrong_
         touched=np.array([60.0, 60.0, 6.0, 6.0]),
         facing=np.array([[60.0, 60.0, 6.0, 6.0], np.zeros(4)]),
         inferred=np.array([False, False, True, True]),
+        stops=np.zeros(4, dtype=bool),
         **{name: np.zeros(5) for name in ("beyond", "swept_votes", "swept_share")},
     )
     assert solid_cells(corner).tolist() == [True, False, False, True, True]
@@ -67,3 +69,23 @@ def test_a_cell_that_a_missing_surface_parts_is_what_its_greater_part_is():
     assert solid_cells(parted(40.0, 400.0, 0.2)).tolist() == [False, True, False]
     assert not solid_cells(parted(40.0, 400.0, 0.9)).any()
     assert not solid_cells(parted(2.0, 400.0, 0.2)).any()  # strays
+
+
+def test_a_body_goes_on_past_a_plane_that_is_no_face_s_where_its_own_surface_may():
+    """A cone was felt up to a plane, of 200 mm^2; beyond it lie 300 mm^2 of its surface that nobody felt."""
+    cone = replace(
+        parted(60.0, 0.0, 0.0),
+        outside=np.array(
+            [[False, False], [True, False], [True, True], [False, True]]
+        ),  # of the plane, the cone
+        pairs=np.array([[0, 1], [1, 2], [0, 3]]),
+        area=np.array([200.0, 300.0, 1000.0]),
+        volume=np.full(4, 1e3),
+        solid_votes=np.array([60.0, 0.0, 0.0, 0.0]),
+        free_votes=np.array([0.0, 0.0, 5.0, 60.0]),
+        touched=np.array([0.0, 60.0]),
+        facing=np.array([[0.0, 60.0], [0.0, 0.0]]),
+        **{name: np.zeros(4) for name in ("beyond", "swept_votes", "swept_share")},
+    )
+    assert solid_cells(cone).tolist() == [True, False, False, False]
+    assert solid_cells(replace(cone, stops=np.array([True, False]))).tolist() == [True, True, False, False]
