@@ -206,7 +206,7 @@ def _largest(flats: _Flats, config: FacetedConfig) -> tuple[_Flats, _Round] | No
     best: tuple[_Flats, _Round] | None = None
     most = 0
     for of, few, least in ((_Round.ring, 2, config.least), (_Round.ball, 3, config.least_ball)):
-        for rows in _together(turn, few, config):
+        for rows in _together(turn, few, config) if beside.any(axis=1).sum() >= least else ():
             first = of(flats.normals[rows], flats.offsets[rows])
             held = first.holds(flats, config.near, 2.0 * config.same)
             if held.sum() < max(least, most + 1):

@@ -18,6 +18,7 @@ from exploration.planning.faces.attribution import (
     take_in,
     without,
 )
+from exploration.planning.faces.faceted import rounded
 from exploration.planning.faces.low_rims import whole_rims
 from exploration.planning.faces.scatter import scatter_of
 from exploration.planning.faces.uprighted import uprighted
@@ -111,13 +112,19 @@ class Study:
 
     def take_in(self, contacts: Contacts) -> int | None:
         """Give contacts to the faces that explain them; the face that most of them lie on."""
+        before = {face.id for face in self.found.graph.faces}
         taken = take_in(self.found.graph, self.loose, contacts, self.config)
         self._keep(taken.graph)
         self.loose = taken.loose
         self.found.hollow |= taken.hollow
         self._rename(taken.gone)
         gone = self._weigh()
-        return gone.get(taken.home, taken.home) if taken.home is not None else None
+        home = gone.get(taken.home, taken.home) if taken.home is not None else None
+        if {face.id for face in self.found.graph.faces} <= before:
+            return home
+        self.found.graph, facets = rounded(self.found.graph)
+        self._rename(facets)
+        return facets.get(home, home) if home is not None else None
 
     def _weigh(self) -> dict[int, int]:
         """Believe contacts as far as those of one face agree; the faces that turn out to be others."""
