@@ -100,13 +100,14 @@ def _holes(
     single = [rim for rim in rims if id(rim) not in ends]
     holes, left = holes_of(single, inside, lambda rim: shut(rim, known), config or HolesConfig())
     faces = found.graph.faces
+    blind = [hole for hole in holes if not _at_rim(hole, rims) and _ended(hole, faces) is hole]
+    floors = [floor for hole in blind if (floor := floor_of(hole, faces)) is not None]
     holes = [hole if _at_rim(hole, rims) else slanting(_ended(hole, faces), faces) for hole in holes]
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
         change(found, hole.off)
         add(found, hole.wall(), _BY_ENDS, "cylinder")
-    for floor in (floor_of(hole, faces) for hole in holes if not _at_rim(hole, rims)):
-        if floor is not None:
-            add(found, floor, _BY_REACH)
+    for floor in floors:
+        add(found, floor, _BY_REACH)
     for step in steps:
         add_own(found, step.contacts, step.why, step.kind)
     return left

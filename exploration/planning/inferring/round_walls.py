@@ -174,7 +174,7 @@ def _holds(circle: Circle, cells: Floats, config: RoundWallsConfig) -> bool:
     """Whether a circle holds a face felt at (n, 3) cells: edges of letters in it may look out of one, too."""
     away = cells - circle.center
     far = np.linalg.norm(away - np.outer(away @ circle.axis, circle.axis), axis=1)
-    return float(np.mean(far > circle.radius + config.past)) < config.stray[1]
+    return int((far > circle.radius + config.past).sum()) <= config.stray[1] * len(far)
 
 
 def _deep(circle: Circle, own: int, faces: Sequence[Face], free: Floats, config: RoundWallsConfig) -> float:

@@ -100,9 +100,9 @@ class Findings:
 
     def rename(self, gone: dict[int, int]) -> None:
         """Call faces that turned out to be others by the ids of those, wherever a rim is on one."""
-        self.wall_rims, self.glimpsed = (
+        self.wall_rims, self.glimpsed, self.barred = (
             [(sighting, gone.get(own, own)) for sighting, own in seen]
-            for seen in (self.wall_rims, self.glimpsed)
+            for seen in (self.wall_rims, self.glimpsed, self.barred)
         )
         self.rims = [replace(rim, face=gone.get(rim.face, rim.face)) for rim in self.rims]
 

@@ -1,5 +1,8 @@
 """Flats that are facets of one round face."""
 
+import sys
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -68,14 +71,39 @@ def test_a_ring_of_many_flats_is_one_cylinder_and_the_lid_stays_flat(sides: int,
     assert set(gone.values()) == {drum.id}
 
 
-def test_flats_that_lean_are_of_a_cone_and_those_that_look_inward_of_a_bore() -> None:
+@pytest.mark.parametrize("moved", [-400.0, -115.0, 0.0, 400.0])
+def test_flats_that_lean_are_of_a_cone_wherever_it_is(monkeypatch: pytest.MonkeyPatch, moved: float) -> None:
+    monkeypatch.setattr(sys.modules[__name__], "WORLD", WORLD @ pose(np.eye(3), [0.0, 0.0, moved]))
     (leaning,) = rounded(graph(frustum(24, 45.0, 30.0)))[0].faces
     shape = fit_of(leaning).shape
     assert isinstance(shape, Cone)
     assert np.rad2deg(shape.semi_angle) == pytest.approx(np.rad2deg(np.arctan(15.0 / 40.0)), abs=0.5)
+
+
+def test_flats_that_look_inward_are_of_a_bore_and_of_one_too_flat_nothing_is_made() -> None:
     (bore,) = rounded(graph(frustum(24, 45.0, 45.0, out=-1.0)))[0].faces
     assert fit_of(bore).kind == "cylinder"
     assert not fit_of(bore).convex
+    shallow = graph(frustum(24, 200.0, 45.0))
+    assert rounded(shallow) == (shallow, {})
+
+
+def test_a_drum_is_one_cylinder_beside_flats_that_make_nothing() -> None:
+    shallow = frustum(24, 200.0, 45.0)
+    drum = [replace(face, id=100 + face.id) for face in frustum(16, 50.0, 50.0)]
+    found, gone = rounded(graph([*shallow, *drum]))
+    assert len(found.faces) == 25
+    assert set(gone.values()) == {100}
+
+
+def test_teeth_are_no_cylinder() -> None:
+    """Flanks of one hand are tangents of one circle, but were felt far from it."""
+    turn = 2.0 * np.pi * np.arange(17) / 16
+    ring = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(17)])
+    up = np.array([0.0, 0.0, 40.0])
+    pairs = [(50.0 * ring[k], 44.0 * ring[k + 1]) for k in range(16)]
+    ratchet = graph([facet(k, np.array([a, b, b + up, a + up]), 0.5 * up) for k, (a, b) in enumerate(pairs)])
+    assert rounded(ratchet) == (ratchet, {})
 
 
 def test_facets_of_a_ball_are_one_sphere() -> None:
@@ -93,17 +121,9 @@ def test_sides_of_a_polygon_stay_flat(sides: int) -> None:
     assert rounded(flats) == (flats, {})
 
 
-def test_so_do_four_flats_and_flats_of_no_circle() -> None:
+def test_so_do_four_flats_of_a_circle() -> None:
     few = graph(frustum(24, 50.0, 50.0, 20))
     assert rounded(few) == (few, {})
-    turn = 2.0 * np.pi * np.arange(25) / 24
-    ring = np.column_stack([60.0 * np.cos(turn), 35.0 * np.sin(turn), np.zeros(25)])
-    up = np.array([0.0, 0.0, 40.0])
-    oval = [
-        facet(k, np.array([ring[k], ring[k + 1], ring[k + 1] + up, ring[k] + up]), 0.5 * up)
-        for k in range(24)
-    ]
-    assert len(rounded(graph(oval))[0].faces) > 8
 
 
 def test_what_else_was_felt_of_it_is_taken_too() -> None:
@@ -114,6 +134,15 @@ def test_what_else_was_felt_of_it_is_taken_too() -> None:
     assert len(found.faces) == 1
     assert gone[77] == found.faces[0].id
     assert len(found.faces[0].contacts) == 24 * 24
+
+
+def test_a_ring_that_is_taken_by_a_larger_one_leaves_no_id_behind() -> None:
+    both = [*frustum(40, 49.8, 49.8), *(replace(face, id=100 + face.id) for face in frustum(16, 50.0, 50.0))]
+    found, gone = rounded(graph(both))
+    assert set(gone.values()) <= {face.id for face in found.faces}
+    again, more = rounded(found)
+    assert again is found
+    assert more == {}
 
 
 def ball(number: int, turns: Floats, touch: int) -> Face:
@@ -139,19 +168,23 @@ def test_two_readings_of_one_ball_are_one_whose_place_no_facet_pulls() -> None:
     assert np.linalg.norm(fit_of(whole).shape.anchor - WORLD[:3, 3]) < min(0.02, 0.5 * pulled)
 
 
-def test_a_smooth_ball_and_a_shaft_with_a_step_of_a_hair_stay_as_they_are() -> None:
+def test_a_smooth_ball_stays_as_it_is() -> None:
     smooth = graph([ball(0, np.zeros((100, 1)), 1)])
     assert rounded(smooth) == (smooth, {})
-    shaft = graph([turned(0, 20.0, 0.0), turned(1, 20.12, 30.0)])
+
+
+@pytest.mark.parametrize("length", [8.0, 30.0])
+def test_so_do_lands_that_differ_by_a_hair(length: float) -> None:
+    shaft = graph([turned(0, 20.0, 0.0, length), turned(1, 20.12, length, length)])
     assert rounded(shaft) == (shaft, {})
 
 
-def turned(number: int, radius: float, low: float) -> Face:
-    """A cylinder 30 mm long about the z axis."""
+def turned(number: int, radius: float, low: float, length: float) -> Face:
+    """A cylinder about the z axis."""
     rng = np.random.default_rng(number)
     turn = rng.uniform(0.0, 2.0 * np.pi, 80)
     ways = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(80)])
-    points = radius * ways + np.outer(rng.uniform(low, low + 30.0, 80), [0.0, 0.0, 1.0])
+    points = radius * ways + np.outer(rng.uniform(low, low + length, 80), [0.0, 0.0, 1.0])
     felt = transform_points(WORLD, points), rotate(WORLD, ways)
     found = fit("cylinder", Contacts.of(*felt, 0.02, 0.01, touch=number))
     assert isinstance(found, Fit)
