@@ -36,6 +36,10 @@ class FacetedConfig:
     mostly: float = 0.9  # and the share of its contacts, that do so
     before: float = 1.0  # [mm] past the corners or middles, from which what looks likewise
     likewise: float = 0.3  # [cosine] stands out of the face, or lies back,
+    many: int = 8  # faces, that all may be of one ball:
+    ball: float = 0.01  # of its radius, standard deviation from it of all contacts,
+    leaning: float = 0.15  # [rad] that the median of their normals leans at most,
+    covered: float = 0.1  # and the least variance of those along any way: they look all round
     others: float = 0.2  # and as many times the contacts, of which there is no such face
 
 
@@ -60,6 +64,8 @@ def _one_more(
     faces: Sequence[Face], refused: set[int], config: FacetedConfig
 ) -> tuple[Face, list[int]] | None:
     """A round face, and the ids of those that are pieces of it; the flats that make none are `refused` then."""
+    if (ball := _one_ball(faces, config)) is not None:
+        return ball
     for whole in filter(off_facets, faces):
         step = 2.0 * float(np.median(whole.contacts.normal_sigma))
         if any(face is not whole and _is_piece(face, whole, step, config) for face in faces):
@@ -72,6 +78,23 @@ def _one_more(
             return made
         refused |= {face.id for face in found[0].faces}
     return None
+
+
+def _one_ball(faces: Sequence[Face], config: FacetedConfig) -> tuple[Face, list[int]] | None:
+    """The sphere that all that was felt is of, where pads that spanned its facets made many faces."""
+    felt = Contacts.concatenate([face.contacts for face in faces])
+    if len(faces) < config.many or not felt.has_normal.all() or (felt.touch == NOT_FELT).any():
+        return None
+    middle = felt.points.mean(axis=0)
+    away = felt.points - middle
+    rows = np.column_stack([2.0 * away, np.ones(len(away))])
+    solved = np.linalg.lstsq(rows, (away * away).sum(axis=1))[0]
+    out = away - solved[:3]
+    far = np.linalg.norm(out, axis=1)
+    lean = np.arccos(np.clip(np.abs((out * felt.normals).sum(axis=1)) / np.maximum(far, 1e-9), 0.0, 1.0))
+    round_ = float(far.std()) < config.ball * float(far.mean()) and float(np.median(lean)) < config.leaning
+    all_round = float(np.linalg.eigvalsh(np.cov(felt.normals.T))[0]) > config.covered
+    return _whole("sphere", faces, [], 2.0 * float(np.median(lean)), config) if round_ and all_round else None
 
 
 def _made(

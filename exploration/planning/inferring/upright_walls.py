@@ -49,7 +49,8 @@ class UprightWallConfig:
     bent: float = 45.0  # [mm] from it, shows that it is of a wide circle
     deep: float = 3.0  # [mm] of such a wall, where nothing tells more
     felt: float = 16.0  # [mm] from a rim, within which the face was felt that its wall leads to
-    slender: float = 5.0  # times as deep as it is wide, from which a gap reaches through to no other side
+    slender: float = 5.0  # times as deep as it is wide, from which a gap reaches through to no other side,
+    thick: float = 45.0  # [mm] and that far away at least
 
 
 def upright_walls(
@@ -79,7 +80,8 @@ def upright_walls(
         if abs(float(normal @ rim.normal)) < config.parallel:
             straight = replace(rim, tangent=np.cross(normal, rim.normal))
             gap = width_of_gap((rim, face), flat_rims, faces)
-            deep = depth_below(rim.point, rim.normal, face, faces, config, config.slender * gap)
+            through = max(config.slender * gap, config.thick)
+            deep = depth_below(rim.point, rim.normal, face, faces, config, through)
             down = deep * (
                 rim.normal - float(rim.normal @ normal) * normal
             )  # the pad leans, and the wall does not

@@ -189,3 +189,27 @@ def turned(number: int, radius: float, low: float, length: float) -> Face:
     found = fit("cylinder", Contacts.of(*felt, 0.02, 0.01, touch=number))
     assert isinstance(found, Fit)
     return Face(number, found, Contacts.of(*felt, 0.02, 0.01, touch=number))
+
+
+def test_all_that_was_felt_is_one_ball_where_pads_spanned_facets_here_and_there() -> None:
+    """Ten patches of it, whose normals lean; of an egg they may be anything."""
+    rng = np.random.default_rng(5)
+    corners = np.array([[1, 1, 1], [-1, -1, 1], [1, -1, -1], [-1, 1, -1]]) / np.sqrt(3.0)
+
+    def patches(stretch: float) -> PatchGraph:
+        made = []
+        for k, way in enumerate([*np.eye(3), *-np.eye(3), *corners]):
+            ways = way + 0.15 * rng.normal(size=(30, 3))
+            ways = ways / np.linalg.norm(ways, axis=1)[:, None]
+            points = (45.0 - rng.uniform(0.0, 0.4, 30))[:, None] * ways * [1.0, 1.0, stretch]
+            leans = ways + rng.normal(0.0, 0.06, (30, 3))
+            felt = points, leans / np.linalg.norm(leans, axis=1)[:, None]
+            made.append(ranked_face(k, Contacts.of(*felt, 0.02, 0.01, touch=k), MergeOptions()))
+        return graph(made)
+
+    (whole,) = rounded(patches(1.0))[0].faces
+    shape = fit_of(whole).shape
+    assert isinstance(shape, Sphere)
+    assert shape.radius == pytest.approx(44.8, abs=0.1)
+    assert np.linalg.norm(shape.anchor) < 0.1
+    assert len(rounded(patches(1.1))[0].faces) > 1
