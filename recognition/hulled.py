@@ -2,8 +2,8 @@
 
 Most of an object of facets, folds or freeform surface may be felt, and name no face; the few that it names bound a
 body that most contacts lie off, or one in pieces with nothing under many of them.  Then their convex hull is
-nearer to the object, less what an array passed through.  Where it passed through nothing, the hull's facets are
-read as those of any mesh: what bends smoothly is freeform.
+nearer to the object, less its round holes and what an array passed through.  Where there are none, the facets of
+the hull are read as those of any mesh: what bends smoothly is freeform.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.touch_errors import fits_of_touches
 from recognition.assembly import Assembly, NotClosed
+from recognition.assembly.bored import bored
 from recognition.assembly.given import FittedFace, outward
-from recognition.assembly.hollowed import HOLLOW, hollowed
+from recognition.assembly.hollowed import hollowed
 from recognition.assembly.made import Body, Known
 from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.regularities import regularize
@@ -62,11 +63,12 @@ def hulled(
     places = [face.contacts.points[face.contacts.touch != NOT_FELT] for face in faces]
     known = Known(regularized.shapes, places, [False] * len(fits), felt[:0])
     piece = Piece("polyhedron", "add", hull, np.eye(4), None, ())
-    less = hollowed(Body((piece,), Solid.from_csg(piece.placed), TOLERANCE), free, known)
+    whole = Body((piece,), Solid.from_csg(piece.placed), TOLERANCE)
+    less = hollowed(bored(whole, faces, regularized.shapes, felt), free, known)
     solid = Solid.from_mesh(hull.points, hull.faces) if len(less.pieces) == 1 else less.solid
     on = {i for cut in less.pieces for i in cut.surfaces}
     speaker = tuple(i if i in on else None for i in range(len(fits)))
-    told = (_LACKING if lacks else _TOLD, *[HOLLOW] * (len(less.pieces) - 1))
+    told = (_LACKING if lacks else _TOLD, *(cut.why for cut in less.pieces[1:]))
     made = Assembly(fits, regularized, speaker, less.pieces, tree_of(less.pieces), solid, told)
     nearer = in_air(made, felt) < in_air(body, felt) if lacks else off_body(made, felt) < BETTER * before
     return made if nearer else None

@@ -1,0 +1,43 @@
+"""Round holes in a body that few of the faces bound, as in the hull of all contacts.
+
+Such a body has none of the walls that were felt or inferred.  Those of a round hole say enough by themselves: what
+is inside of them is taken away, where no more than strays were felt there (our derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from models.csg import Cylinder as Bar
+from primitives.arrays import Floats
+from primitives.evidence import NOT_FELT
+from primitives.pose import frame_along, pose
+from primitives.shapes import Cylinder, Shape
+from recognition.assembly.given import FittedFace
+from recognition.assembly.made import Body
+from recognition.assembly.piece import Piece
+
+BORED = "a round hole is taken out of a body that its wall bounds no side of"
+_ROWS = 0.3  # of the length of a hole's contacts, that a wall which nobody felt goes on past them
+_PAST = 1.0  # [mm] that any does
+_INSIDE = 1.5  # [mm] in a hole, from where a contact contradicts it
+_STRAYING = 0.002  # share of all contacts that may
+
+
+def bored(body: Body, faces: Sequence[FittedFace], shapes: Sequence[Shape], felt: Floats) -> Body:
+    """A body less the round holes among the faces, whose `shapes` these are; (n, 3) places were `felt`."""
+    for number, (face, shape) in enumerate(zip(faces, shapes, strict=True)):
+        if face.fit.convex or not isinstance(shape, Cylinder) or not len(face.contacts):
+            continue
+        along = (face.contacts.points - shape.anchor) @ shape.direction
+        low, high = float(along.min()), float(along.max())
+        guessed = not (face.contacts.touch != NOT_FELT).any()
+        past = _PAST + (_ROWS * (high - low) if guessed else 0.0)
+        middle = shape.anchor + 0.5 * (low + high) * shape.direction
+        bar = Bar(shape.radius, high - low + 2.0 * past)
+        where = pose(frame_along(shape.direction), middle)
+        piece = Piece("cylinder", "subtract", bar, where, number, ((None, None),), BORED)
+        inside = int((piece.placed.signed_distance(felt) < -_INSIDE).sum())
+        less = body.less(piece) if inside <= _STRAYING * len(felt) else None
+        body = body if less is None else less
+    return body
