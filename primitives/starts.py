@@ -39,7 +39,7 @@ def sphere_starts(problem: Problem) -> Iterator[Start]:
         if radius != 0:
             yield Sphere(center, abs(radius)), float(np.sign(radius))
     if len(problem.points) >= 4:
-        center, radius = _algebraic(problem.points)
+        center, radius = ball_through(problem.points)
         if radius > 0:
             yield Sphere(center, radius), _sign(problem, Sphere(center, radius))
 
@@ -152,7 +152,7 @@ def _from_normals(points: Floats, normals: Floats) -> tuple[Floats, float]:
     return mean_p - radius * mean_n, radius
 
 
-def _algebraic(points: Floats) -> tuple[Floats, float]:
+def ball_through(points: Floats) -> tuple[Floats, float]:
     """Center and radius of |p|^2 = 2 p . c + d, in any dimension."""
     mean = points.mean(axis=0)
     p = points - mean
@@ -213,7 +213,7 @@ def _tori_without_normals(problem: Problem) -> Iterator[Start]:
         offset = points - through
         z = offset @ axis
         rho = np.sqrt(np.maximum((offset**2).sum(axis=1) - z * z, 0.0))
-        (radius, height), minor = _algebraic(np.stack([rho, z], axis=1))
+        (radius, height), minor = ball_through(np.stack([rho, z], axis=1))
         if radius > 0 and minor > 0:
             yield Torus(problem.center + through + height * axis, axis, float(radius), minor), 1.0
 

@@ -14,13 +14,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from exploration.planning.faces.spanned import alone, along_axis, fit_of, off_facets, spanned
+from exploration.planning.faces.spanned import alone, along_axis, fit_of, off_facets, put_in, spanned
 from exploration.planning.faces.tangents import Flats, Round, TangentsConfig, flats_of, largest, step_of
 from primitives.arrays import frozen
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit, fit
 from primitives.patch_graph import Face, PatchGraph
 from primitives.shapes import Sphere
+from primitives.starts import ball_through
 
 _LOOKED = 2  # times for pieces of a face: with the first of them it is known better
 
@@ -36,11 +37,11 @@ class FacetedConfig:
     mostly: float = 0.9  # and the share of its contacts, that do so
     before: float = 1.0  # [mm] past the corners or middles, from which what looks likewise
     likewise: float = 0.3  # [cosine] stands out of the face, or lies back,
+    others: float = 0.2  # and as many times the contacts, of which there is no such face
     many: int = 8  # faces, that all may be of one ball:
     ball: float = 0.01  # of its radius, standard deviation from it of all contacts,
     leaning: float = 0.15  # [rad] that the median of their normals leans at most,
     covered: float = 0.1  # and the least variance of those along any way: they look all round
-    others: float = 0.2  # and as many times the contacts, of which there is no such face
 
 
 def rounded(graph: PatchGraph, config: FacetedConfig = FacetedConfig()) -> tuple[PatchGraph, dict[int, int]]:
@@ -50,10 +51,7 @@ def rounded(graph: PatchGraph, config: FacetedConfig = FacetedConfig()) -> tuple
     """
     faces, gone, refused = list(graph.faces), dict[int, int](), set[int]()
     while (taken := _one_more(faces, refused, config)) is not None:
-        made, ids = taken
-        now = {old: made.id for old in ids if old != made.id}
-        gone = {old: now.get(new, new) for old, new in gone.items()} | now
-        faces = [made if face.id == made.id else face for face in faces if face.id not in now]
+        faces, gone = put_in(*taken, faces, gone)
     faces, twins = spanned(faces)
     gone = {old: twins.get(new, new) for old, new in gone.items()} | twins
     same = len(faces) == len(graph.faces) and all(a is b for a, b in zip(faces, graph.faces, strict=True))
@@ -70,7 +68,7 @@ def _one_more(
         step = 2.0 * float(np.median(whole.contacts.normal_sigma))
         if any(face is not whole and _is_piece(face, whole, step, config) for face in faces):
             more = _whole(fit_of(whole).kind, [whole], faces, step, config)
-            if more is not None:
+            if more is not None and len(more[1]) > 1:
                 return more
     while (found := largest(flats_of(faces, refused, config.tangents), config.tangents)) is not None:
         made = _made(*found, faces, config)
@@ -85,11 +83,7 @@ def _one_ball(faces: Sequence[Face], config: FacetedConfig) -> tuple[Face, list[
     felt = Contacts.concatenate([face.contacts for face in faces])
     if len(faces) < config.many or not felt.has_normal.all() or (felt.touch == NOT_FELT).any():
         return None
-    middle = felt.points.mean(axis=0)
-    away = felt.points - middle
-    rows = np.column_stack([2.0 * away, np.ones(len(away))])
-    solved = np.linalg.lstsq(rows, (away * away).sum(axis=1))[0]
-    out = away - solved[:3]
+    out = felt.points - ball_through(felt.points)[0]
     far = np.linalg.norm(out, axis=1)
     lean = np.arccos(np.clip(np.abs((out * felt.normals).sum(axis=1)) / np.maximum(far, 1e-9), 0.0, 1.0))
     round_ = float(far.std()) < config.ball * float(far.mean()) and float(np.median(lean)) < config.leaning

@@ -44,11 +44,17 @@ def spanned(
     """The faces, fitted by where they were felt if read off facets, and the ids that others have taken."""
     found, gone = [_eased(face, config) for face in faces], dict[int, int]()
     while (twins := _twins(found, config)) is not None:
-        whole, ids = twins
-        now = {old: whole.id for old in ids if old != whole.id}
-        gone = {old: now.get(new, new) for old, new in gone.items()} | now
-        found = [whole if face.id == whole.id else face for face in found if face.id not in now]
+        found, gone = put_in(*twins, found, gone)
     return found, gone
+
+
+def put_in(
+    whole: Face, ids: Sequence[int], faces: Sequence[Face], gone: dict[int, int]
+) -> tuple[list[Face], dict[int, int]]:
+    """The faces with one in place of those of some ids, its own too; and which ids have `gone` to others."""
+    now = {old: whole.id for old in ids if old != whole.id}
+    kept = [whole if face.id == whole.id else face for face in faces if face.id not in now]
+    return kept, {old: now.get(new, new) for old, new in gone.items()} | now
 
 
 def is_round(face: Face) -> bool:

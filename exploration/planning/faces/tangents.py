@@ -155,11 +155,9 @@ def _together(turn: Floats, few: int, config: TangentsConfig) -> Iterator[list[i
     for middle, away in enumerate(turn):
         order = np.argsort(away)
         near = order[(away[order] > config.turns[0]) & (away[order] < 2.0 * config.turns[1])]
-        some = (
-            near[np.unique(np.linspace(0, len(near) - 1, config.tried).astype(np.int64))]
-            if len(near)
-            else near
-        )
+        some = near[
+            np.unique(np.linspace(0, max(len(near) - 1, 0), config.tried).astype(np.int64))[: len(near)]
+        ]
         for others in combinations(some.tolist(), few):
             yield [middle, *others]
 

@@ -106,6 +106,35 @@ def test_teeth_are_no_cylinder() -> None:
     assert rounded(ratchet) == (ratchet, {})
 
 
+def test_nor_are_tips_of_teeth_with_the_floors_between_them() -> None:
+    """Both are tangents of circles where they were felt, one 8 mm within the other."""
+    up = np.array([0.0, 0.0, 40.0])
+
+    def flat(number: int, turn: float, radius: float) -> Face:
+        out, along = np.array([np.cos(turn), np.sin(turn), 0.0]), np.array([-np.sin(turn), np.cos(turn), 0.0])
+        a, b = radius * out - 3.0 * along, radius * out + 3.0 * along
+        return facet(number, np.array([a, b, b + up, a + up]), 0.5 * up)
+
+    turns = 2.0 * np.pi * np.arange(16) / 16
+    tips = [flat(k, turn, 50.0) for k, turn in enumerate(turns)]
+    floors = [flat(16 + k, turn + np.pi / 16, 42.0) for k, turn in enumerate(turns)]
+    gear = graph([*tips, *floors])
+    assert rounded(gear) == (gear, {})
+    assert len(rounded(graph(tips))[0].faces) == 1
+
+
+def test_a_face_that_was_rounded_takes_in_what_facets_are_felt_later() -> None:
+    faces = frustum(16, 50.0, 50.0)
+    first, _ = rounded(graph(faces[:12]))
+    later, more = rounded(graph([*first.faces, *faces[12:]]))
+    (whole,) = later.faces
+    assert set(more) == {12, 13, 14, 15}
+    assert len(whole.contacts) == 16 * 24
+    again, none = rounded(later)
+    assert again is later
+    assert none == {}
+
+
 def test_facets_of_a_ball_are_one_sphere() -> None:
     ball = trimesh.creation.icosphere(subdivisions=2, radius=40.0)
     flats = [facet(k, corners, np.zeros(3)) for k, corners in enumerate(np.asarray(ball.triangles)[::4])]
@@ -157,6 +186,13 @@ def ball(number: int, turns: Floats, touch: int) -> Face:
     found = fit("sphere", felt)
     assert isinstance(found, Fit)
     return Face(number, found, felt)
+
+
+def test_a_land_beside_a_coarse_knob_is_no_piece_of_it() -> None:
+    knob, land = frustum(16, 50.0, 50.0), turned(99, 49.2, 40.0, 20.0)
+    found, gone = rounded(graph([*knob, land]))
+    assert len(found.faces) == 2
+    assert 99 not in gone
 
 
 def test_two_readings_of_one_ball_are_one_whose_place_no_facet_pulls() -> None:
