@@ -7,6 +7,7 @@ so a pose costs nothing and single precision is kept where coordinates are small
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -19,6 +20,7 @@ from models.body import Body, LabeledSurface
 from models.csg import Csg
 from models.meshing.manifold import (
     body_again,
+    body_of_field,
     body_of_labels,
     body_of_mesh,
     body_of_tree,
@@ -64,6 +66,11 @@ class Solid:
         return Solid(body_of_mesh(vertices, triangles), frozen(np.eye(4)))
 
     @staticmethod
+    def from_field(field: Callable[[Floats], Floats], low: Floats, high: Floats, step: float) -> Solid:
+        """The solid where a field of (n, 3) places [mm] is negative, found on a grid between two (3,) corners."""
+        return Solid(body_of_field(field, low, high, step), frozen(np.eye(4)))
+
+    @staticmethod
     def from_labeled(
         vertices: Floats, triangles: Ints, labels: Ints, surfaces: tuple[LabeledSurface, ...]
     ) -> Solid:
@@ -103,6 +110,10 @@ class Solid:
             return self
         kept = [part for part, left_out in zip(apart, thin, strict=True) if not left_out]
         return Solid(composed(kept), self.pose)
+
+    def largest_part(self) -> Solid:
+        """The largest of the bodies that do not hang together, without labels or a tree."""
+        return Solid(composed([max(self.body.mesh.decompose(), key=lambda part: part.volume())]), self.pose)
 
     def simplified(self, by: float) -> Solid:
         """With fewer triangles, its corners moved by up to so much [mm]; without labels."""

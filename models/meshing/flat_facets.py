@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from models.csg import Cube, Polyhedron, Prism
 from models.leaves.polygons import triangulated
@@ -80,10 +81,11 @@ def _coplanar(points: Floats, normals: Floats) -> tuple[Ints, list[int]]:
     """(f,) plane of each of f faces, those on one plane numbered alike, and the first face of each plane."""
     plane = np.full(len(points), -1)
     first: list[int] = []
+    alike = cKDTree(normals).query_ball_point(normals, _ONE_PLANE)  # a mesh may have thousands of faces
     for f in range(len(points)):
         if plane[f] < 0:
-            off = np.abs((points - points[f]) @ normals[f])
-            turned = np.linalg.norm(normals - normals[f], axis=1)
-            plane[(plane < 0) & (off < _ONE_PLANE) & (turned < _ONE_PLANE)] = len(first)
+            near = np.array(alike[f])
+            off = np.abs((points[near] - points[f]) @ normals[f])
+            plane[near[(plane[near] < 0) & (off < _ONE_PLANE)]] = len(first)
             first.append(f)
     return plane, first

@@ -4,7 +4,7 @@ A manifold remembers, for every triangle of a boolean's result, which run of tri
 tree is such a run, so that every triangle of the result knows which exact surface it stands for.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import manifold3d
@@ -49,6 +49,31 @@ def body_of_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Body:
         tri_verts=np.array(triangles, dtype=np.uint64, order="C"),
     )
     return _unlabeled(_closed(manifold3d.Manifold(mesh)))
+
+
+def body_of_field(field: Callable[[Floats], Floats], low: Floats, high: Floats, step: float) -> Body:
+    """The body where a field, asked at (n, 3) places, is negative, between two (3,) corners [mm].
+
+    It is asked on a grid of `step` [mm], and taken for linear between its nodes along each axis.
+    """
+    count = np.ceil((high - low) / step).astype(int) + 2
+    axes = [low[k] + step * np.arange(count[k]) for k in range(3)]
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    heights: Any = field(nodes.reshape(-1, 3)).reshape(count).tolist()  # lists, for they are read one by one
+    x0, y0, z0 = low.tolist()
+
+    def inward(x: float, y: float, z: float) -> float:
+        u, v, w = (x - x0) / step, (y - y0) / step, (z - z0) / step
+        i, j, k = int(u), int(v), int(w)
+        u, v, w = u - i, v - j, w - k
+        sides = []
+        for row in (heights[i], heights[i + 1]):
+            near, far = row[j], row[j + 1]
+            at_near, at_far = near[k] + w * (near[k + 1] - near[k]), far[k] + w * (far[k + 1] - far[k])
+            sides.append(at_near + v * (at_far - at_near))
+        return float(u * (sides[0] - sides[1]) - sides[0])
+
+    return _unlabeled(_closed(manifold3d.Manifold.level_set(inward, [*low, *high], step)))
 
 
 def body_of_labels(
