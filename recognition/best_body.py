@@ -3,7 +3,8 @@
 First all faces as they are.  A body that nothing closes is cut off at the last contacts.  Where the faces still
 leave none, as when a narrow edge was read as a cone, the round face with the fewest contacts is left out, and the
 rest is tried again; flat faces are not.  Walls that were only inferred are left out where most contacts lie off
-the body, or faces that were felt bound no side of it.  Where most lie off it still, their hull takes its place.
+the body, or faces that were felt bound no side of it.  Where most lie off it still, their hull takes its place;
+where a smooth surface lies much nearer, that does.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from primitives.fit import Fit, fit
 from primitives.plate import Plate
 from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import CutOffConfig, cut_off
+from recognition.freeform import freeform, unfelt
 from recognition.hulled import BETTER, MOST, all_on_hull, hulled, mean_distance, off_body
 from recognition.open_sides import ALONG, open_ended, open_ways
 
@@ -32,6 +34,8 @@ _IDLE = 20  # contacts of felt faces that bound nothing, from which walls that n
 _LESS_IDLE = 0.5  # times those, as which fewer must be idle without the walls
 _TAKEN_BACK = 6  # walls that nobody felt, of those that are doubted, at most
 _AS_NEAR = 1.01  # times the mean distance of what was felt from the body, as which it stays with one of them
+_BESIDE = 15.0  # [mm] from all contacts, from which a smooth surface was not felt
+_UNFELT = 0.01  # share of it, from which it does not close the body
 _OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
 
 
@@ -51,7 +55,7 @@ class Body:
     felt: tuple[FeltFace, ...]
     ends: tuple[FeltFace, ...] = ()  # that nobody felt, where the body is cut off
     left_out: tuple[FeltFace, ...] = ()
-    hulled: bool = False  # whether it is the hull of all contacts, and no face its own
+    faceless: bool = False  # whether it is made of all contacts, and much of it lies on none
 
     def told(self) -> list[str]:
         """What was left out and where it is cut off, in words."""
@@ -71,8 +75,8 @@ class Body:
     def whole(self) -> bool:
         """Whether its faces close it."""
         if isinstance(self.assembly, NotClosed):
-            return not self.hulled
-        return not self.cut and not self.hulled and not open_ways(self.assembly)
+            return not self.faceless
+        return not self.cut and not self.faceless and not open_ways(self.assembly)
 
     @property
     def cut(self) -> tuple[FeltFace, ...]:
@@ -116,8 +120,11 @@ def best_body(
         sooner = replace(_ended(bare, body.felt, make, most), left_out=body.left_out)
         nearer = reach_past(sooner.assembly, contacts) < reach_past(body.assembly, contacts)
         body = sooner if nearer else body
-    hull = hulled(body.felt, contacts, body.assembly, free)
-    return body if hull is None else Body(hull, body.felt, (), body.left_out, True)
+    if (hull := hulled(body.felt, contacts, body.assembly, free)) is not None:
+        body = Body(hull, body.felt, (), body.left_out, True)
+    if (smooth := freeform(body.felt, contacts, body.assembly, free)) is not None:
+        body = Body(smooth, body.felt, (), body.left_out, unfelt(smooth.solid, places, _BESIDE) > _UNFELT)
+    return body
 
 
 def _is_guessed(face: FeltFace) -> bool:

@@ -55,7 +55,7 @@ def hulled(
     before, lacks = off_body(body, felt), _in_pieces(body) and in_air(body, felt) > _LACKS
     if len(felt) < _LEAST or not faces or (before < MOST and not lacks):
         return None
-    hull = _hull(felt)
+    hull = hull_of(felt)
     if hull is None or _emptied(np.array(hull.points), free) > (_FULL if lacks else _EMPTY):
         return None
     fits = tuple(outward(fit) for fit in fits_of_touches(faces))
@@ -76,7 +76,7 @@ def hulled(
 
 def all_on_hull(felt: Floats) -> bool:
     """Whether nearly all of (n, 3) felt places lie on their hull, as those of a convex object do."""
-    hull = _hull(felt) if len(felt) >= _LEAST else None
+    hull = hull_of(felt) if len(felt) >= _LEAST else None
     if hull is None:
         return False
     away = Solid.from_csg(hull).signed_distance(felt)
@@ -119,7 +119,7 @@ def _emptied(corners: Floats, free: Floats | None) -> float:
     return float(np.mean(cKDTree(free).query(some)[0] < _BESIDE)) if len(some) else 0.0
 
 
-def _hull(felt: Floats) -> Polyhedron | None:
+def hull_of(felt: Floats) -> Polyhedron | None:
     """Of the outermost of the places that a coarse grid tells apart."""
     try:
         corners = felt[ConvexHull(felt).vertices]

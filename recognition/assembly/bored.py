@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from models.csg import Cylinder as Bar
 from primitives.arrays import Floats
 from primitives.evidence import NOT_FELT
@@ -17,6 +19,7 @@ from recognition.assembly.given import FittedFace
 from recognition.assembly.made import Body
 from recognition.assembly.piece import Piece
 
+_LEFT = np.pi  # [rad] round its axis, that at most no contact of a hole lies in
 BORED = "a round hole is taken out of a body that its wall bounds no side of"
 _ROWS = 0.3  # of the length of a hole's contacts, that a wall which nobody felt goes on past them
 _PAST = 1.0  # [mm] that any does
@@ -27,8 +30,9 @@ _STRAYING = 0.002  # share of all contacts that may
 def bored(body: Body, faces: Sequence[FittedFace], shapes: Sequence[Shape], felt: Floats) -> Body:
     """A body less the round holes among the faces, whose `shapes` these are; (n, 3) places were `felt`."""
     for number, (face, shape) in enumerate(zip(faces, shapes, strict=True)):
-        if face.fit.convex or not isinstance(shape, Cylinder) or not len(face.contacts):
+        if not is_hole(shape, face):
             continue
+        assert isinstance(shape, Cylinder)
         along = (face.contacts.points - shape.anchor) @ shape.direction
         low, high = float(along.min()), float(along.max())
         guessed = not (face.contacts.touch != NOT_FELT).any()
@@ -41,3 +45,13 @@ def bored(body: Body, faces: Sequence[FittedFace], shapes: Sequence[Shape], felt
         less = body.less(piece) if inside <= _STRAYING * len(felt) else None
         body = body if less is None else less
     return body
+
+
+def is_hole(shape: Shape, face: FittedFace) -> bool:
+    """Whether it is the wall of a round hole, and no hollow as between two fingers: its contacts go round."""
+    if face.fit.convex or not isinstance(shape, Cylinder) or not len(face.contacts):
+        return False
+    across = (face.contacts.points - shape.anchor) @ frame_along(shape.direction)[:, :2]
+    turns = np.sort(np.arctan2(across[:, 1], across[:, 0]))
+    gaps = np.diff(turns, append=turns[0] + 2.0 * np.pi)
+    return bool(gaps.max() < _LEFT)

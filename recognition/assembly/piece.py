@@ -22,7 +22,7 @@ _ROUND = 1.0  # [mm] open sides end at a multiple of this
 class Piece:
     """One primitive, and which surface made each of its sides."""
 
-    kind: str  # "cube", "cylinder", "cone", "sphere", "torus", "prism" or "polyhedron"
+    kind: str  # "cube", "cylinder", "cone", "sphere", "torus", "prism", "polyhedron" or "mesh"
     operation: str  # "intersect" or "add", or "subtract" for a hole
     solid: Csg  # centered, axis along z
     world_from_piece: Floats  # (4, 4)

@@ -36,11 +36,11 @@ def crumpled(radius=40.0):
 
 def test_most_contacts_off_the_faces_make_their_hull_the_body():
     body = best_body([side(way) for way in AXES], BOX, None, 15.0, crumpled())
-    assert body.hulled
+    assert body.faceless
     assert not body.whole
     assert "hull" in body.assembly.warnings[0]
     inside = np.array(np.meshgrid(*[np.arange(-28.0, 29.0, 4.0)] * 3)).reshape(3, -1).T
-    assert not best_body([side(way) for way in AXES], BOX, inside, 15.0, crumpled()).hulled  # a shell
+    assert not best_body([side(way) for way in AXES], BOX, inside, 15.0, crumpled()).faceless  # a shell
     assert 0.85 < body.assembly.solid.volume / (4.0 / 3.0 * np.pi * 40.0**3) < 1.0
 
 
@@ -68,7 +68,7 @@ def test_a_wall_that_was_only_inferred_may_not_cut_away_what_was_felt(monkeypatc
     monkeypatch.setattr(best_body_module, "_of_faces", misled)
     body = best_body([*faces, wall], BOX, None, 15.0)
     assert abs(body.assembly.solid.volume - 64000.0) < 10.0
-    assert not body.hulled
+    assert not body.faceless
 
 
 def test_a_body_in_pieces_with_nothing_under_many_contacts_is_their_hull():

@@ -1,0 +1,218 @@
+"""A smooth body through all that was felt, where faces tell too little of it: a mesh, and marked as one.
+
+An egg, a grip or a gourd has no face that is a plane, a cylinder, a cone, a sphere or a torus.  What is bounded by
+such ones then lies off most contacts, and their hull lies off those in hollows.  A smooth surface through contacts
+and their normals (`primitives.implicit_surface`) is held against contacts that it was not made of: whole touches
+are kept apart, and it is taken where it lies much nearer these than the body of faces.  Of faces that nothing
+reaches past, as the bottom of what stands on one, and of round holes, the exact surfaces are kept.  Ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+from scipy.spatial import cKDTree
+
+from models.body import LabeledSurface
+from models.csg import Cube, Polyhedron
+from models.solid import TOLERANCE, Solid
+from primitives.arrays import Bools, Floats
+from primitives.errors import PalpateError
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.implicit_surface import ImplicitSurface, implicit_surface, spread
+from primitives.pose import frame_along, pose
+from primitives.shapes import Plane, Shape
+from primitives.touch_errors import fits_of_touches
+from recognition.assembly import Assembly, NotClosed
+from recognition.assembly.bored import bored, is_hole
+from recognition.assembly.given import FittedFace, outward
+from recognition.assembly.made import Body
+from recognition.assembly.piece import Piece, tree_of
+from recognition.assembly.regularities import regularize
+from recognition.hulled import hull_of
+
+_SHARE = 75.0  # per cent of the contacts, whose distance from a body speaks for all
+_OFF = 0.12  # [mm] from a body, from which it is looked for
+_BETTER = 0.5  # times the distance from the body, as which contacts kept apart must be nearer
+_LEAST = 60  # contacts with normals
+_APART = 5  # every so many of the touches is kept apart
+_MOST = 800  # contacts that it is made of
+_COARSE = 20_000  # contacts that these are chosen of
+_SIGMA, _LEAN = 0.05, 0.02  # [mm] and [rad] that no contact is better than
+_ROUND = 3.0  # [mm] round all contacts that it may reach
+_STEPS = 40  # along the longest side
+_SMOOTH = 0.08  # [mm] that corners of the mesh are moved by, to have fewer
+_FARTHEST = 0.5  # [mm] that its corners are moved onto the surface
+_BULGE = 0.1  # of its volume, that may lie outside the hull of all contacts
+_FAR = 0.25  # of the longest side: what of the surface is farther from all contacts is a guess
+_GUESSED = 0.05  # share of it that may be
+_CRUMB = 0.02  # of the volume, that may lie in pieces apart
+_AT_ONCE = 200  # empty places that lie inside, and places of flat faces outside, that are told at a time
+_TOLD_AGAIN = 3  # times they are
+_INSIDE = 1.0  # [mm] on the other side, that they are told to be
+_SUPPORT = 0.3  # [mm] past a face that nothing reaches past
+_FEW = 0.005  # share of the contacts that may
+_FLAT = 12  # contacts of such a face, at least
+
+_TOLD = "what was felt bends as no face that has a name; the body is a smooth mesh through all contacts"
+
+
+def freeform(
+    faces: Sequence[FittedFace], contacts: Contacts, body: Assembly | NotClosed, free: Floats | None = None
+) -> Assembly | None:
+    """The smooth body, where contacts kept apart tell that it is much nearer; None where the body is to be kept.
+
+    A hull is made of the same contacts, and kept where it lies nearer those kept apart.  Nothing is at (n, 3)
+    places `free` [mm].
+    """
+    felt = contacts.select((contacts.touch != NOT_FELT) & contacts.has_normal)
+    is_hull = not isinstance(body, NotClosed) and body.pieces[0].kind == "polyhedron"
+    if len(felt) < _LEAST or (not is_hull and _away(body, felt.points) < _OFF):
+        return None
+    fits = tuple(outward(fit) for fit in fits_of_touches(faces))
+    flat = [k for k, fit in enumerate(fits) if _supports(fit.shape, faces[k], felt.points)]
+    sharp = flat + [k for k, fit in enumerate(fits) if is_hole(fit.shape, faces[k])]
+    smooth = felt.select(~_of_faces(felt, [faces[k] for k in sharp]))
+    apart = _kept_apart(smooth)
+    if len(smooth) < _LEAST or not apart.any() or apart.all():
+        return None
+    try:
+        tried = _through(smooth.select(~apart))
+        away = float(np.percentile(np.abs(tried.values(smooth.points[apart])), _SHARE))
+        if away > _to_beat(body, is_hull, smooth, apart):
+            return None
+        cut = felt.points[_of_faces(felt, [faces[k] for k in flat])]
+        mesh = _meshed(smooth, felt.points, cut, free)
+    except PalpateError:
+        return None
+    if mesh is None:
+        return None
+    shapes = regularize(fits)
+    leaf = Polyhedron(tuple(map(tuple, mesh.vertices.tolist())), tuple(map(tuple, mesh.triangles.tolist())))
+    piece = Piece("mesh", "add", leaf, np.eye(4), None, ())
+    made = Body((piece,), Solid.from_csg(piece.placed), TOLERANCE)
+    for k in flat:
+        made = made.less(_beyond(k, shapes.shapes[k], mesh)) or made
+    made = bored(made, faces, shapes.shapes, felt.points)
+    if not _is_felt(made.solid, felt.points):
+        return None
+    on = {i for cut in made.pieces for i in cut.surfaces}
+    speaker = tuple(i if i in on else None for i in range(len(fits)))
+    told = (
+        f"{_TOLD}; contacts kept apart lie within {away:.2f} mm of it",
+        *(p.why for p in made.pieces if p.why),
+    )
+    return Assembly(fits, shapes, speaker, made.pieces, tree_of(made.pieces), _marked(made.solid), told)
+
+
+def unfelt(body: Solid, felt: Floats, near: float) -> float:
+    """Share of a body's surface that is farther than `near` [mm] from all (n, 3) felt places."""
+    middles, areas = body.vertices[body.triangles].mean(axis=1), body.body.triangle_areas
+    return float(areas[cKDTree(felt).query(middles)[0] > near].sum() / areas.sum())
+
+
+def _away(body: Assembly | NotClosed, points: Floats) -> float:
+    """[mm] from a body, within which most of (n, 3) points are; without end where there is none."""
+    if isinstance(body, NotClosed):
+        return np.inf
+    return float(np.percentile(np.abs(body.solid.signed_distance(points)), _SHARE))
+
+
+def _to_beat(body: Assembly | NotClosed, is_hull: bool, smooth: Contacts, apart: Bools) -> float:
+    """[mm] within which most contacts that are kept apart must lie."""
+    if is_hull and (hull := hull_of(smooth.points[~apart])) is not None:
+        off = np.abs(Solid.from_csg(hull).signed_distance(smooth.points[apart]))
+        return float(np.percentile(off, _SHARE))
+    return _OFF if isinstance(body, NotClosed) else _BETTER * _away(body, smooth.points[apart])
+
+
+def _supports(shape: Shape, face: FittedFace, felt: Floats) -> bool:
+    """Whether it is a flat face, felt, that no more than strays of (n, 3) felt places reach past."""
+    if not isinstance(shape, Plane) or (face.contacts.touch != NOT_FELT).sum() < _FLAT:
+        return False
+    return bool(np.mean((felt - shape.origin) @ shape.normal > _SUPPORT) < _FEW)
+
+
+def _of_faces(felt: Contacts, faces: Sequence[FittedFace]) -> Bools:
+    """(n,) which contacts are those of faces."""
+    own = {place.tobytes() for face in faces for place in face.contacts.points}
+    return np.array([place.tobytes() in own for place in felt.points], dtype=np.bool_)
+
+
+def _kept_apart(felt: Contacts) -> Bools:
+    """(n,) which contacts are kept apart: those of some touches, or some of a cloud's."""
+    names, touch = np.unique(felt.touch, return_inverse=True)
+    lot = touch if len(names) >= 2 * _APART else np.arange(len(felt))
+    return np.asarray(lot % _APART == 0)
+
+
+def _through(
+    felt: Contacts, elsewhere: Floats | None = None, outside: Floats | None = None
+) -> ImplicitSurface:
+    """The surface through the contacts that are spread the widest."""
+    rows = np.arange(len(felt))
+    if len(rows) > _COARSE:
+        rows = np.random.default_rng(0).permutation(len(rows))[:_COARSE]
+    kept = felt.select(rows[spread(felt.points[rows], _MOST)])
+    sigma, lean = np.maximum(kept.sigma, _SIGMA), np.maximum(kept.normal_sigma, _LEAN)
+    return implicit_surface(kept.points, kept.normals, sigma, lean, elsewhere, outside)
+
+
+def _meshed(smooth: Contacts, felt: Floats, cut: Floats, free: Floats | None) -> Solid | None:
+    """The body inside the surface through smooth contacts; None where it is none.
+
+    (n, 3) places were `felt`; the faces of (m, 3) of them will `cut` it, and (k, 3) `free` ones are empty.
+    """
+    low, high = felt.min(axis=0) - _ROUND, felt.max(axis=0) + _ROUND
+    sides = [(cut, -_INSIDE)] if free is None else [(cut, -_INSIDE), (free, _INSIDE)]
+    surface, told, away = _through(smooth), [np.empty((0, 3))], [np.empty(0)]
+    for _ in range(_TOLD_AGAIN):
+        wrong = [(places[np.sign(side) * surface.values(places) < 0.0], side) for places, side in sides]
+        for places, side in wrong:
+            told.append(places[spread(places, _AT_ONCE)])
+            away.append(np.full(len(told[-1]), side))
+        if not any(len(places) for places, _ in wrong):
+            break
+        surface = _through(smooth, np.concatenate(told), np.concatenate(away))
+    whole = _settled(Solid.from_field(surface.values, low, high, float((high - low).max()) / _STEPS), surface)
+    whole = whole.simplified(_SMOOTH)
+    largest = whole.largest_part()
+    return largest if whole.volume - largest.volume < _CRUMB * largest.volume else None
+
+
+def _settled(solid: Solid, surface: ImplicitSurface) -> Solid:
+    """The same, its corners moved onto a surface that they lie near."""
+    mesh = trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
+    away = np.clip(surface.values(solid.vertices), -_FARTHEST, _FARTHEST)
+    return Solid.from_mesh(solid.vertices - away[:, None] * mesh.vertex_normals, solid.triangles)
+
+
+def _is_felt(body: Solid, felt: Floats) -> bool:
+    """Whether a body's surface lies among (n, 3) felt places, and not past them."""
+    hull = hull_of(felt)
+    if hull is None or unfelt(body, felt, _FAR * float(np.ptp(felt, axis=0).max())) > _GUESSED:
+        return False
+    return body.volume - body.shared_volume(Solid.from_csg(hull)) < _BULGE * body.volume
+
+
+def _beyond(number: int, plane: Shape, mesh: Solid) -> Piece:
+    """What takes away all past a flat face."""
+    assert isinstance(plane, Plane)
+    wide = 2.0 * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    middle = mesh.vertices.mean(axis=0)
+    foot = middle - float((middle - plane.origin) @ plane.normal) * plane.normal
+    where = pose(frame_along(plane.normal), foot + 0.5 * wide * plane.normal)
+    return Piece(
+        "cube", "subtract", Cube((wide, wide, wide)), where, None, ((None, None),) * 2 + ((number, None),)
+    )
+
+
+def _marked(solid: Solid) -> Solid:
+    """The same, the triangles of the mesh, its first leaf, standing for themselves: one freeform face."""
+    others = [k for k, surface in enumerate(solid.surfaces) if surface.leaf != 0]
+    place = np.zeros(len(solid.surfaces), dtype=np.int64)
+    place[others] = np.arange(1, len(others) + 1)
+    surfaces = (LabeledSurface(None, True, 0), *(solid.surfaces[k] for k in others))
+    return Solid.from_labeled(solid.vertices, solid.triangles, place[solid.face_of_triangle], surfaces)

@@ -1,0 +1,108 @@
+"""A smooth body through all that was felt, where faces tell too little of it."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from models.solid import Solid, iou
+from primitives.evidence import NOT_FELT, Contacts
+from primitives.fit import fit
+from recognition.assembly import NotClosed
+from recognition.assembly.described import describe_primitives, link
+from recognition.best_body import FeltFace, best_body
+from recognition.freeform import freeform
+
+BOX = np.array([[-100.0] * 3, [100.0] * 3])
+AXES = np.array([45.0, 32.0, 25.0])
+NOTHING = NotClosed("no face was felt")
+
+
+def ways(count, seed=0):
+    rows = np.random.default_rng(seed).normal(size=(count, 3))
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+
+
+def egg(count=600, seed=0, noise=0.03, semi=AXES):
+    """Contacts on an ellipsoid, six of each touch."""
+    points = semi * ways(count, seed)
+    normals = points / semi**2
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    off = noise * np.random.default_rng(seed + 1).normal(size=(count, 1))
+    return Contacts.of(points + off * normals, normals, noise, 0.02, touch=np.arange(count) // 6)
+
+
+def ellipsoid(semi=AXES):
+    points = semi * ways(20_000, 7)
+    hull = ConvexHull(points)
+    a, b, c = np.moveaxis(points[hull.simplices], 1, 0)
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a) < 0
+    return Solid.from_mesh(points, np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices))
+
+
+def bottom(below=-10.0):
+    steps = np.linspace(-0.85, 0.85, 9)
+    points = np.array([[45.0 * x, 32.0 * y, below] for x in steps for y in steps if np.hypot(x, y) < 0.9])
+    felt = Contacts.of(points, np.tile([0.0, 0.0, -1.0], (len(points), 1)), 0.01, 0.005, touch=1000)
+    return FeltFace(fit("plane", felt), felt)
+
+
+def test_an_ellipsoid_is_one_freeform_face():
+    body = best_body([], BOX, None, 15.0, egg())
+    assert body.whole
+    assert iou(body.assembly.solid, ellipsoid()) > 0.99
+    boundary = link(body.assembly)
+    assert [face.shape for face in boundary.brep.faces] == [None]
+    assert [entry["kind"] for entry in describe_primitives(body.assembly)] == ["mesh"]
+    assert "smooth mesh" in body.assembly.warnings[0]
+
+
+def test_what_half_of_was_never_felt_closes_no_body():
+    contacts = egg()
+    upper = contacts.select(contacts.points[:, 2] > 2.0)
+    assert isinstance(best_body([], BOX, None, 15.0, upper).assembly, NotClosed)
+
+
+def test_a_flat_bottom_stays_flat():
+    contacts = egg()
+    upper = contacts.select(contacts.points[:, 2] > -8.0)
+    flat = bottom()
+    body = best_body([flat], BOX, None, 15.0, upper)
+    assert body.whole
+    assert [piece.kind for piece in body.assembly.pieces] == ["mesh", "cube"]
+    assert abs(body.assembly.solid.bounds[0, 2] + 10.0) < 0.02
+    kinds = [face.shape and face.shape.kind for face in link(body.assembly).brep.faces]
+    assert sorted(map(str, kinds)) == ["None", "plane"]
+    assert body.assembly.surface_of_fit == (0,)
+    capped = 1.0 - 10.0 / 25.0 - (1.0 - (10.0 / 25.0) ** 3) / 3.0  # of the half below, past the bottom
+    assert abs(body.assembly.solid.volume / (np.pi * np.prod(AXES) * (4.0 / 3.0 - capped)) - 1.0) < 0.01
+
+
+def test_nothing_is_where_an_array_went():
+    waist = egg(semi=np.array([20.0, 20.0, 45.0]))
+    ends = waist.select(np.abs(waist.points[:, 2]) > 15.0)
+    round_it = np.array(
+        [[16.0 * np.cos(t), 16.0 * np.sin(t), z] for t in np.arange(0, 6.2, 0.3) for z in (-5, 0, 5)]
+    )
+    full = freeform([], ends, NOTHING)
+    less = freeform([], ends, NOTHING, round_it)
+    assert full.solid.signed_distance(round_it).max() < -1.0
+    assert less.solid.signed_distance(round_it).min() > -0.5
+
+
+def test_what_is_explained_or_was_not_felt_has_none():
+    contacts = egg()
+    body = best_body([], BOX, None, 15.0, contacts).assembly
+    assert freeform([], contacts, body) is None
+    assert freeform([], replace(contacts, touch=np.full(len(contacts), NOT_FELT)), NOTHING) is None
+    bare = Contacts.of(contacts.points, sigma=0.03, touch=contacts.touch)
+    assert freeform([], bare, NOTHING) is None
+
+
+def test_the_hull_of_sharp_facets_is_kept():
+    facing, places = ways(12, 5), ways(900, 6)
+    reach, face = 30.0 / (places @ facing.T).max(axis=1), (places @ facing.T).argmax(axis=1)
+    contacts = Contacts.of(reach[:, None] * places, facing[face], 0.01, 0.01, touch=np.arange(900) // 6)
+    sides = [FeltFace(fit("plane", own), own) for k in range(2) for own in [contacts.select(face == k)]]
+    body = best_body(sides, BOX, None, 15.0, contacts.select(face > 1))
+    assert [piece.kind for piece in body.assembly.pieces] == ["polyhedron"]
