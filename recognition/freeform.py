@@ -10,10 +10,12 @@ reaches past, as the bottom of what stands on one, and of round holes, the exact
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
+from scipy.stats import norm
 
 from models.body import LabeledSurface
 from models.csg import Cube, Polyhedron
@@ -34,10 +36,11 @@ from recognition.assembly.regularities import regularize
 from recognition.hulled import hull_of
 
 _SHARE = 75.0  # per cent of the contacts, whose distance from a body speaks for all
-_OFF = 0.12  # [mm] from a body, from which it is looked for
+_NEAR = 0.12  # [mm] from a body, from which it is looked for
 _BETTER = 0.5  # times the distance from the body, as which contacts kept apart must be nearer
+_GENERAL, _LITTLE = 1.5, 0.1  # times the distance of its own contacts, and [mm] more, that they may be
 _LEAST = 60  # contacts with normals
-_APART = 5  # every so many of the touches is kept apart
+_FOLDS = 4  # lots that contacts are parted in, each kept apart once
 _MOST = 800  # contacts that it is made of
 _COARSE = 20_000  # contacts that these are chosen of
 _SIGMA, _LEAN = 0.05, 0.02  # [mm] and [rad] that no contact is better than
@@ -54,7 +57,7 @@ _TOLD_AGAIN = 3  # times they are
 _INSIDE = 1.0  # [mm] on the other side, that they are told to be
 _SUPPORT = 0.3  # [mm] past a face that nothing reaches past
 _FEW = 0.005  # share of the contacts that may
-_FLAT = 12  # contacts of such a face, at least
+_FLAT = 3  # touches of such a face, at least
 
 _TOLD = "what was felt bends as no face that has a name; the body is a smooth mesh through all contacts"
 
@@ -68,42 +71,63 @@ def freeform(
     places `free` [mm].
     """
     felt = contacts.select((contacts.touch != NOT_FELT) & contacts.has_normal)
-    is_hull = not isinstance(body, NotClosed) and body.pieces[0].kind == "polyhedron"
-    if len(felt) < _LEAST or (not is_hull and _away(body, felt.points) < _OFF):
-        return None
-    fits = tuple(outward(fit) for fit in fits_of_touches(faces))
-    flat = [k for k, fit in enumerate(fits) if _supports(fit.shape, faces[k], felt.points)]
-    sharp = flat + [k for k, fit in enumerate(fits) if is_hole(fit.shape, faces[k])]
+    flat = [k for k, face in enumerate(faces) if _supports(face, felt.points)]
+    sharp = flat + [k for k, face in enumerate(faces) if is_hole(face.fit.shape, face)]
     smooth = felt.select(~_of_faces(felt, [faces[k] for k in sharp]))
-    apart = _kept_apart(smooth)
-    if len(smooth) < _LEAST or not apart.any() or apart.all():
+    if len(smooth) < _LEAST or (off := _off(body, smooth)) is None:
         return None
     try:
-        tried = _through(smooth.select(~apart))
-        away = float(np.percentile(np.abs(tried.values(smooth.points[apart])), _SHARE))
-        if away > _to_beat(body, is_hull, smooth, apart):
-            return None
-        cut = felt.points[_of_faces(felt, [faces[k] for k in flat])]
-        mesh = _meshed(smooth, felt.points, cut, free)
+        mesh = _meshed(smooth, felt.points, felt.points[_of_faces(felt, [faces[k] for k in flat])], free)
     except PalpateError:
         return None
-    if mesh is None:
+    made = None if mesh is None else _cut(mesh, faces, flat, felt.points)
+    if made is None or not _is_felt(made.solid, felt.points):
         return None
+    sigma = off / float(norm.ppf(0.5 + 0.005 * _SHARE))
+    told = f"{_TOLD}, known to {sigma:.2f} mm (1 sigma)"
+    return replace(made, warnings=(told, *made.warnings), mesh_sigma=sigma)
+
+
+def _off(body: Assembly | NotClosed, smooth: Contacts) -> float | None:
+    """[mm] that most contacts kept apart lie off the smooth surface, at most; None where that is too far."""
+    is_hull = not isinstance(body, NotClosed) and body.pieces[0].kind == "polyhedron"
+    if not is_hull and _away(body, smooth.points) < _NEAR:
+        return None
+    off, own, hull_off = [], [], []
+    for apart in _folds(smooth):
+        kept = smooth.select(~apart)
+        try:
+            tried = _through(kept)
+        except PalpateError:
+            return None
+        off.append(np.abs(tried.values(smooth.points[apart])))
+        own.append(np.abs(tried.values(kept.points)))
+        if is_hull and (hull := hull_of(kept.points)) is not None:
+            hull_off.append(np.abs(Solid.from_csg(hull).signed_distance(smooth.points[apart])))
+    if not off:
+        return None
+    found = float(np.percentile(np.concatenate(off), _SHARE))
+    if hull_off:
+        most = float(np.percentile(np.concatenate(hull_off), _SHARE))
+    else:
+        spread_own = float(np.percentile(np.concatenate(own), _SHARE))
+        most = min(_GENERAL * spread_own + _LITTLE, _BETTER * _away(body, smooth.points))
+    return found if found < most else None
+
+
+def _cut(mesh: Solid, faces: Sequence[FittedFace], flat: Sequence[int], felt: Floats) -> Assembly:
+    """A smooth body less what is past flat faces, and less the round holes; (n, 3) places were `felt`."""
+    fits = tuple(outward(fit) for fit in fits_of_touches(faces))
     shapes = regularize(fits)
     leaf = Polyhedron(tuple(map(tuple, mesh.vertices.tolist())), tuple(map(tuple, mesh.triangles.tolist())))
     piece = Piece("mesh", "add", leaf, np.eye(4), None, ())
     made = Body((piece,), Solid.from_csg(piece.placed), TOLERANCE)
     for k in flat:
         made = made.less(_beyond(k, shapes.shapes[k], mesh)) or made
-    made = bored(made, faces, shapes.shapes, felt.points)
-    if not _is_felt(made.solid, felt.points):
-        return None
+    made = bored(made, faces, shapes.shapes, felt)
     on = {i for cut in made.pieces for i in cut.surfaces}
     speaker = tuple(i if i in on else None for i in range(len(fits)))
-    told = (
-        f"{_TOLD}; contacts kept apart lie within {away:.2f} mm of it",
-        *(p.why for p in made.pieces if p.why),
-    )
+    told = tuple(cut.why for cut in made.pieces if cut.why)
     return Assembly(fits, shapes, speaker, made.pieces, tree_of(made.pieces), _marked(made.solid), told)
 
 
@@ -120,17 +144,13 @@ def _away(body: Assembly | NotClosed, points: Floats) -> float:
     return float(np.percentile(np.abs(body.solid.signed_distance(points)), _SHARE))
 
 
-def _to_beat(body: Assembly | NotClosed, is_hull: bool, smooth: Contacts, apart: Bools) -> float:
-    """[mm] within which most contacts that are kept apart must lie."""
-    if is_hull and (hull := hull_of(smooth.points[~apart])) is not None:
-        off = np.abs(Solid.from_csg(hull).signed_distance(smooth.points[apart]))
-        return float(np.percentile(off, _SHARE))
-    return _OFF if isinstance(body, NotClosed) else _BETTER * _away(body, smooth.points[apart])
+def _supports(face: FittedFace, felt: Floats) -> bool:
+    """Whether it is a flat face that no more than strays of (n, 3) felt places reach past.
 
-
-def _supports(shape: Shape, face: FittedFace, felt: Floats) -> bool:
-    """Whether it is a flat face, felt, that no more than strays of (n, 3) felt places reach past."""
-    if not isinstance(shape, Plane) or (face.contacts.touch != NOT_FELT).sum() < _FLAT:
+    One pad lies flat on the top of any bulge; so it takes a few touches.
+    """
+    shape, touches = face.fit.shape, np.unique(face.contacts.touch)
+    if not isinstance(shape, Plane) or (touches != NOT_FELT).sum() < _FLAT:
         return False
     return bool(np.mean((felt - shape.origin) @ shape.normal > _SUPPORT) < _FEW)
 
@@ -141,11 +161,11 @@ def _of_faces(felt: Contacts, faces: Sequence[FittedFace]) -> Bools:
     return np.array([place.tobytes() in own for place in felt.points], dtype=np.bool_)
 
 
-def _kept_apart(felt: Contacts) -> Bools:
-    """(n,) which contacts are kept apart: those of some touches, or some of a cloud's."""
+def _folds(felt: Contacts) -> list[Bools]:
+    """(n,) which contacts are kept apart, a few times: whole touches, or single ones where few are told."""
     names, touch = np.unique(felt.touch, return_inverse=True)
-    lot = touch if len(names) >= 2 * _APART else np.arange(len(felt))
-    return np.asarray(lot % _APART == 0)
+    lot = touch if len(names) >= 2 * _FOLDS else np.arange(len(felt))
+    return [np.asarray(lot % _FOLDS == k) for k in range(_FOLDS)]
 
 
 def _through(

@@ -37,6 +37,7 @@ from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.grain import Grain
+from primitives.implicit_surface import implicit_surface
 from primitives.shapes import Plane
 from primitives.soft_outlines import sharpened
 from recognition.assembly.lists import Target
@@ -114,6 +115,8 @@ def touch_mesh(folder: Path) -> None:
 def the_rest(folder: Path) -> None:
     """What neither exploring nor tracking calls."""
     Grain().at(np.zeros((1, 3)))
+    poles = np.concatenate([np.eye(3), -np.eye(3)])
+    implicit_surface(poles, poles, np.ones(6), np.ones(6)).values(poles)
     distance_field(Solid.from_csg(Sphere(10.0))).signed_distance(np.zeros((1, 3)))
     match_once()
     KinematicChain.gantry().reach(np.eye(4), np.ones(6))

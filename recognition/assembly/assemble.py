@@ -62,6 +62,7 @@ class Assembly:
     tree: Csg  # in the world
     solid: Solid  # of the tree
     warnings: tuple[str, ...]
+    mesh_sigma: float | None = None  # [mm] standard deviation of a freeform surface along its normal
 
     def __bool__(self) -> bool:
         return True

@@ -21,7 +21,7 @@ from primitives.pose import quaternion_wxyz
 from primitives.shapes import Plane, Shape
 from recognition.assembly.assemble import Assembly
 from recognition.assembly.piece import Piece
-from recognition.assembly.uncertainty import face_sigma, piece_sigma
+from recognition.assembly.uncertainty import Sigma, face_sigma, piece_sigma
 
 _FINEST = 1e-4  # [mm] no size is known better than this
 _DIRECTIONS = "parallel", "perpendicular"  # relations of directions
@@ -56,7 +56,7 @@ def describe_faces(assembly: Assembly, boundary: LinkedBoundary) -> list[dict[st
     """`faces`, each with its status and the deviations of its parameters."""
     out = []
     for face, fit in zip(boundary.brep.faces, boundary.fit_of_face, strict=True):
-        sigma: dict[str, float] = {}
+        sigma = _of_mesh(assembly) if face.shape is None else {}
         if fit is not None:
             sigma = face_sigma(assembly.shape(fit), assembly.regularized.covariance_of(fit))
         out.append(face.as_json() | {"status": boundary.face_status(face.id), "sigma": sigma})
@@ -128,7 +128,7 @@ def describe_piece(piece: Piece, operation: str, assembly: Assembly) -> dict[str
             "quaternion_wxyz": quaternion_wxyz(piece.world_from_piece).tolist(),
         },
         "extent_mm": _size(piece),
-        "sigma": piece_sigma(piece, assembly.regularized),
+        "sigma": _piece_sigma(piece, assembly),
     }
     if isinstance(piece.solid, ConeSolid):
         entry["top_radius_mm"] = piece.solid.top_radius
@@ -136,12 +136,23 @@ def describe_piece(piece: Piece, operation: str, assembly: Assembly) -> dict[str
     return entry
 
 
+def _piece_sigma(piece: Piece, assembly: Assembly) -> Sigma:
+    if piece.kind == "mesh":
+        return {"extent_mm": [], **_of_mesh(assembly)}
+    return piece_sigma(piece, assembly.regularized)
+
+
+def _of_mesh(assembly: Assembly) -> dict[str, float]:
+    """The deviation of a freeform surface, where it is known."""
+    return {} if assembly.mesh_sigma is None else {"surface_mm": assembly.mesh_sigma}
+
+
 def written_tree(assembly: Assembly) -> Csg:
     """The tree in the digits that its best known size supports, for a person to read and edit."""
     known = [
         sigma
         for piece in assembly.pieces
-        for sigma in _numbers(piece_sigma(piece, assembly.regularized).values())
+        for sigma in _numbers(_piece_sigma(piece, assembly).values())
         if sigma > 0.0
     ]
     return rounded_whole(assembly.tree, max(min(known, default=_FINEST), _FINEST))

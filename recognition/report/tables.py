@@ -195,7 +195,7 @@ FACES: tuple[Column, ...] = (
     ("Shape", False, lambda f: swatch(str(f["shape"])) + escape(str(f["shape"]))),
     ("Status", False, _state),
     ("Extent, mm", True, lambda f: _lengths(f.get("extent_mm"))),
-    ("Place ±, mm", True, lambda f: _sigma(f, "origin_mm")),
+    ("Place ±, mm", True, lambda f: _sigma(f, "origin_mm") or _sigma(f, "surface_mm")),
     ("Axis ±, °", True, lambda f: _sigma(f, "axis_deg")),
     ("Radius, mm", True, lambda f: _with_sigma(f, "radius_mm", 3)),
     ("Semi-angle, °", True, lambda f: _with_sigma(f, "semi_angle_deg", 2)),
