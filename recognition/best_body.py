@@ -122,7 +122,8 @@ def best_body(
         body = sooner if nearer else body
     if (hull := hulled(body.felt, contacts, body.assembly, free)) is not None:
         body = Body(hull, body.felt, (), body.left_out, True)
-    if (smooth := freeform(body.felt, contacts, body.assembly, free)) is not None:
+    smooth = freeform(body.felt, contacts, body.assembly, free, hull is not None)
+    if smooth is not None:
         body = Body(smooth, body.felt, (), body.left_out, unfelt(smooth.solid, places, _BESIDE) > _UNFELT)
     return body
 

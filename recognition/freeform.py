@@ -63,18 +63,22 @@ _TOLD = "what was felt bends as no face that has a name; the body is a smooth me
 
 
 def freeform(
-    faces: Sequence[FittedFace], contacts: Contacts, body: Assembly | NotClosed, free: Floats | None = None
+    faces: Sequence[FittedFace],
+    contacts: Contacts,
+    body: Assembly | NotClosed,
+    free: Floats | None = None,
+    is_hull: bool = False,
 ) -> Assembly | None:
     """The smooth body, where contacts kept apart tell that it is much nearer; None where the body is to be kept.
 
-    A hull is made of the same contacts, and kept where it lies nearer those kept apart.  Nothing is at (n, 3)
-    places `free` [mm].
+    The body may be the hull of all contacts: then one of the same contacts is to lie nearer those kept apart.
+    Nothing is at (n, 3) places `free` [mm].
     """
     felt = contacts.select((contacts.touch != NOT_FELT) & contacts.has_normal)
     flat = [k for k, face in enumerate(faces) if _supports(face, felt.points)]
     sharp = flat + [k for k, face in enumerate(faces) if is_hole(face.fit.shape, face)]
     smooth = felt.select(~_of_faces(felt, [faces[k] for k in sharp]))
-    if len(smooth) < _LEAST or (off := _off(body, smooth)) is None:
+    if len(smooth) < _LEAST or (off := _off(body, smooth, is_hull)) is None:
         return None
     try:
         mesh = _meshed(smooth, felt.points, felt.points[_of_faces(felt, [faces[k] for k in flat])], free)
@@ -88,9 +92,8 @@ def freeform(
     return replace(made, warnings=(told, *made.warnings), mesh_sigma=sigma)
 
 
-def _off(body: Assembly | NotClosed, smooth: Contacts) -> float | None:
+def _off(body: Assembly | NotClosed, smooth: Contacts, is_hull: bool) -> float | None:
     """[mm] that most contacts kept apart lie off the smooth surface, at most; None where that is too far."""
-    is_hull = not isinstance(body, NotClosed) and body.pieces[0].kind == "polyhedron"
     if not is_hull and _away(body, smooth.points) < _NEAR:
         return None
     off, own, hull_off = [], [], []
@@ -110,8 +113,8 @@ def _off(body: Assembly | NotClosed, smooth: Contacts) -> float | None:
     if hull_off:
         most = float(np.percentile(np.concatenate(hull_off), _SHARE))
     else:
-        spread_own = float(np.percentile(np.concatenate(own), _SHARE))
-        most = min(_GENERAL * spread_own + _LITTLE, _BETTER * _away(body, smooth.points))
+        fitted = float(np.percentile(np.concatenate(own), _SHARE))
+        most = min(_GENERAL * fitted + _LITTLE, _BETTER * _away(body, smooth.points))
     return found if found < most else None
 
 

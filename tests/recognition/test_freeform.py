@@ -12,6 +12,7 @@ from recognition.assembly import NotClosed
 from recognition.assembly.described import describe_primitives, link
 from recognition.best_body import FeltFace, best_body
 from recognition.freeform import freeform
+from recognition.hulled import hulled
 
 BOX = np.array([[-100.0] * 3, [100.0] * 3])
 AXES = np.array([45.0, 32.0, 25.0])
@@ -110,3 +111,10 @@ def test_the_hull_of_sharp_facets_is_kept():
     sides = [FeltFace(fit("plane", own), own) for k in range(2) for own in [contacts.select(face == k)]]
     body = best_body(sides, BOX, None, 15.0, contacts.select(face > 1))
     assert [piece.kind for piece in body.assembly.pieces] == ["polyhedron"]
+
+
+def test_a_hull_is_beaten_by_what_lies_nearer_contacts_kept_apart_and_no_polyhedron_is():
+    contacts = egg(noise=0.005)
+    whole = hulled([bottom()], contacts, NOTHING)
+    assert freeform([], contacts, whole, is_hull=True) is not None
+    assert freeform([], contacts, whole) is None  # as good as what named faces make
