@@ -130,7 +130,10 @@ class Search(Terms):
 
     def labels(self, models: list[Model], start: Ints | None = None) -> Ints:
         """(n,) the face of each contact, as the energy asks."""
-        return labeled(self.unary(models), self.links, start, self.options.labels)
+        return self._labeled(self.unary(models), start)
+
+    def _labeled(self, cost: Floats, start: Ints | None = None) -> Ints:
+        return labeled(cost, self.links, start, self.options.labels)
 
     def refitted(self, models: list[Model], label: Ints, every_kind: bool) -> tuple[list[Model], Ints]:
         """Each face fitted to its contacts anew, those without enough gone; and labels."""
@@ -146,10 +149,9 @@ class Search(Terms):
 
     def thinned(self, models: list[Model], label: Ints | None) -> tuple[list[Model], Ints]:
         """Without the faces whose contacts others explain nearly as well."""
-        label = self.labels(models) if label is None else label
+        cost, n = self.unary(models), np.arange(len(self.single))
+        label = self._labeled(cost) if label is None else label
         while models:
-            cost = self.unary(models)
-            n = np.arange(len(label))
             saved = []
             for k, model in enumerate(models):
                 mine = n[label == k]
@@ -158,8 +160,8 @@ class Search(Terms):
             worst = int(np.argmax(saved))
             if saved[worst] <= 0:
                 return models, label
-            models = [m for k, m in enumerate(models) if k != worst]
-            label = self.labels(models)
+            models, cost = [m for k, m in enumerate(models) if k != worst], np.delete(cost, worst, axis=0)
+            label = self._labeled(cost)
         return models, label
 
     def merged(self, models: list[Model], label: Ints) -> tuple[list[Model], Ints]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from primitives.arrays import Bools, Floats
+from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
 from primitives.shapes import Shape
 
@@ -33,6 +33,12 @@ class Oriented:
 
     def __len__(self) -> int:
         return len(self.contacts)
+
+    def select(self, rows: Ints) -> Oriented:
+        """Those of (k,) rows."""
+        return Oriented(
+            self.contacts.select(rows), self.weight[rows], self.turn_weight[rows], self.felt[rows]
+        )
 
     def chi2(self, shape: Shape, sign: float) -> Floats:
         """(n,) of every contact on one shape; `sign` is -1 where the material is outside."""

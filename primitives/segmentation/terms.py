@@ -101,7 +101,7 @@ class Terms:
         return not isinstance(shape, Cone) or shape.semi_angle > self.options.rank.least_angle
 
     def _misfit(self, shape: Shape, convex: bool, mine: Ints) -> float:
-        return float(self.felt.chi2(shape, 1.0 if convex else -1.0)[mine].sum())
+        return float(self.felt.select(mine).chi2(shape, 1.0 if convex else -1.0).sum())
 
     def best(
         self, mine: Ints, near: list[Model], kinds: Sequence[str], bound: float = np.inf
