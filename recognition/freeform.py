@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from models.body import LabeledSurface
 from models.csg import Cube, Polyhedron
@@ -87,7 +87,7 @@ def freeform(
     made = None if mesh is None else _cut(mesh, faces, flat, felt.points)
     if made is None or not _is_felt(made.solid, felt.points):
         return None
-    sigma = off / float(norm.ppf(0.5 + 0.005 * _SHARE))
+    sigma = off / float(ndtri(0.5 + 0.005 * _SHARE))
     told = f"{_TOLD}, known to {sigma:.2f} mm (1 sigma)"
     return replace(made, warnings=(told, *made.warnings), mesh_sigma=sigma)
 
