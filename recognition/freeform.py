@@ -50,7 +50,8 @@ _SMOOTH = 0.08  # [mm] that corners of the mesh are moved by, to have fewer
 _FARTHEST = 0.5  # [mm] that its corners are moved onto the surface
 _BULGE = 0.1  # of its volume, that may lie outside the hull of all contacts
 _FAR = 0.25  # of the longest side: what of the surface is farther from all contacts is a guess
-_GUESSED = 0.05  # share of it that may be
+_GUESSED = 0.05  # share of it that may be,
+_HIDDEN = 0.5  # or where it stands on what nobody felt
 _CRUMB = 0.02  # of the volume, that may lie in pieces apart
 _AT_ONCE = 200  # empty places that lie inside, and places of flat faces outside, that are told at a time
 _TOLD_AGAIN = 3  # times they are
@@ -75,21 +76,27 @@ def freeform(
     Nothing is at (n, 3) places `free` [mm].
     """
     felt = contacts.select((contacts.touch != NOT_FELT) & contacts.has_normal)
-    flat = [k for k, face in enumerate(faces) if _supports(face, felt.points)]
+    flat = [k for k, face in enumerate(faces) if _is_flat(face) and _supports(face, felt.points)]
+    ground = [k for k, face in enumerate(faces) if _is_ground(face) and _supports(face, felt.points)]
     sharp = flat + [k for k, face in enumerate(faces) if is_hole(face.fit.shape, face)]
     smooth = felt.select(~_of_faces(felt, [faces[k] for k in sharp]))
     if len(smooth) < _LEAST or (off := _off(body, smooth, is_hull)) is None:
         return None
+    room = np.concatenate([felt.points, *(_foot(faces[k].fit.shape, felt.points) for k in ground)])
     try:
-        mesh = _meshed(smooth, felt.points, felt.points[_of_faces(felt, [faces[k] for k in flat])], free)
+        mesh = _meshed(smooth, room, felt.points[_of_faces(felt, [faces[k] for k in flat])], free)
     except PalpateError:
         return None
-    made = None if mesh is None else _cut(mesh, faces, flat, felt.points)
-    if made is None or not _is_felt(made.solid, felt.points):
+    made = None if mesh is None else _cut(mesh, faces, flat + ground, felt.points)
+    if made is None or not _is_among(made.solid, room):
+        return None
+    guessed = unfelt(made.solid, felt.points, _FAR * float(np.ptp(felt.points, axis=0).max()))
+    if guessed > (_HIDDEN if ground else _GUESSED):
         return None
     sigma = off / float(ndtri(0.5 + 0.005 * _SHARE))
-    told = f"{_TOLD}, known to {sigma:.2f} mm (1 sigma)"
-    return replace(made, warnings=(told, *made.warnings), mesh_sigma=sigma)
+    told = [f"{_TOLD}, known to {sigma:.2f} mm (1 sigma)"]
+    told += [f"{guessed:.0%} of its surface is a guess: no contact is near"] if guessed > _GUESSED else []
+    return replace(made, warnings=(*told, *made.warnings), mesh_sigma=sigma)
 
 
 def _off(body: Assembly | NotClosed, smooth: Contacts, is_hull: bool) -> float | None:
@@ -147,15 +154,25 @@ def _away(body: Assembly | NotClosed, points: Floats) -> float:
     return float(np.percentile(np.abs(body.solid.signed_distance(points)), _SHARE))
 
 
-def _supports(face: FittedFace, felt: Floats) -> bool:
-    """Whether it is a flat face that no more than strays of (n, 3) felt places reach past.
+def _is_flat(face: FittedFace) -> bool:
+    """Whether it was felt to be flat: one pad lies flat on the top of any bulge; so it takes a few touches."""
+    return face.fit.kind == "plane" and (np.unique(face.contacts.touch) != NOT_FELT).sum() >= _FLAT
 
-    One pad lies flat on the top of any bulge; so it takes a few touches.
-    """
-    shape, touches = face.fit.shape, np.unique(face.contacts.touch)
-    if not isinstance(shape, Plane) or (touches != NOT_FELT).sum() < _FLAT:
-        return False
-    return bool(np.mean((felt - shape.origin) @ shape.normal > _SUPPORT) < _FEW)
+
+def _is_ground(face: FittedFace) -> bool:
+    """Whether it is a flat face that nobody felt, as what lies on a table."""
+    return face.fit.kind == "plane" and not (face.contacts.touch != NOT_FELT).any()
+
+
+def _supports(face: FittedFace, felt: Floats) -> bool:
+    """Whether no more than strays of (n, 3) felt places reach past a flat face."""
+    past = (felt - face.fit.shape.anchor) @ face.fit.shape.direction
+    return bool(np.mean(past > _SUPPORT) < _FEW)
+
+
+def _foot(plane: Shape, felt: Floats) -> Floats:
+    """(n, 3) where (n, 3) places stand on a plane."""
+    return felt - np.outer((felt - plane.anchor) @ plane.direction, plane.direction)
 
 
 def _of_faces(felt: Contacts, faces: Sequence[FittedFace]) -> Bools:
@@ -183,12 +200,12 @@ def _through(
     return implicit_surface(kept.points, kept.normals, sigma, lean, elsewhere, outside)
 
 
-def _meshed(smooth: Contacts, felt: Floats, cut: Floats, free: Floats | None) -> Solid | None:
-    """The body inside the surface through smooth contacts; None where it is none.
+def _meshed(smooth: Contacts, room: Floats, cut: Floats, free: Floats | None) -> Solid | None:
+    """The body inside the surface through smooth contacts, within (n, 3) places; None where it is none.
 
-    (n, 3) places were `felt`; the faces of (m, 3) of them will `cut` it, and (k, 3) `free` ones are empty.
+    The faces that (m, 3) places lie on will `cut` it, and (k, 3) `free` ones are empty.
     """
-    low, high = felt.min(axis=0) - _ROUND, felt.max(axis=0) + _ROUND
+    low, high = room.min(axis=0) - _ROUND, room.max(axis=0) + _ROUND
     sides = [(cut, -_INSIDE)] if free is None else [(cut, -_INSIDE), (free, _INSIDE)]
     surface, told, away = _through(smooth), [np.empty((0, 3))], [np.empty(0)]
     for _ in range(_TOLD_AGAIN):
@@ -212,12 +229,10 @@ def _settled(solid: Solid, surface: ImplicitSurface) -> Solid:
     return Solid.from_mesh(solid.vertices - away[:, None] * mesh.vertex_normals, solid.triangles)
 
 
-def _is_felt(body: Solid, felt: Floats) -> bool:
-    """Whether a body's surface lies among (n, 3) felt places, and not past them."""
-    hull = hull_of(felt)
-    if hull is None or unfelt(body, felt, _FAR * float(np.ptp(felt, axis=0).max())) > _GUESSED:
-        return False
-    return body.volume - body.shared_volume(Solid.from_csg(hull)) < _BULGE * body.volume
+def _is_among(body: Solid, room: Floats) -> bool:
+    """Whether a body lies among (n, 3) places, and bulges little past them."""
+    hull = hull_of(room)
+    return hull is not None and body.volume - body.shared_volume(Solid.from_csg(hull)) < _BULGE * body.volume
 
 
 def _beyond(number: int, plane: Shape, mesh: Solid) -> Piece:

@@ -118,3 +118,14 @@ def test_a_hull_is_beaten_by_what_lies_nearer_contacts_kept_apart_and_no_polyhed
     whole = hulled([bottom()], contacts, NOTHING)
     assert freeform([], contacts, whole, is_hull=True) is not None
     assert freeform([], contacts, whole) is None  # as good as what named faces make
+
+
+def test_what_stands_on_a_table_goes_down_to_it():
+    contacts = egg()
+    upper = contacts.select(contacts.points[:, 2] > -8.0)
+    corners = np.array([[x, y, -12.0] for x in (-30.0, 30.0) for y in (-20.0, 20.0)])
+    table = Contacts.of(corners, np.tile([0.0, 0.0, -1.0], (4, 1)), 0.05, 0.02, touch=NOT_FELT)
+    body = best_body([FeltFace(fit("plane", table), table)], BOX, None, 15.0, upper)
+    assert [piece.kind for piece in body.assembly.pieces] == ["mesh", "cube"]
+    assert abs(body.assembly.solid.bounds[0, 2] + 12.0) < 0.01
+    assert not body.whole  # nobody felt what lies on the table
