@@ -220,7 +220,7 @@ def test_the_file_of_a_page_is_taken(page, command, desk):
 def test_the_drawing_of_the_page_is_read_with_its_names(tmp_path):
     from models.formats import openscad
 
-    (text,) = blocks("openscad", "openscad")
+    text, _ = blocks("openscad", "openscad")
     (tmp_path / "bracket.csg").write_text(text)
     drawing = openscad.read(tmp_path / "bracket.csg")
     assert drawing.tree.name == "bracket"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,11 +20,12 @@ from primitives.evidence import EdgeTrace
 from primitives.pose import quaternion_wxyz
 from primitives.shapes import Plane, Shape
 from recognition.assembly.assemble import Assembly
-from recognition.assembly.piece import Piece
+from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.uncertainty import Sigma, face_sigma, piece_sigma
 
 _FINEST = 1e-4  # [mm] no size is known better than this
 _DIRECTIONS = "parallel", "perpendicular"  # relations of directions
+_DONE = {"add": "", "subtract": ", taken away", "intersect": ", kept to"}
 _ALONG = 1.0  # [mm] between a trace and the edge that it followed
 
 
@@ -148,14 +149,29 @@ def _of_mesh(assembly: Assembly) -> dict[str, float]:
 
 
 def written_tree(assembly: Assembly) -> Csg:
-    """The tree in the digits that its best known size supports, for a person to read and edit."""
-    known = [
-        sigma
-        for piece in assembly.pieces
-        for sigma in _numbers(_piece_sigma(piece, assembly).values())
-        if sigma > 0.0
+    """The tree in the digits that its best known size supports, for a person to read and edit.
+
+    Each primitive is named by its place in `primitives`, and by how well its sizes are known.
+    """
+    told = [_piece_sigma(piece, assembly) for piece in assembly.pieces]
+    known = [sigma for each in told for sigma in _numbers(each.values()) if sigma > 0.0]
+    named = [
+        replace(piece, solid=piece.solid.named(_name(number, piece, sigma)))
+        for number, (piece, sigma) in enumerate(zip(assembly.pieces, told, strict=True))
     ]
-    return rounded_whole(assembly.tree, max(min(known, default=_FINEST), _FINEST))
+    return rounded_whole(tree_of(named), max(min(known, default=_FINEST), _FINEST))
+
+
+def _name(number: int, piece: Piece, sigma: Sigma) -> str:
+    """What a primitive is called in a file that people read."""
+    words = [f"primitive {number}: {piece.kind}{_DONE[piece.operation] if number else ''}"]
+    for key, value in sigma.items():
+        sides = value if isinstance(value, list) else [value]
+        what, unit = key.rsplit("_", 1)
+        if any(side is not None for side in sides):
+            each = " x ".join("?" if side is None else f"{side:.2g}" for side in sides)
+            words.append(f"{what.replace('_', ' ')} +- {each} {unit}")
+    return ", ".join(words)
 
 
 def _numbers(values: Iterable[float | Sequence[float | None]]) -> Iterator[float]:

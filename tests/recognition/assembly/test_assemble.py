@@ -21,6 +21,7 @@ from recognition.assembly.described import (
     describe_primitives,
     describe_regularities,
     link,
+    written_tree,
 )
 from recognition.assembly.given import outward
 from recognition.assembly.regularities import RegularityOptions
@@ -210,7 +211,13 @@ def test_a_through_hole_is_subtracted():
     truth, rng = placed(build("plate_with_hole"), 11)
     found = assemble(touched_faces(truth, rng), BOX)
     assert iou(found.solid, truth) > 0.999
-    assert [p["operation"] for p in describe_primitives(found)] == ["add", "subtract"]
+    told = describe_primitives(found)
+    assert [p["operation"] for p in told] == ["add", "subtract"]
+    block, hole = (leaf.primitive.name for leaf in written_tree(found).leaves())
+    assert block.startswith("primitive 0: cube, extent +- ")
+    assert hole.startswith("primitive 1: cylinder, taken away, radius +- ")
+    assert f"{told[1]['sigma']['radius_mm']:.2g} mm" in hole
+    assert hole.endswith(" x ? mm")  # nobody needs to know how far it goes on past the plate
 
 
 def test_the_tree_does_not_depend_on_the_run():
