@@ -17,7 +17,7 @@ from functools import partial
 import numpy as np
 
 from exploration.devices.guard import Collision, OverPress
-from exploration.planning.inferring.concluding import conclude
+from exploration.planning.inferring.concluding import conclude, tell_openings
 from exploration.planning.inferring.explained_rims import unexplained
 from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
 from exploration.planning.inferring.inferred_walls import stops_of
@@ -125,6 +125,7 @@ class AnyForm:
             graph = self.found.graph
             rest = Face(1 + max((f.id for f in graph.faces), default=-1), _NAMELESS, self.study.loose)
             self.found.graph = replace(graph, faces=(*graph.faces, rest))
+        tell_openings(self.found)
 
     def _drafted_by(self, draft: Callable[[Findings], Predicted]) -> Predicted:
         """The surface of what would be concluded now; nothing of it is kept."""

@@ -46,7 +46,7 @@ from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
 from primitives.arrays import Floats
-from primitives.evidence import Contacts
+from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 from primitives.plate import Plate
@@ -136,8 +136,14 @@ def conclude(
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
     for slot in seen:  # last: whatever told of a wall, none goes on past round ends
         found.graph = replace(found.graph, faces=bounded(found.graph.faces, slot))
-    found.warnings.extend(rim.told() for rim in found.openings)
-    found.warnings.extend(rim.told_odd() for rim in _odd(found))
+
+
+def tell_openings(found: Findings) -> None:
+    """Warn of openings whose depth nobody knows; on a bulge the skin sees such, and feels what is there."""
+    contacts = Contacts.concatenate([face.contacts for face in found.graph.faces])
+    felt = contacts.points[contacts.touch != NOT_FELT]
+    found.warnings.extend(rim.told() for rim in found.openings if not rim.felt_over(felt))
+    found.warnings.extend(rim.told_odd() for rim in _odd(found) if not rim.felt_over(felt))
 
 
 def _add_groove(found: Findings, groove: Groove) -> None:

@@ -65,6 +65,13 @@ class RoundRim:
         up = float(away @ self.axis)
         return abs(up) < beside and float(np.linalg.norm(away - up * self.axis)) < self.radius + beside
 
+    def felt_over(self, felt: Floats, within: float = 0.6, level: float = 2.0) -> bool:
+        """Whether some of (n, 3) felt places lie in it, at the level of its rim: then it is none."""
+        away = felt - self.center
+        up = away @ self.axis
+        across = np.linalg.norm(away - np.outer(up, self.axis), axis=1)
+        return int(((np.abs(up) < level) & (across < within * self.radius)).sum()) > 1
+
     def told(self) -> str:
         """In words, for a person."""
         return f"a round opening of radius about {self._room()}"
