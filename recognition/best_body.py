@@ -35,6 +35,7 @@ _LESS_IDLE = 0.5  # times those, as which fewer must be idle without the walls
 _TAKEN_BACK = 6  # walls that nobody felt, of those that are doubted, at most
 _AS_NEAR = 1.01  # times the mean distance of what was felt from the body, as which it stays with one of them
 _BESIDE = 15.0  # [mm] from all contacts, from which a smooth surface was not felt
+_APART = 0.15  # of the longest side, the same of small objects
 _UNFELT = 0.01  # share of it, from which it does not close the body
 _OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
 
@@ -124,7 +125,8 @@ def best_body(
         body = Body(hull, body.felt, (), body.left_out, True)
     smooth = freeform(body.felt, contacts, body.assembly, free, hull is not None)
     if smooth is not None:
-        body = Body(smooth, body.felt, (), body.left_out, unfelt(smooth.solid, places, _BESIDE) > _UNFELT)
+        beside = min(_BESIDE, _APART * float(np.ptp(places, axis=0).max()))
+        body = Body(smooth, body.felt, (), body.left_out, unfelt(smooth.solid, places, beside) > _UNFELT)
     return body
 
 

@@ -13,17 +13,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import trimesh
 from scipy.spatial import cKDTree
 from scipy.special import ndtri
 
-from models.body import LabeledSurface
 from models.csg import Cube, Polyhedron
 from models.solid import TOLERANCE, Solid
 from primitives.arrays import Bools, Floats
 from primitives.errors import PalpateError
 from primitives.evidence import NOT_FELT, Contacts
-from primitives.implicit_surface import ImplicitSurface, implicit_surface, spread
 from primitives.pose import frame_along, pose
 from primitives.shapes import Plane, Shape
 from primitives.touch_errors import fits_of_touches
@@ -34,31 +31,25 @@ from recognition.assembly.made import Body
 from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.regularities import regularize
 from recognition.hulled import hull_of
+from recognition.smooth_mesh import smooth_mesh, through
 
-_SHARE = 75.0  # per cent of the contacts, whose distance from a body speaks for all
+_SHARE, _NEARLY = 75.0, 95.0  # per cent of the contacts, whose distance speaks for all; and nearly all
 _NEAR = 0.12  # [mm] from a body, from which it is looked for
 _BETTER = 0.5  # times the distance from the body, as which contacts kept apart must be nearer
 _GENERAL, _LITTLE = 1.5, 0.1  # times the distance of its own contacts, and [mm] more, that they may be
 _LEAST = 60  # contacts with normals
+_FEWER = 500  # contacts that it is made of, where some are kept apart
 _FOLDS = 4  # lots that contacts are parted in, each kept apart once
-_MOST = 800  # contacts that it is made of
-_COARSE = 20_000  # contacts that these are chosen of
-_SIGMA, _LEAN = 0.05, 0.02  # [mm] and [rad] that no contact is better than
-_ROUND = 3.0  # [mm] round all contacts that it may reach
-_STEPS = 40  # along the longest side
-_SMOOTH = 0.08  # [mm] that corners of the mesh are moved by, to have fewer
-_FARTHEST = 0.5  # [mm] that its corners are moved onto the surface
-_BULGE = 0.1  # of its volume, that may lie outside the hull of all contacts
+_BULGE, _LEVEL = 0.25, 0.5  # times the spacing of contacts, and [mm] more, that it may bulge past their hull
+_BULGED = 0.1  # share of its surface that may bulge farther
+_ENDS = 4.0  # times the distance of most contacts from it, that nearly all are within
 _FAR = 0.25  # of the longest side: what of the surface is farther from all contacts is a guess
 _GUESSED = 0.05  # share of it that may be,
 _HIDDEN = 0.5  # or where it stands on what nobody felt
-_CRUMB = 0.02  # of the volume, that may lie in pieces apart
-_AT_ONCE = 200  # empty places that lie inside, and places of flat faces outside, that are told at a time
-_TOLD_AGAIN = 3  # times they are
-_INSIDE = 1.0  # [mm] on the other side, that they are told to be
 _SUPPORT = 0.3  # [mm] past a face that nothing reaches past
 _FEW = 0.005  # share of the contacts that may
-_FLAT = 3  # touches of such a face, at least
+_FLAT, _FLAT_SHARE = 3, 0.01  # touches of such a face, and share of the contacts, at least
+_CELLS = 6  # along the longest side, at least, that a cloud is parted in, and two along the shortest
 
 _TOLD = "what was felt bends as no face that has a name; the body is a smooth mesh through all contacts"
 
@@ -76,7 +67,7 @@ def freeform(
     Nothing is at (n, 3) places `free` [mm].
     """
     felt = contacts.select((contacts.touch != NOT_FELT) & contacts.has_normal)
-    flat = [k for k, face in enumerate(faces) if _is_flat(face) and _supports(face, felt.points)]
+    flat = [k for k, face in enumerate(faces) if _is_flat(face, len(felt)) and _supports(face, felt.points)]
     ground = [k for k, face in enumerate(faces) if _is_ground(face) and _supports(face, felt.points)]
     sharp = flat + [k for k, face in enumerate(faces) if is_hole(face.fit.shape, face)]
     smooth = felt.select(~_of_faces(felt, [faces[k] for k in sharp]))
@@ -84,16 +75,18 @@ def freeform(
         return None
     room = np.concatenate([felt.points, *(_foot(faces[k].fit.shape, felt.points) for k in ground)])
     try:
-        mesh = _meshed(smooth, room, felt.points[_of_faces(felt, [faces[k] for k in flat])], free)
+        mesh = smooth_mesh(smooth, room, felt.points[_of_faces(felt, [faces[k] for k in flat])], free)
+        made = None if mesh is None else _cut(mesh, faces, flat + ground, felt.points)
     except PalpateError:
         return None
-    made = None if mesh is None else _cut(mesh, faces, flat + ground, felt.points)
     if made is None or not _is_among(made.solid, room):
         return None
+    near, nearly = np.percentile(np.abs(made.solid.signed_distance(smooth.points)), (_SHARE, _NEARLY))
     guessed = unfelt(made.solid, felt.points, _FAR * float(np.ptp(felt.points, axis=0).max()))
-    if guessed > (_HIDDEN if ground else _GUESSED):
+    most = max(off, _NEAR)
+    if near > most or nearly > _ENDS * most or guessed > (_HIDDEN if ground else _GUESSED):
         return None
-    sigma = off / float(ndtri(0.5 + 0.005 * _SHARE))
+    sigma = max(off, float(near)) / float(ndtri(0.5 + 0.005 * _SHARE))
     told = [f"{_TOLD}, known to {sigma:.2f} mm (1 sigma)"]
     told += [f"{guessed:.0%} of its surface is a guess: no contact is near"] if guessed > _GUESSED else []
     return replace(made, warnings=(*told, *made.warnings), mesh_sigma=sigma)
@@ -107,7 +100,7 @@ def _off(body: Assembly | NotClosed, smooth: Contacts, is_hull: bool) -> float |
     for apart in _folds(smooth):
         kept = smooth.select(~apart)
         try:
-            tried = _through(kept)
+            tried = through(kept, _FEWER)
         except PalpateError:
             return None
         off.append(np.abs(tried.values(smooth.points[apart])))
@@ -138,7 +131,7 @@ def _cut(mesh: Solid, faces: Sequence[FittedFace], flat: Sequence[int], felt: Fl
     on = {i for cut in made.pieces for i in cut.surfaces}
     speaker = tuple(i if i in on else None for i in range(len(fits)))
     told = tuple(cut.why for cut in made.pieces if cut.why)
-    return Assembly(fits, shapes, speaker, made.pieces, tree_of(made.pieces), _marked(made.solid), told)
+    return Assembly(fits, shapes, speaker, made.pieces, tree_of(made.pieces), made.solid, told)
 
 
 def unfelt(body: Solid, felt: Floats, near: float) -> float:
@@ -154,9 +147,10 @@ def _away(body: Assembly | NotClosed, points: Floats) -> float:
     return float(np.percentile(np.abs(body.solid.signed_distance(points)), _SHARE))
 
 
-def _is_flat(face: FittedFace) -> bool:
-    """Whether it was felt to be flat: one pad lies flat on the top of any bulge; so it takes a few touches."""
-    return face.fit.kind == "plane" and (np.unique(face.contacts.touch) != NOT_FELT).sum() >= _FLAT
+def _is_flat(face: FittedFace, count: int) -> bool:
+    """Whether it was felt to be flat, by some touches and some of all contacts: one pad lies flat on any bulge."""
+    touch = face.contacts.touch[face.contacts.touch != NOT_FELT]
+    return face.fit.kind == "plane" and len(np.unique(touch)) >= _FLAT and len(touch) > _FLAT_SHARE * count
 
 
 def _is_ground(face: FittedFace) -> bool:
@@ -182,57 +176,26 @@ def _of_faces(felt: Contacts, faces: Sequence[FittedFace]) -> Bools:
 
 
 def _folds(felt: Contacts) -> list[Bools]:
-    """(n,) which contacts are kept apart, a few times: whole touches, or single ones where few are told."""
-    names, touch = np.unique(felt.touch, return_inverse=True)
-    lot = touch if len(names) >= 2 * _FOLDS else np.arange(len(felt))
-    return [np.asarray(lot % _FOLDS == k) for k in range(_FOLDS)]
-
-
-def _through(
-    felt: Contacts, elsewhere: Floats | None = None, outside: Floats | None = None
-) -> ImplicitSurface:
-    """The surface through the contacts that are spread the widest."""
-    rows = np.arange(len(felt))
-    if len(rows) > _COARSE:
-        rows = np.random.default_rng(0).permutation(len(rows))[:_COARSE]
-    kept = felt.select(rows[spread(felt.points[rows], _MOST)])
-    sigma, lean = np.maximum(kept.sigma, _SIGMA), np.maximum(kept.normal_sigma, _LEAN)
-    return implicit_surface(kept.points, kept.normals, sigma, lean, elsewhere, outside)
-
-
-def _meshed(smooth: Contacts, room: Floats, cut: Floats, free: Floats | None) -> Solid | None:
-    """The body inside the surface through smooth contacts, within (n, 3) places; None where it is none.
-
-    The faces that (m, 3) places lie on will `cut` it, and (k, 3) `free` ones are empty.
-    """
-    low, high = room.min(axis=0) - _ROUND, room.max(axis=0) + _ROUND
-    sides = [(cut, -_INSIDE)] if free is None else [(cut, -_INSIDE), (free, _INSIDE)]
-    surface, told, away = _through(smooth), [np.empty((0, 3))], [np.empty(0)]
-    for _ in range(_TOLD_AGAIN):
-        wrong = [(places[np.sign(side) * surface.values(places) < 0.0], side) for places, side in sides]
-        for places, side in wrong:
-            told.append(places[spread(places, _AT_ONCE)])
-            away.append(np.full(len(told[-1]), side))
-        if not any(len(places) for places, _ in wrong):
-            break
-        surface = _through(smooth, np.concatenate(told), np.concatenate(away))
-    whole = _settled(Solid.from_field(surface.values, low, high, float((high - low).max()) / _STEPS), surface)
-    whole = whole.simplified(_SMOOTH)
-    largest = whole.largest_part()
-    return largest if whole.volume - largest.volume < _CRUMB * largest.volume else None
-
-
-def _settled(solid: Solid, surface: ImplicitSurface) -> Solid:
-    """The same, its corners moved onto a surface that they lie near."""
-    mesh = trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
-    away = np.clip(surface.values(solid.vertices), -_FARTHEST, _FARTHEST)
-    return Solid.from_mesh(solid.vertices - away[:, None] * mesh.vertex_normals, solid.triangles)
+    """(n,) which contacts are kept apart, a few times: whole touches; of a cloud, what lies in some cells."""
+    names, lot = np.unique(felt.touch, return_inverse=True)
+    if not 2 * _FOLDS <= len(names) < len(felt):
+        own = felt.points - felt.points.mean(axis=0)
+        sides = np.ptp(own @ np.linalg.svd(own, full_matrices=False)[2].T, axis=0)
+        size = max(min(float(sides.max()) / _CELLS, 0.5 * float(sides.min())), 1e-9)
+        lot = np.unique(np.floor(own / size), axis=0, return_inverse=True)[1].reshape(-1)
+    folds = [np.asarray(lot % _FOLDS == k) for k in range(_FOLDS)]
+    return [fold for fold in folds if fold.any() and not fold.all()]
 
 
 def _is_among(body: Solid, room: Floats) -> bool:
-    """Whether a body lies among (n, 3) places, and bulges little past them."""
+    """Whether a body lies among (n, 3) places, and bulges no farther past their hull than between some of them."""
     hull = hull_of(room)
-    return hull is not None and body.volume - body.shared_volume(Solid.from_csg(hull)) < _BULGE * body.volume
+    if hull is None:
+        return False
+    middles, areas = body.vertices[body.triangles].mean(axis=1), body.body.triangle_areas
+    past = Solid.from_csg(hull).signed_distance(middles)
+    most = _BULGE * float(np.sqrt(areas.sum() / len(room))) + _LEVEL
+    return bool(areas[past > most].sum() < _BULGED * areas.sum())
 
 
 def _beyond(number: int, plane: Shape, mesh: Solid) -> Piece:
@@ -245,12 +208,3 @@ def _beyond(number: int, plane: Shape, mesh: Solid) -> Piece:
     return Piece(
         "cube", "subtract", Cube((wide, wide, wide)), where, None, ((None, None),) * 2 + ((number, None),)
     )
-
-
-def _marked(solid: Solid) -> Solid:
-    """The same, the triangles of the mesh, its first leaf, standing for themselves: one freeform face."""
-    others = [k for k, surface in enumerate(solid.surfaces) if surface.leaf != 0]
-    place = np.zeros(len(solid.surfaces), dtype=np.int64)
-    place[others] = np.arange(1, len(others) + 1)
-    surfaces = (LabeledSurface(None, True, 0), *(solid.surfaces[k] for k in others))
-    return Solid.from_labeled(solid.vertices, solid.triangles, place[solid.face_of_triangle], surfaces)

@@ -10,6 +10,7 @@ from models.leaves.polygons import triangulated
 from primitives import shapes
 from primitives.arrays import Floats, Ints, frozen
 
+_MESH = 500  # planes of a polyhedron, from which it is a mesh
 _ONE_PLANE = 1e-6  # [mm] between faces of a polyhedron that are on one plane, and between their unit normals
 
 
@@ -20,7 +21,7 @@ class Facets:
     vertices: Floats  # (v, 3) [mm]
     triangles: Ints  # (t, 3) wound so that normals point out
     surface: Ints  # (t,) index into `surfaces`
-    surfaces: tuple[shapes.Shape, ...]  # outward
+    surfaces: tuple[shapes.Shape | None, ...]  # outward; None where triangles stand for themselves
 
 
 def cube_facets(cube: Cube) -> Facets:
@@ -69,10 +70,12 @@ def prism_facets(prism: Prism) -> Facets:
 
 
 def polyhedron_facets(solid: Polyhedron) -> Facets:
-    """Every face cut into triangles."""
+    """Every face cut into triangles; one of very many planes is a mesh of what bends, and these are no faces."""
     points, (triangles, of_face) = np.array(solid.points), solid.triangles
     middles = np.stack([points[list(face)].mean(axis=0) for face in solid.faces])
     plane_of, first = _coplanar(middles, solid.normals)
+    if len(first) > _MESH:
+        return Facets(frozen(points), triangles, np.zeros(len(triangles), dtype=np.int64), (None,))
     planes = tuple(shapes.Plane(middles[f], solid.normals[f]) for f in first)
     return Facets(frozen(points), triangles, frozen(plane_of[of_face], np.int64), planes)
 

@@ -86,7 +86,7 @@ def _straight_in(frame: Floats, turns: Sequence[Floats]) -> int:
 
 def _levels(mesh: Facets, placement: Floats, axis: int) -> Floats:
     """(k,) coordinates of the flat faces across an axis."""
-    flat = [shape for shape in mesh.surfaces if shape.kind == "plane"]
+    flat = [shape for shape in mesh.surfaces if shape is not None and shape.kind == "plane"]
     if not flat:
         return np.empty(0)
     normals = np.delete(rotate(placement, np.stack([shape.direction for shape in flat])), axis, axis=1)

@@ -54,8 +54,9 @@ def body_of_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Body:
 def body_of_field(field: Callable[[Floats], Floats], low: Floats, high: Floats, step: float) -> Body:
     """The body where a field, asked at (n, 3) places, is negative, between two (3,) corners [mm].
 
-    It is asked on a grid of `step` [mm], and taken for linear between its nodes along each axis.
+    It is asked on a grid of `step` [mm] or less, and taken for linear between its nodes along each axis.
     """
+    step = min(step, 0.5 * float((high - low).min()))  # two cells along each axis, at least
     count = np.ceil((high - low) / step).astype(int) + 2
     axes = [low[k] + step * np.arange(count[k]) for k in range(3)]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
@@ -174,12 +175,12 @@ def _manifold_of(mesh: Facets, vertices: Floats, identity: int) -> Any:
 
 
 def _surfaces_of(mesh: Facets, leaf: Leaf, number: int) -> list[LabeledSurface]:
-    moved = [shape.transformed(leaf.part_from_primitive) for shape in mesh.surfaces]
+    moved = [shape and shape.transformed(leaf.part_from_primitive) for shape in mesh.surfaces]
     return [LabeledSurface(*_outward(shape, leaf.adds), number) for shape in moved]
 
 
-def _outward(shape: Shape, adds: bool) -> tuple[Shape, bool]:
-    if shape.kind == "plane":
+def _outward(shape: Shape | None, adds: bool) -> tuple[Shape | None, bool]:
+    if shape is not None and shape.kind == "plane":
         return (shape if adds else shape.with_parts(shape.anchor, -shape.direction, ())), True
     return shape, adds
 

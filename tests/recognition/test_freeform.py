@@ -3,13 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from scipy.spatial import ConvexHull
 
+from models.boundary import boundary
+from models.formats.openscad import write
+from models.part import load_part
 from models.solid import Solid, iou
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 from recognition.assembly import NotClosed
-from recognition.assembly.described import describe_primitives, link
+from recognition.assembly.described import describe_primitives, link, written_tree
 from recognition.best_body import FeltFace, best_body
 from recognition.freeform import freeform
 from recognition.hulled import hulled
@@ -129,3 +133,32 @@ def test_what_stands_on_a_table_goes_down_to_it():
     assert [piece.kind for piece in body.assembly.pieces] == ["mesh", "cube"]
     assert abs(body.assembly.solid.bounds[0, 2] + 12.0) < 0.01
     assert not body.whole  # nobody felt what lies on the table
+
+
+@pytest.mark.parametrize("semi", [(100.0, 9.0, 6.0), (60.0, 30.0, 3.0), (200.0, 4.0, 1.9)])
+def test_what_is_thin_is_meshed_as_finely_or_not_at_all(semi):
+    contacts = egg(1500, semi=np.array(semi))
+    made = freeform([], contacts, NOTHING)
+    if made is not None:
+        off = np.abs(made.solid.signed_distance(contacts.points))
+        assert np.percentile(off, 95.0) < 0.5
+        assert np.percentile(off, 68.0) < 1.5 * made.mesh_sigma
+        assert abs(made.solid.volume / (4.0 / 3.0 * np.pi * np.prod(semi)) - 1.0) < 0.03
+
+
+def test_few_contacts_all_round_are_enough():
+    made = freeform([], egg(100), NOTHING)
+    assert abs(made.solid.volume / (4.0 / 3.0 * np.pi * np.prod(AXES)) - 1.0) < 0.02
+
+
+def test_a_mesh_that_goes_on_past_all_contacts_is_none():
+    contacts = egg()
+    assert freeform([], contacts.select(contacts.points[:, 2] > 2.0), NOTHING) is None
+
+
+def test_what_is_written_is_read_again_as_one_freeform_face(tmp_path):
+    made = freeform([], egg(), NOTHING)
+    write(written_tree(made), tmp_path / "egg.csg")
+    again = load_part(tmp_path / "egg.csg").solid
+    assert abs(again.volume / made.solid.volume - 1.0) < 1e-3
+    assert [face.shape for face in boundary(again).faces] == [None]

@@ -10,7 +10,7 @@ from models.formats.openscad.shapes import Shape
 from models.formats.openscad.values import Value, is_number, true
 from primitives.arrays import Floats
 
-MOST_POINTS = 2000  # of a polygon or polyhedron
+MOST_POINTS = {2: 2000, 3: 20_000}  # of a polygon; of a polyhedron, which may be a mesh
 
 
 def number(shape: Shape, name: str, default: float) -> float:
@@ -67,8 +67,9 @@ def centered(shape: Shape) -> bool:
 def points(shape: Shape, value: Value, dimension: int) -> Floats:
     """(n, dimension) coordinates."""
     rows = value if isinstance(value, tuple) else ()
-    if len(rows) > MOST_POINTS:
-        raise shape.error(f"{shape.name} has more than {MOST_POINTS} points; export it as a mesh (STL)")
+    if len(rows) > MOST_POINTS[dimension]:
+        most = MOST_POINTS[dimension]
+        raise shape.error(f"{shape.name} has more than {most} points; export it as a mesh (STL)")
     good = [
         isinstance(row, tuple)
         and len(row) == dimension
