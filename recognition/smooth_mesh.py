@@ -51,10 +51,10 @@ def smooth_mesh(smooth: Contacts, room: Floats, cut: Floats, free: Floats | None
     The faces that (m, 3) places lie on will `cut` it, and (k, 3) `free` ones are empty.  PalpateError where there
     is no surface, or nothing inside it.
     """
-    sides = [(cut, -_INSIDE)] if free is None else [(cut, -_INSIDE), (free, _INSIDE)]
+    sides = [(cut, -_INSIDE, 0.5 * _INSIDE), (np.empty((0, 3)) if free is None else free, _INSIDE, 0.0)]
     surface, told, away = through(smooth), [np.empty((0, 3))], [np.empty(0)]
     for _ in range(_TOLD_AGAIN):
-        wrong = [(places[np.sign(side) * surface.values(places) < 0.0], side) for places, side in sides]
+        wrong = [(at[np.sign(side) * surface.values(at) < least], side) for at, side, least in sides]
         for places, side in wrong:
             told.append(places[spread(places, _AT_ONCE)])
             away.append(np.full(len(told[-1]), side))
