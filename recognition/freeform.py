@@ -66,11 +66,12 @@ def freeform(
     The body may be the hull of all contacts: then one of the same contacts is to lie nearer those kept apart.
     Nothing is at (n, 3) places `free` [mm].
     """
-    felt = contacts.select((contacts.touch != NOT_FELT) & contacts.has_normal)
+    felt = contacts.select(contacts.touch != NOT_FELT)
     flat = [k for k, face in enumerate(faces) if _is_flat(face, len(felt)) and _supports(face, felt.points)]
     ground = [k for k, face in enumerate(faces) if _is_ground(face) and _supports(face, felt.points)]
     sharp = flat + [k for k, face in enumerate(faces) if is_hole(face.fit.shape, face)]
-    smooth = felt.select(~_of_faces(felt, [faces[k] for k in sharp]))
+    rest = felt.select(~_of_faces(felt, [faces[k] for k in sharp]))
+    smooth = rest.select(rest.has_normal)
     if len(smooth) < _LEAST or (off := _off(body, smooth, is_hull)) is None:
         return None
     room = np.concatenate([felt.points, *(_foot(faces[k].fit.shape, felt.points) for k in ground)])
@@ -81,7 +82,7 @@ def freeform(
         return None
     if made is None or not _is_among(made.solid, room):
         return None
-    near, nearly = np.percentile(np.abs(made.solid.signed_distance(smooth.points)), (_SHARE, _NEARLY))
+    near, nearly = np.percentile(np.abs(made.solid.signed_distance(rest.points)), (_SHARE, _NEARLY))
     guessed = unfelt(made.solid, felt.points, _FAR * float(np.ptp(felt.points, axis=0).max()))
     most = max(off, _NEAR)
     if near > most or nearly > _ENDS * most or guessed > (_HIDDEN if ground else _GUESSED):

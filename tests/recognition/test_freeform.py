@@ -162,3 +162,10 @@ def test_what_is_written_is_read_again_as_one_freeform_face(tmp_path):
     again = load_part(tmp_path / "egg.csg").solid
     assert abs(again.volume / made.solid.volume - 1.0) < 1e-3
     assert [face.shape for face in boundary(again).faces] == [None]
+
+
+def test_contacts_without_normals_are_held_against_it_too():
+    contacts, far = egg(), Contacts.of(1.3 * AXES * ways(300, 4), sigma=0.03)
+    assert freeform([], Contacts.concatenate([contacts, far]), NOTHING) is None
+    near = Contacts.of(AXES * ways(300, 4), sigma=0.03)
+    assert freeform([], Contacts.concatenate([contacts, near]), NOTHING) is not None
