@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from primitives.arrays import Floats, Ints
+from primitives.arrays import Floats
 from primitives.errors import PalpateError
 
 _AROUND = 2.6  # times the largest distance from the middle, that R is
@@ -77,17 +77,6 @@ def implicit_surface(
         raise PalpateError("the contacts allow no smooth surface") from None
     slopes = np.ascontiguousarray(weights[n:].reshape(3, m).T)
     return ImplicitSurface(middle, valued, sloped, weights[:n], slopes, longest)
-
-
-def spread(points: Floats, most: int) -> Ints:
-    """(k,) indices of at most so many of (n, 3) points, each the farthest from all before it."""
-    if len(points) <= most:
-        return np.arange(len(points))
-    chosen, away = [0], ((points - points[0]) ** 2).sum(axis=1)
-    while len(chosen) < most:
-        chosen.append(int(away.argmax()))
-        away = np.minimum(away, ((points - points[chosen[-1]]) ** 2).sum(axis=1))
-    return np.array(chosen)
 
 
 def _covariance(valued: Floats, sloped: Floats, longest: float) -> Floats:

@@ -110,11 +110,11 @@ def _off(body: Assembly | NotClosed, smooth: Contacts, is_hull: bool) -> float |
             hull_off.append(np.abs(Solid.from_csg(hull).signed_distance(smooth.points[apart])))
     if not off:
         return None
-    found = float(np.percentile(np.concatenate(off), _SHARE))
+    found = _most(np.concatenate(off))
     if hull_off:
-        most = float(np.percentile(np.concatenate(hull_off), _SHARE))
+        most = _most(np.concatenate(hull_off))
     else:
-        fitted = float(np.percentile(np.concatenate(own), _SHARE))
+        fitted = _most(np.concatenate(own))
         most = min(_GENERAL * fitted + _LITTLE, _BETTER * _away(body, smooth.points))
     return found if found < most else None
 
@@ -145,7 +145,12 @@ def _away(body: Assembly | NotClosed, points: Floats) -> float:
     """[mm] from a body, within which most of (n, 3) points are; without end where there is none."""
     if isinstance(body, NotClosed):
         return np.inf
-    return float(np.percentile(np.abs(body.solid.signed_distance(points)), _SHARE))
+    return _most(np.abs(body.solid.signed_distance(points)))
+
+
+def _most(off: Floats) -> float:
+    """[mm] within which most of (n,) distances are."""
+    return float(np.percentile(off, _SHARE))
 
 
 def _is_flat(face: FittedFace, count: int) -> bool:

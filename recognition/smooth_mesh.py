@@ -13,7 +13,8 @@ import trimesh
 from models.solid import Solid
 from primitives.arrays import Floats
 from primitives.evidence import Contacts
-from primitives.implicit_surface import ImplicitSurface, implicit_surface, spread
+from primitives.implicit_surface import ImplicitSurface, implicit_surface
+from primitives.spread import spread
 
 _MOST = 800  # contacts that it is made of
 _COARSE = 20_000  # contacts that these are chosen of

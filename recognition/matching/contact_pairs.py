@@ -6,6 +6,7 @@ import numpy as np
 
 from primitives.arrays import Bools, Floats, Ints
 from primitives.evidence import Contacts
+from primitives.spread import spread as rows_spread
 
 PARALLEL = 0.35  # [rad] to their mean, within which all normals are those of one face
 
@@ -20,19 +21,13 @@ def of_one_face(normals: Floats, felt: Bools) -> bool:
 
 def spread(contacts: Contacts, count: int) -> Ints:
     """(m,) rows, each the farthest from those before, normals counted as distance; of no more, all."""
-    n = len(contacts)
-    if n <= count:
-        return np.arange(n)
+    if len(contacts) <= count:
+        return np.arange(len(contacts))
     size = float(np.linalg.norm(np.ptp(contacts.points, axis=0))) or 1.0
     where = contacts.points
     if contacts.has_normal.all():
         where = np.hstack([where, 0.25 * size * contacts.normals])
-    chosen = [int(np.argmax(np.linalg.norm(where - where.mean(axis=0), axis=1)))]
-    away = np.linalg.norm(where - where[chosen[0]], axis=1)
-    while len(chosen) < count:
-        chosen.append(int(away.argmax()))
-        away = np.minimum(away, np.linalg.norm(where - where[chosen[-1]], axis=1))
-    return np.array(chosen)
+    return rows_spread(where, count)
 
 
 def telling_pairs(points: Floats, normals: Floats, felt: Bools, many: int) -> Ints:

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from primitives.errors import PalpateError
-from primitives.implicit_surface import _covariance, implicit_surface, spread
+from primitives.implicit_surface import _covariance, implicit_surface
 from primitives.pose import rotation_exp
 
 MIDDLE = np.array([5.0, -3.0, 2.0])
@@ -85,11 +85,3 @@ def test_places_elsewhere_keep_it_away():
 def test_contacts_at_one_place_are_refused():
     with pytest.raises(PalpateError, match="more than one place"):
         through(np.zeros((4, 3)), np.tile([0.0, 0.0, 1.0], (4, 1)))
-
-
-def test_contacts_that_are_spread_reach_all_round():
-    points = ball(500)[0]
-    kept = spread(points, 40)
-    assert len(set(kept.tolist())) == 40
-    assert max(np.linalg.norm(points[kept] - p, axis=1).min() for p in points) < 15.0
-    assert len(spread(points[:10], 40)) == 10
