@@ -24,6 +24,17 @@ def cumulative(cells: Ints, worth: Floats, counts: tuple[int, int, int]) -> Floa
 
 
 @numba.njit(cache=True, error_model="numpy")
+def lot_sums(lots: Ints, worth: Floats, count: int) -> Floats:
+    """(count,) what the cells of each lot are worth together, of (c, b) lots of cells and their (c,) `worth`."""
+    sums = np.zeros(count)
+    for cell in range(len(worth)):
+        if worth[cell] != 0.0:  # most are worth nothing
+            for body in range(lots.shape[1]):
+                sums[lots[cell, body]] += worth[cell]
+    return sums
+
+
+@numba.njit(cache=True, error_model="numpy")
 def greatest_boxes(sums: Floats, x: Ints, y: Ints, z: Ints, most: int) -> tuple[Ints, Floats]:
     """(k,) flat indices of the boxes that come to the most, in no order, and (k,) what each comes to.
 

@@ -19,7 +19,7 @@ from primitives.arrays import Bools, Floats, Ints, frozen
 from primitives.pose import frame_along
 from primitives.shapes import Cylinder, Plane, Shape, Sphere, Torus
 from recognition.assembly.arrangement import distinct_rows
-from recognition.assembly.step_kernels import cumulative, greatest_boxes, kept_sides
+from recognition.assembly.step_kernels import cumulative, greatest_boxes, kept_sides, lot_sums
 
 _PARALLEL = 1e-3  # [rad] within which directions are one
 _KEPT = 1024  # candidates whose cells are remembered: a list is replayed with one of them changed
@@ -67,7 +67,9 @@ class Vocabulary:
         self._bins = [self._bins_of(axes) for axes in self.frames]
         self._held = lru_cache(maxsize=_KEPT)(self._held_by)
         self._round = list(self._round_candidates())
-        self._alike = [self._alike_cells(list(own)) for _, own in groupby(self._round, lambda c: c.body)]
+        self._lots, self._held_lots = self._alike_cells()
+        self._planes = [i for i, shape in enumerate(shapes) if isinstance(shape, Plane)]
+        self._beyond = frozen(outside[:, self._planes], bool)
 
     def _bins_of(self, axes: Axes) -> Ints:
         """(c, 3) the bin of each cell along three directions, 0 along none."""
@@ -133,28 +135,37 @@ class Vocabulary:
             first.setdefault(candidate.body, candidate)
         return list(first.values())[:most]
 
-    def _alike_cells(self, candidates: Sequence[Candidate]) -> tuple[Ints, Floats]:
-        """Which of a few lots each (c,) cell is in, and the (k, lots) of them that candidates of one body hold.
+    def _alike_cells(self) -> tuple[Ints, list[Floats]]:
+        """(c, b) which lot of cells each is in for each round body, and the (k, lots) that its candidates hold.
 
-        Ends of one round surface tell few cells apart, so that what they hold is added up lot by lot.
+        Ends of one round surface tell few cells apart, so that what they hold is added up lot by lot.  Lots are
+        counted on from body to body.
         """
-        masks = np.stack([self.mask(candidate) for candidate in candidates], axis=1)
-        lots, lot = distinct_rows(masks)
-        return lot, frozen(lots.T, float)
+        number, held = np.empty((len(self.outside), len(self.shapes)), np.int32, order="F"), list[Floats]()
+        count = 0
+        for _, own in groupby(self._round, lambda candidate: candidate.body):
+            masks = np.stack([self.mask(candidate) for candidate in own], axis=1)
+            lots, lot = distinct_rows(masks)
+            number[:, len(held)] = lot + count
+            held.append(frozen(lots.T, float))
+            count += len(lots)
+        return frozen(np.ascontiguousarray(number[:, : len(held)]), np.int32), held
 
     def _round_totals(self, worth: Floats) -> Floats:
         """What the cells of each round candidate are worth together."""
-        sums = [held @ np.bincount(lot, worth, held.shape[1]) for lot, held in self._alike]
-        return np.concatenate(sums) if sums else np.empty(0)
+        if not self._held_lots:
+            return np.empty(0)
+        ends = np.cumsum([held.shape[1] for held in self._held_lots])
+        lots = np.split(lot_sums(self._lots, worth, int(ends[-1])), ends[:-1])
+        return np.concatenate([held @ lot for held, lot in zip(self._held_lots, lots, strict=True)])
 
     def grown(self, cell: int, worth: Floats) -> Candidate | None:
         """Sides of planes round a cell, as few as are worth most."""
-        planes = [i for i, s in enumerate(self.shapes) if isinstance(s, Plane)]
-        if not planes:
+        if not self._planes:
             return None
-        beyond = self.outside[:, planes]
-        kept = kept_sides(beyond != beyond[cell], worth)
-        sides = tuple((planes[k], bool(self.outside[cell, planes[k]])) for k in np.flatnonzero(kept))
+        some, own = np.flatnonzero(worth), self._beyond[cell]
+        kept = kept_sides(self._beyond[some] != own, worth[some])
+        sides = tuple((self._planes[k], bool(own[k])) for k in np.flatnonzero(kept))
         return Candidate("prism", sides=sides)
 
     def _round_candidates(self) -> Iterator[Candidate]:
@@ -191,7 +202,9 @@ class Vocabulary:
         a, b, c = (1 if k is None else len(self.directions[k].planes) + 1 for k in axes)
         counts = (a, b, c)
         ends = [_ends(n) for n in counts]
-        order, totals = greatest_boxes(cumulative(self._bins[number], worth, counts), *ends, most)
+        some = np.flatnonzero(worth)
+        sums = cumulative(self._bins[number][some], worth[some], counts)
+        order, totals = greatest_boxes(sums, *ends, most)
         # an end that is open says less than one at a plane, so of equal boxes the more open stands
         spans = np.unravel_index(order, [len(e) for e in ends])
         openness = sum(
@@ -199,11 +212,8 @@ class Vocabulary:
         )
         out = []
         for row in np.lexsort((-openness, -totals))[:most]:
-            box = [e[span[row]] for e, span in zip(ends, spans, strict=True)]
-            slabs = tuple(
-                (None, None) if k is None else self._slab(self.directions[k], span)
-                for k, span in zip(axes, box, strict=True)
-            )
+            box = zip(axes, (e[span[row]] for e, span in zip(ends, spans, strict=True)), strict=True)
+            slabs = tuple((None, None) if k is None else self._slab(self.directions[k], s) for k, s in box)
             out.append((float(totals[row]), Candidate("cube", frame=number, slabs=slabs)))
         return out
 
