@@ -22,7 +22,7 @@ from primitives.fit import Fit, fit
 from primitives.plate import Plate
 from recognition.assembly import Assembly, NotClosed, assemble
 from recognition.assembly.cut_off import CutOffConfig, cut_off
-from recognition.freeform import freeform, unfelt
+from recognition.freeform import bends, freeform, unfelt
 from recognition.hulled import BETTER, MOST, all_on_hull, hulled, mean_distance, off_body
 from recognition.open_sides import ALONG, open_ended, open_ways
 
@@ -109,13 +109,13 @@ def best_body(
     make = partial(_assembled, box=box, free=free, stray=rest.points, plates=plates)
     contacts = Contacts.concatenate([*(face.contacts for face in felt), rest])
     places = contacts.points[contacts.touch != NOT_FELT]
-    body = _of_faces(felt, make, past, places)
+    body = _of_faces(felt, make, past, contacts)
     surer = [face for face in felt if not _is_guessed(face)]
     if len(surer) < len(felt) and (off := off_body(body.assembly, places)) > MOST:
-        other = _of_faces(surer, make, past, places)
+        other = _of_faces(surer, make, past, contacts)
         body = other if off_body(other.assembly, places) < BETTER * off else body
     if len(surer) < len(felt) and _idle(body) > _IDLE:
-        body = _less_guessed(body, make, past, places)
+        body = _less_guessed(body, make, past, contacts)
     if open_ended(body.assembly) and reach_past(body.assembly, contacts) > (most := min(_OPEN, past)):
         bare = make(body.felt) if body.ends else body.assembly
         sooner = replace(_ended(bare, body.felt, make, most), left_out=body.left_out)
@@ -143,23 +143,24 @@ def _idle(body: Body) -> int:
     return sum(int((face.contacts.touch != NOT_FELT).sum()) for face in (*idle, *body.left_out))
 
 
-def _less_guessed(body: Body, make: Make, past: float, places: Floats) -> Body:
+def _less_guessed(body: Body, make: Make, past: float, contacts: Contacts) -> Body:
     """The body without the flat walls that nobody felt and that keep faces out of it which were; else itself.
 
     All are left out first.  One is taken back, those of most contacts first, if with it no more of what was felt
-    is idle, and the (n, 3) felt places lie as near.
+    is idle, and what was felt lies as near.
     """
     guessed = sorted(filter(_is_guessed, body.felt), key=lambda face: -len(face.contacts))
     kept = [face for face in body.felt if not _is_guessed(face)]
-    best = _of_faces(kept, make, past, places)
+    best = _of_faces(kept, make, past, contacts)
     if isinstance(best.assembly, NotClosed):
         return body
     best = replace(best, left_out=(*body.left_out, *best.left_out))
     if _idle(best) > _LESS_IDLE * _idle(body):
         return body
+    places = contacts.points[contacts.touch != NOT_FELT]
     near = mean_distance(best.assembly, places)
     for face in guessed[:_TAKEN_BACK]:
-        found = _of_faces([*best.felt, face], make, past, places)
+        found = _of_faces([*best.felt, face], make, past, contacts)
         found = replace(found, left_out=(*best.left_out, *found.left_out))
         if _idle(found) <= _idle(best) and mean_distance(found.assembly, places) <= _AS_NEAR * near:
             best = found
@@ -175,11 +176,12 @@ def _bounds(assembly: Assembly, number: int) -> bool:
     return bool(on[solid.triangles].all(axis=1).any())
 
 
-def _of_faces(felt: Sequence[FeltFace], make: Make, past: float, places: Floats) -> Body:
-    """The body of all faces, or without some; not of more round ones where (n, 3) felt `places` have a hull."""
+def _of_faces(felt: Sequence[FeltFace], make: Make, past: float, contacts: Contacts) -> Body:
+    """The body of all faces, or without some; of many round ones only where no hull or smooth body may be."""
     whole = first = _closed(tuple(felt), make, past)
     crumbs = sum(face.fit.kind != "plane" for face in felt) > _LEFT_OUT
-    if crumbs and isinstance(first.assembly, NotClosed) and all_on_hull(places):
+    places = contacts.points[contacts.touch != NOT_FELT]
+    if crumbs and isinstance(first.assembly, NotClosed) and (all_on_hull(places) or bends(felt, contacts)):
         return first
     while isinstance(whole.assembly, NotClosed) and len(whole.left_out) < _LEFT_OUT:
         rounds = [face for face in whole.felt if face.fit.kind != "plane"]

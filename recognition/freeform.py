@@ -37,6 +37,7 @@ _SHARE, _NEARLY = 75.0, 95.0  # per cent of the contacts, whose distance speaks 
 _NEAR = 0.12  # [mm] from a body, from which it is looked for
 _BETTER = 0.5  # times the distance from the body, as which contacts kept apart must be nearer
 _GENERAL, _LITTLE = 1.5, 0.1  # times the distance of its own contacts, and [mm] more, that they may be
+_BENT = 0.01  # times the width of the gaps that contacts are kept apart of, and as much more
 _LEAST = 60  # contacts with normals
 _FEWER = 500  # contacts that it is made of, where some are kept apart
 _FOLDS = 4  # lots that contacts are parted in, each kept apart once
@@ -49,6 +50,7 @@ _HIDDEN = 0.5  # or where it stands on what nobody felt
 _SUPPORT = 0.3  # [mm] past a face that nothing reaches past
 _FEW = 0.005  # share of the contacts that may
 _FLAT, _FLAT_SHARE = 3, 0.01  # touches of such a face, and share of the contacts, at least
+_MOSTLY_ROUND = 0.25  # share of contacts on flat faces, of what is mostly round
 _CELLS = 6  # along the longest side, at least, that a cloud is parted in, and two along the shortest
 
 _TOLD = "what was felt bends as no face that has a name; the body is a smooth mesh through all contacts"
@@ -67,10 +69,9 @@ def freeform(
     Nothing is at (n, 3) places `free` [mm].
     """
     felt = contacts.select(contacts.touch != NOT_FELT)
-    flat = [k for k, face in enumerate(faces) if _is_flat(face, len(felt)) and _supports(face, felt.points)]
+    flat = _flat(faces, felt)
     ground = [k for k, face in enumerate(faces) if _is_ground(face) and _supports(face, felt.points)]
-    sharp = flat + [k for k, face in enumerate(faces) if is_hole(face.fit.shape, face)]
-    rest = felt.select(~_of_faces(felt, [faces[k] for k in sharp]))
+    rest = _beside(flat, faces, felt)
     smooth = rest.select(rest.has_normal)
     if len(smooth) < _LEAST or (off := _off(body, smooth, is_hull)) is None:
         return None
@@ -93,12 +94,35 @@ def freeform(
     return replace(made, warnings=(*told, *made.warnings), mesh_sigma=sigma)
 
 
+def bends(faces: Sequence[FittedFace], contacts: Contacts) -> bool:
+    """Whether a smooth surface tells contacts kept apart, most of which round faces share."""
+    felt = contacts.select(contacts.touch != NOT_FELT)
+    rest = _beside(_flat(faces, felt), faces, felt)
+    flat = _of_faces(rest, [face for face in faces if face.fit.kind == "plane"])
+    smooth = rest.select(rest.has_normal)
+    if len(smooth) < _LEAST or flat.mean() > _MOSTLY_ROUND:
+        return False
+    return _off(NotClosed("not asked"), smooth, False) is not None
+
+
+def _flat(faces: Sequence[FittedFace], felt: Contacts) -> list[int]:
+    """The flat faces that a smooth body may end at."""
+    return [k for k, face in enumerate(faces) if _is_flat(face, len(felt)) and _supports(face, felt.points)]
+
+
+def _beside(flat: Sequence[int], faces: Sequence[FittedFace], felt: Contacts) -> Contacts:
+    """The contacts of neither the flat faces nor round holes."""
+    holes = [k for k, face in enumerate(faces) if is_hole(face.fit.shape, face)]
+    return felt.select(~_of_faces(felt, [faces[k] for k in (*flat, *holes)]))
+
+
 def _off(body: Assembly | NotClosed, smooth: Contacts, is_hull: bool) -> float | None:
     """[mm] that most contacts kept apart lie off the smooth surface, at most; None where that is too far."""
     if not is_hull and _away(body, smooth.points) < _NEAR:
         return None
     off, own, hull_off = [], [], []
-    for apart in _folds(smooth):
+    folds, wide = _folds(smooth)
+    for apart in folds:
         kept = smooth.select(~apart)
         try:
             tried = through(kept, _FEWER)
@@ -115,7 +139,7 @@ def _off(body: Assembly | NotClosed, smooth: Contacts, is_hull: bool) -> float |
         most = _most(np.concatenate(hull_off))
     else:
         fitted = _most(np.concatenate(own))
-        most = min(_GENERAL * fitted + _LITTLE, _BETTER * _away(body, smooth.points))
+        most = min(_GENERAL * fitted + _LITTLE + _BENT * wide, _BETTER * _away(body, smooth.points))
     return found if found < most else None
 
 
@@ -181,16 +205,20 @@ def _of_faces(felt: Contacts, faces: Sequence[FittedFace]) -> Bools:
     return np.array([place.tobytes() in own for place in felt.points], dtype=np.bool_)
 
 
-def _folds(felt: Contacts) -> list[Bools]:
-    """(n,) which contacts are kept apart, a few times: whole touches; of a cloud, what lies in some cells."""
+def _folds(felt: Contacts) -> tuple[list[Bools], float]:
+    """(n,) which contacts are kept apart, a few times, and the width of the gaps that this leaves [mm].
+
+    Whole touches are, which leave none; of a cloud, what lies in some cells.
+    """
     names, lot = np.unique(felt.touch, return_inverse=True)
+    size = 0.0
     if not 2 * _FOLDS <= len(names) < len(felt):
         own = felt.points - felt.points.mean(axis=0)
         sides = np.ptp(own @ np.linalg.svd(own, full_matrices=False)[2].T, axis=0)
         size = max(min(float(sides.max()) / _CELLS, 0.5 * float(sides.min())), 1e-9)
         lot = np.unique(np.floor(own / size), axis=0, return_inverse=True)[1].reshape(-1)
     folds = [np.asarray(lot % _FOLDS == k) for k in range(_FOLDS)]
-    return [fold for fold in folds if fold.any() and not fold.all()]
+    return [fold for fold in folds if fold.any() and not fold.all()], size
 
 
 def _is_among(body: Solid, room: Floats) -> bool:

@@ -15,7 +15,7 @@ from primitives.fit import fit
 from recognition.assembly import NotClosed
 from recognition.assembly.described import describe_primitives, link, written_tree
 from recognition.best_body import FeltFace, best_body
-from recognition.freeform import freeform
+from recognition.freeform import bends, freeform
 from recognition.hulled import hulled
 
 BOX = np.array([[-100.0] * 3, [100.0] * 3])
@@ -64,6 +64,19 @@ def test_an_ellipsoid_is_one_freeform_face():
     off = body.assembly.solid.signed_distance(egg(seed=9, noise=0.0).points)
     assert 0.5 < entry["sigma"]["surface_mm"] / np.sqrt(np.mean(off**2)) < 4.0
     assert "smooth mesh" in body.assembly.warnings[0]
+
+
+def test_what_bends_is_told_from_what_has_edges():
+    each = np.arange(600)
+    own = egg()
+    cloud = Contacts.of(own.points, own.normals, 0.03, 0.02, touch=each)
+    assert bends([], cloud)
+    axis = each % 3
+    side = np.where(each // 3 % 2, 1.0, -1.0)
+    points = np.random.default_rng(0).uniform(-20.0, 20.0, size=(600, 3))
+    points[each, axis] = 20.0 * side
+    block = Contacts.of(points, side[:, None] * np.eye(3)[axis], 0.03, 0.02, touch=each)
+    assert not bends([], block)
 
 
 def test_what_half_of_was_never_felt_closes_no_body():
