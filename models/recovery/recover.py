@@ -8,7 +8,7 @@ those that run on smoothly are freeform (`leftover`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from models.recovery.creases import find_creases
 from models.recovery.curved import Region, find_curved
 from models.recovery.curved_options import CurvedOptions
 from models.recovery.cut import find_cut, with_truncated_ends
+from models.recovery.fits import corners_of
 from models.recovery.flats import corner_noise, find_flats
 from models.recovery.fragments import without_fragments
 from models.recovery.grow import Mesh
@@ -24,6 +25,7 @@ from models.recovery.joined import joined
 from models.recovery.leftover import LeftoverOptions, label_leftover
 from models.recovery.wedged import with_wedged
 from primitives.arrays import Floats, Ints, frozen
+from primitives.shapes import Plane
 
 
 @dataclass(frozen=True)
@@ -68,5 +70,21 @@ def recover(
         regions = with_wedged(mesh, regions, noise, tolerances.curved)
     regions = [with_truncated_ends(mesh, region, noise, tolerances.curved) for region in regions]
     regions = without_fragments(mesh, regions, noise, tolerances.leftover)
+    regions = [_flattened(mesh, region, tolerances.flat * size, angle) for region in regions]
     labels, surfaces = label_leftover(mesh, regions, flat, tolerances.leftover)
     return Recovered(frozen(labels[flats.of_triangle], np.int64), surfaces)
+
+
+def _flattened(mesh: Mesh, region: Region, flat: float, angle: float) -> Region:
+    """The region; a plane's where its facets lie on one to `flat` [mm] and `angle` [rad].
+
+    A disc or ring whose corners were rounded off its plane fits a very flat cone.
+    """
+    area, facets = mesh.flats.area[region.facets], region.facets[~mesh.thin[region.facets]]
+    normal = area @ mesh.flats.normal[region.facets]
+    if not (length := float(np.linalg.norm(normal))) > 0.0:
+        return region
+    plane = Plane(area @ mesh.flats.center[region.facets] / area.sum(), normal / length)
+    level = np.abs(plane.signed_distance(mesh.vertices[corners_of(mesh, region.facets)])).max() < flat
+    alike = (mesh.flats.normal[facets] @ plane.normal > np.cos(angle)).all()
+    return replace(region, shape=plane, convex=True) if level and alike else region

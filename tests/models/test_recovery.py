@@ -4,6 +4,7 @@ from math import pi
 import networkx as nx
 import numpy as np
 import pytest
+import trimesh
 
 from models.boundary import boundary
 from models.brep import Brep
@@ -151,3 +152,11 @@ def test_a_smooth_surface_of_no_shape_is_one_freeform_face() -> None:
 def test_a_body_is_recovered_once() -> None:
     solid = _bare(TREES["rod"])
     assert boundary(solid) is boundary(solid.placed(pose(None, (1, 2, 3))))
+
+
+def test_a_ring_that_rounding_raised_at_one_rim_is_a_plane():
+    tube = trimesh.creation.annulus(10.0, 25.0, 40.0, sections=28)
+    vertices = np.array(tube.vertices)
+    rim = (vertices[:, 2] > 0.0) & (np.linalg.norm(vertices[:, :2], axis=1) < 15.0)
+    vertices[rim, 2] += 1.6e-3
+    assert _kinds(Solid.from_mesh(vertices, tube.faces)) == {"plane": 2, "cylinder": 2}
