@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -34,22 +35,25 @@ from recognition.hulled import hull_of
 from recognition.smooth_mesh import smooth_mesh, through
 
 _SHARE, _NEARLY = 75.0, 95.0  # per cent of the contacts, whose distance speaks for all; and nearly all
+_SIGMAS = float(ndtri(0.5 + 0.005 * _SHARE))  # within which so many lie of what is off by chance
 _NEAR = 0.12  # [mm] from a body, from which it is looked for
 _BETTER = 0.5  # times the distance from the body, as which contacts kept apart must be nearer
+_CONTRADICTED = 1.3  # times what noise explains, from which contacts contradict a body
 _GENERAL, _LITTLE = 1.5, 0.1  # times the distance of its own contacts, and [mm] more, that they may be
-_BENT = 0.01  # times the width of the gaps that contacts are kept apart of, and as much more
-_LEAST = 60  # contacts with normals
+_BENT = 0.05  # times the width of gaps in a cloud, and as much more
+_LEAST, _FEWEST = 60, 24  # contacts with normals, and of a cloud, which are spread
 _FEWER = 500  # contacts that it is made of, where some are kept apart
 _FOLDS = 4  # lots that contacts are parted in, each kept apart once
 _BULGE, _LEVEL = 0.25, 0.5  # times the spacing of contacts, and [mm] more, that it may bulge past their hull
 _BULGED = 0.1  # share of its surface that may bulge farther
 _ENDS = 4.0  # times the distance of most contacts from it, that nearly all are within
 _FAR = 0.25  # of the longest side: what of the surface is farther from all contacts is a guess
-_GUESSED = 0.05  # share of it that may be,
+_GUESSED, _SPARSE = 0.05, 0.25  # share of it that may be, and of a cloud,
 _HIDDEN = 0.5  # or where it stands on what nobody felt
 _SUPPORT = 0.3  # [mm] past a face that nothing reaches past
 _FEW = 0.005  # share of the contacts that may
 _FLAT, _FLAT_SHARE = 3, 0.01  # touches of such a face, and share of the contacts, at least
+_WIDE = 20.0  # [mm] both ways, of what is flat although fewer touched it
 _MOSTLY_ROUND = 0.25  # share of contacts on flat faces, of what is mostly round
 _CELLS = 6  # along the longest side, at least, that a cloud is parted in, and two along the shortest
 
@@ -73,7 +77,9 @@ def freeform(
     ground = [k for k, face in enumerate(faces) if _is_ground(face) and _supports(face, felt.points)]
     rest = _beside(flat, faces, felt)
     smooth = rest.select(rest.has_normal)
-    if len(smooth) < _LEAST or (off := _off(body, smooth, is_hull)) is None:
+    if len(smooth) < _FEWEST:
+        return None
+    if (apart := _apart(_away(body, smooth.points), _freedom(faces, felt), smooth, is_hull)) is None:
         return None
     room = np.concatenate([felt.points, *(_foot(faces[k].fit.shape, felt.points) for k in ground)])
     try:
@@ -81,14 +87,15 @@ def freeform(
         made = None if mesh is None else _cut(mesh, faces, flat + ground, felt.points)
     except PalpateError:
         return None
-    if made is None or not _is_among(made.solid, room):
+    if made is None or not _is_among(made.solid, room, apart.outside):
         return None
     near, nearly = np.percentile(np.abs(made.solid.signed_distance(rest.points)), (_SHARE, _NEARLY))
     guessed = unfelt(made.solid, felt.points, _FAR * float(np.ptp(felt.points, axis=0).max()))
-    most = max(off, _NEAR)
-    if near > most or nearly > _ENDS * most or guessed > (_HIDDEN if ground else _GUESSED):
+    most = max(apart.off, _NEAR)
+    may_be = _HIDDEN if ground else _SPARSE if apart.gap else _GUESSED
+    if near > most or nearly > _ENDS * most or guessed > may_be:
         return None
-    sigma = max(off, float(near)) / float(ndtri(0.5 + 0.005 * _SHARE))
+    sigma = max(apart.off, float(near)) / _SIGMAS
     told = [f"{_TOLD}, known to {sigma:.2f} mm (1 sigma)"]
     told += [f"{guessed:.0%} of its surface is a guess: no contact is near"] if guessed > _GUESSED else []
     return replace(made, warnings=(*told, *made.warnings), mesh_sigma=sigma)
@@ -100,9 +107,9 @@ def bends(faces: Sequence[FittedFace], contacts: Contacts) -> bool:
     rest = _beside(_flat(faces, felt), faces, felt)
     flat = _of_faces(rest, [face for face in faces if face.fit.kind == "plane"])
     smooth = rest.select(rest.has_normal)
-    if len(smooth) < _LEAST or flat.mean() > _MOSTLY_ROUND:
+    if len(smooth) < _FEWEST or flat.mean() > _MOSTLY_ROUND:
         return False
-    return _off(NotClosed("not asked"), smooth, False) is not None
+    return _apart(np.inf, 0.0, smooth, False) is not None
 
 
 def _flat(faces: Sequence[FittedFace], felt: Contacts) -> list[int]:
@@ -116,31 +123,50 @@ def _beside(flat: Sequence[int], faces: Sequence[FittedFace], felt: Contacts) ->
     return felt.select(~_of_faces(felt, [faces[k] for k in (*flat, *holes)]))
 
 
-def _off(body: Assembly | NotClosed, smooth: Contacts, is_hull: bool) -> float | None:
-    """[mm] that most contacts kept apart lie off the smooth surface, at most; None where that is too far."""
-    if not is_hull and _away(body, smooth.points) < _NEAR:
+class Apart(NamedTuple):
+    """What contacts kept apart tell [mm]."""
+
+    off: float  # that most of them lie off a smooth surface through the others
+    outside: float  # that nearly all are outside the others' hull, at most
+    gap: float  # how wide a gap they leave in a cloud; 0 where they are whole touches
+
+
+def _apart(away: float, freedom: float, smooth: Contacts, is_hull: bool) -> Apart | None:
+    """None where they lie too far off a smooth surface.
+
+    As where that is farther than the body of faces, which is `away` [mm] from contacts that it was made of and
+    would be farther from others, by the `freedom` that its faces have for each of them (generalized
+    cross-validation, Craven and Wahba 1979).  A body within the noise of its contacts is doubted less.
+    """
+    contradicted = away > _CONTRADICTED * _SIGMAS * float(np.median(smooth.sigma))
+    away = away / (1.0 - freedom) if freedom < 1.0 else np.inf
+    if not is_hull and away < _NEAR:
         return None
-    off, own, hull_off = [], [], []
-    folds, wide = _folds(smooth)
+    folds, gap = _folds(smooth)
+    if not gap and len(smooth) < _LEAST:
+        return None
+    off, own, outside, alone = [], [], [], []
     for apart in folds:
-        kept = smooth.select(~apart)
+        kept, points = smooth.select(~apart), smooth.points[apart]
         try:
             tried = through(kept, _FEWER)
         except PalpateError:
             return None
-        off.append(np.abs(tried.values(smooth.points[apart])))
+        off.append(np.abs(tried.values(points)))
         own.append(np.abs(tried.values(kept.points)))
-        if is_hull and (hull := hull_of(kept.points)) is not None:
-            hull_off.append(np.abs(Solid.from_csg(hull).signed_distance(smooth.points[apart])))
-    if not off:
+        alone.append(cKDTree(kept.points).query(points)[0])
+        if (hull := hull_of(kept.points)) is not None:
+            outside.append(Solid.from_csg(hull).signed_distance(points))
+    if not off or not outside:
         return None
-    found = _most(np.concatenate(off))
-    if hull_off:
-        most = _most(np.concatenate(hull_off))
+    found, from_hull = _most(np.concatenate(off)), np.concatenate(outside)
+    if is_hull:
+        most = _most(np.abs(from_hull))
     else:
-        fitted = _most(np.concatenate(own))
-        most = min(_GENERAL * fitted + _LITTLE + _BENT * wide, _BETTER * _away(body, smooth.points))
-    return found if found < most else None
+        gap = max(gap, 2.0 * float(np.median(np.concatenate(alone)))) if gap else 0.0
+        most = _GENERAL * _most(np.concatenate(own)) + _LITTLE + _BENT * gap
+        most = min(most, away if gap and contradicted else _BETTER * away)
+    return Apart(found, float(np.percentile(from_hull, _NEARLY)), gap) if found < most else None
 
 
 def _cut(mesh: Solid, faces: Sequence[FittedFace], flat: Sequence[int], felt: Floats) -> Assembly:
@@ -165,6 +191,12 @@ def unfelt(body: Solid, felt: Floats, near: float) -> float:
     return float(areas[cKDTree(felt).query(middles)[0] > near].sum() / areas.sum())
 
 
+def _freedom(faces: Sequence[FittedFace], felt: Contacts) -> float:
+    """Parameters of faces that were felt, for each contact."""
+    own = [face.fit.shape.dof for face in faces if (face.contacts.touch != NOT_FELT).any()]
+    return sum(own) / max(len(felt), 1)
+
+
 def _away(body: Assembly | NotClosed, points: Floats) -> float:
     """[mm] from a body, within which most of (n, 3) points are; without end where there is none."""
     if isinstance(body, NotClosed):
@@ -178,9 +210,15 @@ def _most(off: Floats) -> float:
 
 
 def _is_flat(face: FittedFace, count: int) -> bool:
-    """Whether it was felt to be flat, by some touches and some of all contacts: one pad lies flat on any bulge."""
-    touch = face.contacts.touch[face.contacts.touch != NOT_FELT]
-    return face.fit.kind == "plane" and len(np.unique(touch)) >= _FLAT and len(touch) > _FLAT_SHARE * count
+    """Whether it was felt to be flat, by some of all contacts: by a few touches, or wider than a pad.
+
+    One pad lies flat on any bulge.
+    """
+    felt = face.contacts.select(face.contacts.touch != NOT_FELT)
+    if face.fit.kind != "plane" or len(felt) <= _FLAT_SHARE * count:
+        return False
+    across = felt.points @ face.fit.shape.frame[:, :2]
+    return len(np.unique(felt.touch)) >= _FLAT or bool((np.ptp(across, axis=0) > _WIDE).all())
 
 
 def _is_ground(face: FittedFace) -> bool:
@@ -221,15 +259,18 @@ def _folds(felt: Contacts) -> tuple[list[Bools], float]:
     return [fold for fold in folds if fold.any() and not fold.all()], size
 
 
-def _is_among(body: Solid, room: Floats) -> bool:
-    """Whether a body lies among (n, 3) places, and bulges no farther past their hull than between some of them."""
+def _is_among(body: Solid, room: Floats, past: float) -> bool:
+    """Whether a body lies among (n, 3) places, and bulges no farther past their hull than between some of them.
+
+    Nor than some of them, kept apart, were `past` [mm] the hull of the others.
+    """
     hull = hull_of(room)
     if hull is None:
         return False
     middles, areas = body.vertices[body.triangles].mean(axis=1), body.body.triangle_areas
-    past = Solid.from_csg(hull).signed_distance(middles)
-    most = _BULGE * float(np.sqrt(areas.sum() / len(room))) + _LEVEL
-    return bool(areas[past > most].sum() < _BULGED * areas.sum())
+    bulge = Solid.from_csg(hull).signed_distance(middles)
+    most = max(_BULGE * float(np.sqrt(areas.sum() / len(room))) + _LEVEL, past)
+    return bool(areas[bulge > most].sum() < _BULGED * areas.sum())
 
 
 def _beyond(number: int, plane: Shape, mesh: Solid) -> Piece:

@@ -24,6 +24,7 @@ BORED = "a round hole is taken out of a body that its wall bounds no side of"
 _ROWS = 0.3  # of the length of a hole's contacts, that a wall which nobody felt goes on past them
 _PAST = 1.0  # [mm] that any does
 _INSIDE = 1.5  # [mm] in a hole, from where a contact contradicts it
+_WITHIN = 0.2  # share of a hole, from which it lies in a body and does not only pass it
 _STRAYING = 0.002  # share of all contacts that may
 
 
@@ -43,7 +44,9 @@ def bored(body: Body, faces: Sequence[FittedFace], shapes: Sequence[Shape], felt
         piece = Piece("cylinder", "subtract", bar, where, number, ((None, None),), BORED)
         inside = int((piece.placed.signed_distance(felt) < -_INSIDE).sum())
         less = body.less(piece) if inside <= _STRAYING * len(felt) else None
-        body = body if less is None else less
+        hollow = _WITHIN * np.pi * shape.radius**2 * (high - low)
+        if less is not None and body.solid.volume - less.solid.volume > hollow:
+            body = less
     return body
 
 

@@ -45,11 +45,12 @@ def ellipsoid(semi=AXES):
     return Solid.from_mesh(points, np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices))
 
 
-def bottom(below=-10.0):
+def bottom(below=-10.0, touches=9):
     steps = np.linspace(-0.85, 0.85, 9)
     points = np.array([[45.0 * x, 32.0 * y, below] for x in steps for y in steps if np.hypot(x, y) < 0.9])
     down = np.tile([0.0, 0.0, -1.0], (len(points), 1))
-    felt = Contacts.of(points, down, 0.01, 0.005, touch=1000 + np.arange(len(points)) // 9)
+    touch = 1000 + np.arange(len(points)) * touches // len(points)
+    felt = Contacts.of(points, down, 0.01, 0.005, touch=touch)
     return FeltFace(fit("plane", felt), felt)
 
 
@@ -85,10 +86,21 @@ def test_what_half_of_was_never_felt_closes_no_body():
     assert isinstance(best_body([], BOX, None, 15.0, upper).assembly, NotClosed)
 
 
-def test_a_flat_bottom_stays_flat():
+@pytest.mark.parametrize("count", [30, 60])
+def test_a_few_scattered_contacts_tell_more_than_their_hull(count):
+    own = egg(count, noise=0.3)
+    cloud = Contacts.of(own.points, own.normals, 0.3, 0.05, touch=np.arange(count))
+    found, hull = freeform([], cloud, NOTHING), hulled([], cloud, NOTHING)
+    assert iou(found.solid, ellipsoid()) > 0.93
+    assert hull is None or iou(hull.solid, ellipsoid()) < 0.85
+    assert found.mesh_sigma > 0.3
+
+
+@pytest.mark.parametrize("touches", [7, 2])
+def test_a_flat_bottom_stays_flat(touches):
     contacts = egg()
     upper = contacts.select(contacts.points[:, 2] > -8.0)
-    flat = bottom()
+    flat = bottom(touches=touches)
     body = best_body([flat], BOX, None, 15.0, upper)
     assert body.whole
     assert [piece.kind for piece in body.assembly.pieces] == ["mesh", "cube"]
@@ -110,6 +122,18 @@ def test_nothing_is_where_an_array_went():
     less = freeform([], ends, NOTHING, round_it)
     assert full.solid.signed_distance(round_it).max() < -1.0
     assert less.solid.signed_distance(round_it).min() > -0.5
+
+
+def test_a_hole_that_only_passes_is_none_of_a_body():
+    contacts = egg(1000)
+    contacts = contacts.select(np.linalg.norm(contacts.points[:, :2], axis=1) > 12.0)
+    turn = np.linspace(0.0, 2.0 * np.pi, 60)
+    way = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)
+    for aside, is_hole in ((0.0, True), (55.5, False)):
+        points = 12.0 * way + np.outer(np.cos(9.0 * turn), [0.0, 0.0, 20.0]) + [aside, 0.0, 0.0]
+        lot = Contacts.of(points, -way, 0.02, 0.02, touch=np.full(60, NOT_FELT))
+        found = freeform([FeltFace(fit("cylinder", lot), lot)], contacts, NOTHING)
+        assert ("cylinder" in [piece.kind for piece in found.pieces]) == is_hole
 
 
 def test_what_is_explained_or_was_not_felt_has_none():
