@@ -37,7 +37,7 @@ from recognition.smooth_mesh import smooth_mesh, through
 _SHARE, _NEARLY = 75.0, 95.0  # per cent of the contacts, whose distance speaks for all; and nearly all
 _SIGMAS = float(ndtri(0.5 + 0.005 * _SHARE))  # within which so many lie of what is off by chance
 _NEAR = 0.12  # [mm] from a body, from which it is looked for
-_BETTER = 0.5  # times the distance from the body, as which contacts kept apart must be nearer
+_BETTER = 0.8  # times the distance from the body, as which contacts kept apart must be nearer
 _CONTRADICTED = 1.3  # times what noise explains, from which contacts contradict a body
 _GENERAL, _LITTLE = 1.5, 0.1  # times the distance of its own contacts, and [mm] more, that they may be
 _BENT = 0.05  # times the width of gaps in a cloud, and as much more
