@@ -45,6 +45,7 @@ _LEAST, _FEWEST = 60, 24  # contacts with normals, and of a cloud, which are spr
 _FEWER = 500  # contacts that it is made of, where some are kept apart
 _FOLDS = 4  # lots that contacts are parted in, each kept apart once
 _BULGE, _LEVEL = 0.25, 0.5  # times the spacing of contacts, and [mm] more, that it may bulge past their hull
+_OUTSIDE = 1.5  # times what contacts kept apart are past it, who are few
 _BULGED = 0.1  # share of its surface that may bulge farther
 _ENDS = 4.0  # times the distance of most contacts from it, that nearly all are within
 _FAR = 0.25  # of the longest side: what of the surface is farther from all contacts is a guess
@@ -262,14 +263,14 @@ def _folds(felt: Contacts) -> tuple[list[Bools], float]:
 def _is_among(body: Solid, room: Floats, past: float) -> bool:
     """Whether a body lies among (n, 3) places, and bulges no farther past their hull than between some of them.
 
-    Nor than some of them, kept apart, were `past` [mm] the hull of the others.
+    Nor much farther than some of them, kept apart, were `past` [mm] the hull of the others.
     """
     hull = hull_of(room)
     if hull is None:
         return False
     middles, areas = body.vertices[body.triangles].mean(axis=1), body.body.triangle_areas
     bulge = Solid.from_csg(hull).signed_distance(middles)
-    most = max(_BULGE * float(np.sqrt(areas.sum() / len(room))) + _LEVEL, past)
+    most = max(_BULGE * float(np.sqrt(areas.sum() / len(room))) + _LEVEL, _OUTSIDE * past)
     return bool(areas[bulge > most].sum() < _BULGED * areas.sum())
 
 
