@@ -126,7 +126,10 @@ def best_body(
     smooth = freeform(body.felt, contacts, body.assembly, free, hull is not None)
     if smooth is not None:
         beside = min(_BESIDE, _APART * float(np.ptp(places, axis=0).max()))
-        body = Body(smooth, body.felt, (), body.left_out, unfelt(smooth.solid, places, beside) > _UNFELT)
+        if (share := unfelt(smooth.solid, places, beside)) > _UNFELT:
+            told = f"{share:.0%} of it is farther than {beside:.0f} mm from all contacts, and counts as open"
+            smooth = replace(smooth, warnings=(*smooth.warnings, told))
+        body = Body(smooth, body.felt, (), body.left_out, share > _UNFELT)
     return body
 
 

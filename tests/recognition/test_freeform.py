@@ -94,6 +94,9 @@ def test_a_few_scattered_contacts_tell_more_than_their_hull(count):
     assert iou(found.solid, ellipsoid()) > 0.93
     assert hull is None or iou(hull.solid, ellipsoid()) < 0.85
     assert found.mesh_sigma > 0.3
+    body = best_body([], BOX, None, 15.0, cloud)
+    assert not body.whole
+    assert "counts as open" in body.assembly.warnings[-1]
 
 
 @pytest.mark.parametrize("touches", [7, 2])
