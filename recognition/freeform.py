@@ -3,7 +3,7 @@
 An egg, a grip or a gourd has no face that is a plane, a cylinder, a cone, a sphere or a torus.  What is bounded by
 such ones then lies off most contacts, and their hull lies off those in hollows.  A smooth surface through contacts
 and their normals (`primitives.implicit_surface`) is held against contacts that it was not made of: whole touches
-are kept apart, and it is taken where it lies much nearer these than the body of faces.  Of faces that nothing
+are kept apart, and it is taken where it lies nearer these than the body of faces.  Of faces that nothing
 reaches past, as the bottom of what stands on one, and of round holes, the exact surfaces are kept.  Ours.
 """
 
@@ -68,7 +68,7 @@ def freeform(
     free: Floats | None = None,
     is_hull: bool = False,
 ) -> Assembly | None:
-    """The smooth body, where contacts kept apart tell that it is much nearer; None where the body is to be kept.
+    """The smooth body, where contacts kept apart tell that it is nearer; None where the body is to be kept.
 
     The body may be the hull of all contacts: then one of the same contacts is to lie nearer those kept apart.
     Nothing is at (n, 3) places `free` [mm].
