@@ -141,15 +141,13 @@ class Vocabulary:
         Ends of one round surface tell few cells apart, so that what they hold is added up lot by lot.  Lots are
         counted on from body to body.
         """
-        number, held = np.empty((len(self.outside), len(self.shapes)), np.int32, order="F"), list[Floats]()
-        count = 0
+        columns, held, count = list[Ints](), list[Floats](), 0
         for _, own in groupby(self._round, lambda candidate: candidate.body):
-            masks = np.stack([self.mask(candidate) for candidate in own], axis=1)
-            lots, lot = distinct_rows(masks)
-            number[:, len(held)] = lot + count
+            lots, lot = distinct_rows(np.stack([self.mask(candidate) for candidate in own], axis=1))
+            columns.append((lot + count).astype(np.int32))
             held.append(frozen(lots.T, float))
             count += len(lots)
-        return frozen(np.ascontiguousarray(number[:, : len(held)]), np.int32), held
+        return (frozen(np.stack(columns, axis=1), np.int32) if columns else np.empty((0, 0), np.int64)), held
 
     def _round_totals(self, worth: Floats) -> Floats:
         """What the cells of each round candidate are worth together."""
