@@ -11,11 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
-from scipy.special import ndtri
 
 from models.csg import Cube, Polyhedron
 from models.solid import TOLERANCE, Solid
@@ -32,18 +30,9 @@ from recognition.assembly.made import Body
 from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.regularities import regularize
 from recognition.hulled import hull_of
-from recognition.smooth_mesh import smooth_mesh, through
+from recognition.kept_apart import FEWEST, NEAR, NEARLY, SHARE, SIGMAS, kept_apart, most_of
+from recognition.smooth_mesh import smooth_mesh
 
-_SHARE, _NEARLY = 75.0, 95.0  # per cent of the contacts, whose distance speaks for all; and nearly all
-_SIGMAS = float(ndtri(0.5 + 0.005 * _SHARE))  # within which so many lie of what is off by chance
-_NEAR = 0.12  # [mm] from a body, from which it is looked for
-_BETTER = 0.8  # times the distance from the body, as which contacts kept apart must be nearer
-_CONTRADICTED = 1.3  # times what noise explains, from which contacts contradict a body
-_GENERAL, _LITTLE = 1.5, 0.1  # times the distance of its own contacts, and [mm] more, that they may be
-_BENT = 0.05  # times the width of gaps in a cloud, and as much more
-_LEAST, _FEWEST = 60, 24  # contacts with normals, and of a cloud, which are spread
-_FEWER = 500  # contacts that it is made of, where some are kept apart
-_FOLDS = 4  # lots that contacts are parted in, each kept apart once
 _BULGE, _LEVEL = 0.25, 0.5  # times the spacing of contacts, and [mm] more, that it may bulge past their hull
 _OUTSIDE = 1.5  # times what contacts kept apart are past it, who are few
 _BULGED = 0.1  # share of its surface that may bulge farther
@@ -56,7 +45,6 @@ _FEW = 0.005  # share of the contacts that may
 _FLAT, _FLAT_SHARE = 3, 0.01  # touches of such a face, and share of the contacts, at least
 _WIDE = 20.0  # [mm] both ways, of what is flat although fewer touched it
 _MOSTLY_ROUND = 0.25  # share of contacts on flat faces, of what is mostly round
-_CELLS = 6  # along the longest side, at least, that a cloud is parted in, and two along the shortest
 
 _TOLD = "what was felt bends as no face that has a name; the body is a smooth mesh through all contacts"
 
@@ -78,9 +66,9 @@ def freeform(
     ground = [k for k, face in enumerate(faces) if _is_ground(face) and _supports(face, felt.points)]
     rest = _beside(flat, faces, felt)
     smooth = rest.select(rest.has_normal)
-    if len(smooth) < _FEWEST:
+    if len(smooth) < FEWEST:
         return None
-    if (apart := _apart(_away(body, smooth.points), _freedom(faces, felt), smooth, is_hull)) is None:
+    if (apart := kept_apart(_away(body, smooth.points), _freedom(faces, felt), smooth, is_hull)) is None:
         return None
     room = np.concatenate([felt.points, *(_foot(faces[k].fit.shape, felt.points) for k in ground)])
     try:
@@ -90,13 +78,13 @@ def freeform(
         return None
     if made is None or not _is_among(made.solid, room, apart.outside):
         return None
-    near, nearly = np.percentile(np.abs(made.solid.signed_distance(rest.points)), (_SHARE, _NEARLY))
+    near, nearly = np.percentile(np.abs(made.solid.signed_distance(rest.points)), (SHARE, NEARLY))
     guessed = unfelt(made.solid, felt.points, _FAR * float(np.ptp(felt.points, axis=0).max()))
-    most = max(apart.off, _NEAR)
+    most = max(apart.off, NEAR)
     may_be = _HIDDEN if ground else _SPARSE if apart.gap else _GUESSED
     if near > most or nearly > _ENDS * most or guessed > may_be:
         return None
-    sigma = max(apart.off, float(near)) / _SIGMAS
+    sigma = max(apart.off, float(near)) / SIGMAS
     told = [f"{_TOLD}, known to {sigma:.2f} mm (1 sigma)"]
     told += [f"{guessed:.0%} of its surface is a guess: no contact is near"] if guessed > _GUESSED else []
     return replace(made, warnings=(*told, *made.warnings), mesh_sigma=sigma)
@@ -108,9 +96,9 @@ def bends(faces: Sequence[FittedFace], contacts: Contacts) -> bool:
     rest = _beside(_flat(faces, felt), faces, felt)
     flat = _of_faces(rest, [face for face in faces if face.fit.kind == "plane"])
     smooth = rest.select(rest.has_normal)
-    if len(smooth) < _FEWEST or flat.mean() > _MOSTLY_ROUND:
+    if len(smooth) < FEWEST or flat.mean() > _MOSTLY_ROUND:
         return False
-    return _apart(np.inf, 0.0, smooth, False) is not None
+    return kept_apart(np.inf, 0.0, smooth, False) is not None
 
 
 def _flat(faces: Sequence[FittedFace], felt: Contacts) -> list[int]:
@@ -122,52 +110,6 @@ def _beside(flat: Sequence[int], faces: Sequence[FittedFace], felt: Contacts) ->
     """The contacts of neither the flat faces nor round holes."""
     holes = [k for k, face in enumerate(faces) if is_hole(face.fit.shape, face)]
     return felt.select(~_of_faces(felt, [faces[k] for k in (*flat, *holes)]))
-
-
-class Apart(NamedTuple):
-    """What contacts kept apart tell [mm]."""
-
-    off: float  # that most of them lie off a smooth surface through the others
-    outside: float  # that nearly all are outside the others' hull, at most
-    gap: float  # how wide a gap they leave in a cloud; 0 where they are whole touches
-
-
-def _apart(away: float, freedom: float, smooth: Contacts, is_hull: bool) -> Apart | None:
-    """None where they lie too far off a smooth surface.
-
-    As where that is farther than the body of faces, which is `away` [mm] from contacts that it was made of and
-    would be farther from others, by the `freedom` that its faces have for each of them (generalized
-    cross-validation, Craven and Wahba 1979).  A body within the noise of its contacts is doubted less.
-    """
-    contradicted = away > _CONTRADICTED * _SIGMAS * float(np.median(smooth.sigma))
-    away = away / (1.0 - freedom) if freedom < 1.0 else np.inf
-    if not is_hull and away < _NEAR:
-        return None
-    folds, gap = _folds(smooth)
-    if not gap and len(smooth) < _LEAST:
-        return None
-    off, own, outside, alone = [], [], [], []
-    for apart in folds:
-        kept, points = smooth.select(~apart), smooth.points[apart]
-        try:
-            tried = through(kept, _FEWER)
-        except PalpateError:
-            return None
-        off.append(np.abs(tried.values(points)))
-        own.append(np.abs(tried.values(kept.points)))
-        alone.append(cKDTree(kept.points).query(points)[0])
-        if (hull := hull_of(kept.points)) is not None:
-            outside.append(Solid.from_csg(hull).signed_distance(points))
-    if not off or not outside:
-        return None
-    found, from_hull = _most(np.concatenate(off)), np.concatenate(outside)
-    if is_hull:
-        most = _most(np.abs(from_hull))
-    else:
-        gap = max(gap, 2.0 * float(np.median(np.concatenate(alone)))) if gap else 0.0
-        most = _GENERAL * _most(np.concatenate(own)) + _LITTLE + _BENT * gap
-        most = min(most, away if gap and contradicted else _BETTER * away)
-    return Apart(found, float(np.percentile(from_hull, _NEARLY)), gap) if found < most else None
 
 
 def _cut(mesh: Solid, faces: Sequence[FittedFace], flat: Sequence[int], felt: Floats) -> Assembly:
@@ -202,12 +144,7 @@ def _away(body: Assembly | NotClosed, points: Floats) -> float:
     """[mm] from a body, within which most of (n, 3) points are; without end where there is none."""
     if isinstance(body, NotClosed):
         return np.inf
-    return _most(np.abs(body.solid.signed_distance(points)))
-
-
-def _most(off: Floats) -> float:
-    """[mm] within which most of (n,) distances are."""
-    return float(np.percentile(off, _SHARE))
+    return most_of(np.abs(body.solid.signed_distance(points)))
 
 
 def _is_flat(face: FittedFace, count: int) -> bool:
@@ -242,22 +179,6 @@ def _of_faces(felt: Contacts, faces: Sequence[FittedFace]) -> Bools:
     """(n,) which contacts are those of faces."""
     own = {place.tobytes() for face in faces for place in face.contacts.points}
     return np.array([place.tobytes() in own for place in felt.points], dtype=np.bool_)
-
-
-def _folds(felt: Contacts) -> tuple[list[Bools], float]:
-    """(n,) which contacts are kept apart, a few times, and the width of the gaps that this leaves [mm].
-
-    Whole touches are, which leave none; of a cloud, what lies in some cells.
-    """
-    names, lot = np.unique(felt.touch, return_inverse=True)
-    size = 0.0
-    if not 2 * _FOLDS <= len(names) < len(felt):
-        own = felt.points - felt.points.mean(axis=0)
-        sides = np.ptp(own @ np.linalg.svd(own, full_matrices=False)[2].T, axis=0)
-        size = max(min(float(sides.max()) / _CELLS, 0.5 * float(sides.min())), 1e-9)
-        lot = np.unique(np.floor(own / size), axis=0, return_inverse=True)[1].reshape(-1)
-    folds = [np.asarray(lot % _FOLDS == k) for k in range(_FOLDS)]
-    return [fold for fold in folds if fold.any() and not fold.all()], size
 
 
 def _is_among(body: Solid, room: Floats, past: float) -> bool:
