@@ -43,7 +43,7 @@ class Apart(NamedTuple):
 def kept_apart(away: float, freedom: float, smooth: Contacts, is_hull: bool) -> Apart | None:
     """What `smooth` contacts tell; None where those kept apart lie too far off the surface through the others.
 
-    That is farther than from the hull of the others, where the body is one; else, than from the body of faces, which
+    That is farther than off the hull of the others, where the body is one; else than off the body of faces, which
     is `away` [mm] from contacts that it was made of and would be farther from others, by the `freedom` that its
     faces have for each of them (generalized cross-validation, Craven and Wahba 1979).  A body within the noise of
     its contacts is doubted less.
