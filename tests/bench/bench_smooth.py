@@ -25,7 +25,7 @@ from recognition.reconstructing.run import box_around
 from recognition.reconstructing.surfaces import surfaces
 
 BODIES = int(os.environ.get("PALPATE_BENCH_BODIES", "4"))
-FIRST = 8  # number that the first body is drawn from: those before helped to find what was wrong
+FIRST = 12  # number that the first body is drawn from: those before helped to find what was wrong
 NOISES = ((0.3, 3.0), (0.05, 1.0))  # [mm], [deg]
 COUNTS = (30, 60, 200, 1000)
 
