@@ -5,15 +5,16 @@ gives way as springs side by side do, is dented where rays meet the surface, and
 
     felt(r) = G * max(0, dent(r)) + d G * 1 + slope . G * r + shift . grad (G * dent)
 
-with the last three, of this one touch, and a spin by least squares with a prior: a pose is never exact.  What is
-left of a taxel beyond what the sensor's noise and the model's own error explain counts as normal errors do, taxels
-that the rubber spreads into one another together, and one touch up to a bound.  A pose that is not known well
-enough to say what lay under the pad loses nothing (our derivation).
+with the last three, of this one touch, and a spin by least squares with a prior: a pose is never exact, and what
+fits only moved far aside is worth less.  What is left over counts, and the move, as normal errors do, taxels that
+the rubber spreads into one another together; beyond what any touch is off, and up to a bound.
+A pose that is not known well enough to say what lay under the pad loses nothing (our derivation).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
@@ -36,8 +37,8 @@ class ImprintConfig:
         0.1  # of the deepest dent, by which taxels err together: gains, play, rubber that is no spring
     )
     floor: float = 0.015  # [mm] likewise, at least
-    allowed: float = 1.5  # sigmas that cost nothing
-    bound: float = 8.0  # log likelihood that one touch costs, at most
+    allowed: float = 2.0  # log likelihood that one touch is off for nothing,
+    bound: float = 8.0  # and that it costs beyond that, at most
     depth: float = 0.2  # [mm] sigma of how deep the pad lay
     slope: float = 0.02  # [rad] of its tilt
     aside: float = 0.15  # [mm] of its place along the skin, besides that of the hypothesis
@@ -54,21 +55,33 @@ def log_imprints(
         return 0.0
     solid = entry.solid.placed(h.pose)
     aside = float(np.hypot(config.aside, h.translation_sigma))
-    return -sum(cost(imprint, solid, aside, config) for imprint in evidence.imprints)
+    own = np.array([aside, aside, config.depth, config.slope, config.slope, config.slope])
+    off = (
+        fitted(imprint, foreseen(imprint, solid, config), own, config).off for imprint in evidence.imprints
+    )
+    return -sum(min(max(each - config.allowed, 0.0), config.bound) for each in off)
 
 
-def cost(imprint: Imprint, solid: Solid, aside: float, config: ImprintConfig) -> float:
-    """What one imprint costs a posed solid; the pad's place along the skin has the sigma `aside` [mm]."""
+class Fitted(NamedTuple):
+    """One imprint on a posed solid, its pad's own move taken for what is likeliest."""
+
+    off: float  # half the squared sigmas, of the move too
+    information: Floats  # (6, 6) on a move of the object, in the pad's frame
+    pull: Floats  # (6,)
+
+
+def fitted(imprint: Imprint, foretold: tuple[Floats, Floats], own: Floats, config: ImprintConfig) -> Fitted:
+    """Against what `foreseen` tells; (6,) `own` are the sigmas [mm, rad] of the pad's own pose."""
+    expected, bases = foretold
     live = np.isfinite(imprint.sigma)
-    expected, bases = foreseen(imprint, solid, config)
     deepest = max(float(imprint.depth[live].max(initial=0.0)), float(expected.max()))
     sigma = np.sqrt(imprint.sigma[live] ** 2 + config.floor**2 + (config.off * deepest) ** 2)
-    left = (imprint.depth - expected)[live] / sigma
-    rows = bases[:, live] / sigma
-    prior = np.array([aside, aside, config.depth, config.slope, config.slope, config.slope]) ** -2.0
-    left = left - np.linalg.solve(rows @ rows.T + np.diag(prior), rows @ left) @ rows
-    beyond = np.maximum(np.abs(left) - config.allowed, 0.0)
-    return float(min(0.5 * (beyond**2).sum() / together(imprint), config.bound))
+    left, rows = (imprint.depth - expected)[live] / sigma, bases[:, live] / sigma
+    alike = together(imprint)
+    curved, pull = rows @ rows.T / alike, rows @ left / alike
+    blurred = np.linalg.solve(curved + np.diag(own**-2.0), np.column_stack([curved, pull]))
+    off = 0.5 * (float(left @ left) / alike - float(pull @ blurred[:, 6]))
+    return Fitted(off, curved - curved @ blurred[:, :6], pull - curved @ blurred[:, 6])
 
 
 def together(imprint: Imprint) -> float:

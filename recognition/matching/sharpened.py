@@ -7,7 +7,7 @@ sigma of a taxel, and t taxels that the rubber spreads into one another, the pad
     K = (G + S^-1)^-1
 
 and the object's pose by all of them and by its contacts, whose curvature stands for them (Gauss-Newton).  How
-likely a mode is stays what contacts say, for an imprint that fits costs nothing (our derivation).
+likely a mode is stays what contacts say: what imprints cost it is weighed later (our derivation).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from recognition.console.interrupts import checkpoint
 from recognition.matching.align import Aligned, refine
 from recognition.matching.evidence import Evidence, Prior
 from recognition.matching.facets import facets_of
-from recognition.matching.imprints import ImprintConfig, foreseen, together
+from recognition.matching.imprints import ImprintConfig, fitted, foreseen
 from recognition.matching.likelihood import NoiseConfig
 from recognition.matching.loose import LooseConfig, sigma_points
 from recognition.matching.modes import Felt, Mode, modes_at
@@ -95,7 +95,7 @@ def known_by(
     foretold = foreseen(imprint, solid, config.skin)
     felt = replace(imprint, depth=foretold[0])
     own = np.array([config.aside, config.aside, *config.told, config.told[1], config.spin])
-    _, known, _ = _of_one(felt, foretold, own, config)
+    known = fitted(felt, foretold, own, config.skin).information
     move = _moving(inverse(solid.pose) @ imprint.pose, center)
     return np.asarray(move.T @ known @ move)
 
@@ -177,7 +177,7 @@ def _fit(at: Floats, entry: Entry, seen: Felt, evidence: Evidence, config: Sharp
         checkpoint()
         depth, tilt = config.told if imprint.touch in told else config.bare
         own = np.array([config.aside, config.aside, depth, tilt, tilt, config.spin])
-        lost, known, g = _of_one(imprint, foreseen(imprint, solid, config.skin), own, config)
+        lost, known, g = fitted(imprint, foreseen(imprint, solid, config.skin), own, config.skin)
         move = _moving(whole @ imprint.pose, center)
         share = min(1.0, config.bound / max(lost, 1e-9))
         off, worst = off + min(lost, config.bound), max(worst, lost)
@@ -190,18 +190,3 @@ def _moving(pad: Floats, center: Floats) -> Floats:
     """(6, 6) how a pad at (4, 4) object_from_sensor moves in its own frame, by (v, w) about a (3,) center."""
     back = pad[:3, :3].T
     return np.block([[back, -back @ hat(pad[:3, 3] - center)], [np.zeros((3, 3)), back]])
-
-
-def _of_one(imprint: Imprint, foretold: tuple[Floats, Floats], own: Floats,
-            config: SharpenConfig) -> tuple[float, Floats, Floats]:  # fmt: skip
-    """Half the squared sigmas that it is off, and the information and pull on the pad's move."""
-    expected, bases = foretold
-    live, skin = np.isfinite(imprint.sigma), config.skin
-    deepest = max(float(imprint.depth[live].max(initial=0.0)), float(expected.max()))
-    sigma = np.sqrt(imprint.sigma[live] ** 2 + skin.floor**2 + (skin.off * deepest) ** 2)
-    left, rows = (imprint.depth - expected)[live] / sigma, bases[:, live] / sigma
-    alike = together(imprint)
-    curved, g = rows @ rows.T / alike, rows @ left / alike
-    blurred = np.linalg.solve(curved + np.diag(own**-2.0), np.column_stack([curved, g]))
-    off = 0.5 * (float(left @ left) / alike - float(g @ blurred[:, 6]))
-    return off, curved - curved @ blurred[:, :6], g - curved @ blurred[:, 6]
