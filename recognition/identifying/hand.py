@@ -15,7 +15,7 @@ from exploration.planning.touching.lone_touch import Approach, LoneTouch, blocke
 from exploration.planning.touching.pace import Pace
 from exploration.planning.touching.within_reach import begun_within
 from exploration.planning.ways.round_ball import Ball, way_out, way_round
-from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, not_below, sweeps
+from exploration.planning.ways.search import beside_first, coarse_first, from_above, not_below
 from exploration.planning.ways.travel import kept_within
 from primitives.arrays import Floats
 
@@ -96,12 +96,9 @@ class GuardedHand:
 
     def find(self, box: Floats) -> Iterator[LoneTouch]:
         """Sweep until the pad meets something; where it was stopped, but not at the skin, beside there first."""
-        if self.told is None:
-            ways = deepening_sweeps(box, self.pad, self.feature)
-        else:  # what lies on a table is at the bottom
-            floor = max(box[2], self.told.floor)
-            ways = sweeps(np.array([*box[:2], floor, *box[3:]]), self.pad, self.feature)
-        left = list(ways)
+        floor = box[2] if self.told is None else max(box[2], self.told.floor)
+        room = np.array([*box[:2], floor, *box[3:]])
+        left = list(coarse_first(room, self.pad, self.feature, standing=self.told is not None))
         while left:
             start, end = left.pop(0)
             try:

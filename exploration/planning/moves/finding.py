@@ -10,7 +10,7 @@ from exploration.devices.guard import Collision, OverPress
 from exploration.planning.known.told import Told
 from exploration.planning.touching.findings import Done, ExplorerConfig
 from exploration.planning.touching.study import Study
-from exploration.planning.ways.search import beside_first, deepening_sweeps, from_above, not_below, sweeps
+from exploration.planning.ways.search import beside_first, coarse_first, from_above, not_below
 from primitives import pose as se3
 from primitives.arrays import Floats
 
@@ -38,9 +38,9 @@ class Finding:
         """
         floor = self.box[2] if self.told is None else max(self.box[2], self.told.floor)
         box = np.array([*self.box[:2], floor, *self.box[3:]])
-        over = deepening_sweeps if self.told is None else sweeps
         if self._left is None:
-            self._left = list(over(box, self.pad.size, self.config.feature))
+            standing = self.told is not None
+            self._left = list(coarse_first(box, self.pad.size, self.config.feature, standing))
         while self._left and not self.config.spent(self.guard.cost):
             start, end = self._left.pop(0)
             begun = self.pad.way_back.length

@@ -1,48 +1,75 @@
 """Where to look for an object of unknown place: parallel sweeps through the workspace, from its middle outward."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from primitives import pose as se3
-from primitives.arrays import Floats
+from primitives.arrays import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Pass:
+    """One going over a box; shares are of half its sides, from its middle."""
+
+    wide: float  # share that its lines lie within
+    deep: float  # share below the middle that they end at
+    apart: float  # share of the box's sides between them, or as little as leaves no gap
+
+
+PASSES = (Pass(0.1, 0.15, 0.0), Pass(0.7, 0.6, 1 / 8), Pass(1.0, 1.0, 1 / 16), Pass(1.0, 1.0, 0.0))
 
 
 def sweeps(box: Floats, pad: tuple[float, float], feature: float = 10.0) -> Iterator[tuple[Floats, Floats]]:
     """Start and end (4, 4) poses of downward sweeps through a (6,) box [mm] with a pad of (x, y) size [mm].
 
-    Their spacing is such that of an object `feature` mm across no more than two thirds pass between them.
+    They go from the middle outward.  Their spacing is such that of an object `feature` mm across no more than two
+    thirds pass between them.
     """
-    low, high = box[:3], box[3:]
-    middle = (low + high) / 2
-    spacing = np.asarray(pad) + 2.0 * feature / 3.0
-    count = np.maximum(np.ceil((high[:2] - low[:2]) / spacing / 2).astype(int), 0)
-    steps = [np.arange(-n, n + 1) * d for n, d in zip(count, spacing, strict=True)]
-    grid = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 2)
-    for x, y in middle[:2] + grid[np.argsort(np.linalg.norm(grid, axis=1), kind="stable")]:
-        yield _down(x, y, high[2]), _down(x, y, low[2])
+    cells, spacing = _cells(box, pad, feature)
+    for x, y in _middle(box)[:2] + cells * spacing:
+        yield _down(x, y, box[5]), _down(x, y, box[2])
 
 
-def deepening_sweeps(
-    box: Floats, pad: tuple[float, float], feature: float = 10.0
+def coarse_first(
+    box: Floats, pad: tuple[float, float], feature: float = 10.0, standing: bool = False
 ) -> Iterator[tuple[Floats, Floats]]:
-    """The same sweeps, those near the middle first and no deeper than they are far out: box in box in box.
+    """The same sweeps: near the middle of the (6,) box [mm] first, then far apart, then those between.
 
-    The inner ones have a quarter and half of the (6,) `box`'s sides [mm] and its middle; all come from the top of
-    the whole.  A later sweep at the same place begins where the one before it ended: above that it is free.
-    Our derivation: an object stands nearer to the middle of its workspace than to the bottom.
+    An object is mostly wider than the smallest that must not be missed, and nearer to the middle than to the
+    bottom, unless it is `standing` there: then each sweep goes all the way.  All come from the top; a later one
+    at the same place begins where the one before it ended, for above that it is free.  Our derivation: `PASSES`
+    by the mean time until the pad comes to an object, near the middle, at any distance from it alike, anywhere.
     """
-    lines = list(sweeps(box, pad, feature))
-    middle = (box[:3] + box[3:]) / 2
-    reached = [float(box[5])] * len(lines)
-    for share in (0.25, 0.5, 1.0):
-        bottom = middle[2] - share * (middle[2] - box[2])
-        within = share * (box[3:5] - box[:2]) / 2 + np.asarray(pad) / 2
-        for k, (start, _) in enumerate(lines):
-            x, y = start[:2, 3]
-            if share == 1.0 or (np.abs([x, y] - middle[:2]) <= within).all():
-                yield _down(x, y, reached[k]), _down(x, y, bottom)
-                reached[k] = bottom
+    cells, spacing = _cells(box, pad, feature)
+    middle, half = _middle(box), (box[3:] - box[:3]) / 2
+    reached = np.full(len(cells), box[5])
+    for goes in PASSES:
+        stride = np.maximum(np.round(goes.apart * 2 * half[:2] / spacing), 1).astype(int)
+        bottom = box[2] if standing else middle[2] - goes.deep * half[2]
+        beside = np.abs(cells * spacing) <= goes.wide * half[:2] + np.asarray(pad) / 2
+        due = (
+            (cells % stride == 0).all(axis=1) & (beside.all(axis=1) | (goes.wide == 1.0)) & (reached > bottom)
+        )
+        for k in np.flatnonzero(due):
+            x, y = middle[:2] + cells[k] * spacing
+            yield _down(x, y, reached[k]), _down(x, y, bottom)
+            reached[k] = bottom
+
+
+def _cells(box: Floats, pad: tuple[float, float], feature: float) -> tuple[Ints, Floats]:
+    """(n, 2) steps from the middle, nearest first, and (2,) [mm] of one."""
+    spacing = np.asarray(pad) + 2.0 * feature / 3.0
+    count = np.maximum(np.ceil((box[3:5] - box[:2]) / spacing / 2).astype(int), 0)
+    cells = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij"), axis=-1).reshape(
+        -1, 2
+    )
+    return cells[np.argsort(np.linalg.norm(cells * spacing, axis=1), kind="stable")], spacing
+
+
+def _middle(box: Floats) -> Floats:
+    return np.asarray((box[:3] + box[3:]) / 2)
 
 
 def beside_first(
