@@ -53,6 +53,17 @@ def of_pose(
     ]
 
 
+def of_search(ended: str, met: Sequence[bool]) -> list[str]:
+    """A warning where most of the touches, of which each met something or not, went by before one did."""
+    empty = list(met).index(True) if any(met) else len(met)
+    if ended == "sure" or 2 * empty <= len(met):
+        return []
+    return [
+        f"{empty} of {len(met)} touches met nothing, before anything was found: "
+        "give a smaller --workspace, or raise --max-touches"
+    ]
+
+
 def reason_in_words(summary: Mapping[str, Any]) -> str:
     """The answer in one line."""
     decision, share = summary["decision"], summary["confidence"]

@@ -16,7 +16,7 @@ from models.library import Library
 from primitives.errors import PalpateError
 from recognition.builtin import part_library
 from recognition.config import settings
-from recognition.identifying.answer import of_pose, top, truth_json
+from recognition.identifying.answer import of_pose, of_search, top, truth_json
 from recognition.identifying.hand import GuardedHand
 from recognition.identifying.identify import Identifier, IdentifyConfig, Step
 from recognition.identifying.learned import unfelt
@@ -134,7 +134,8 @@ def _finish(
         "truth": truth_json(belief, library, felt.world.part.name, felt.world.solid)
         if felt.world.known
         else None,
-        "warnings": of_pose(identifier.ended, candidates),
+        "warnings": of_pose(identifier.ended, candidates)
+        + of_search(identifier.ended, [touch.met for touch in identifier.touches]),
     }  # fmt: skip
     contacts, world = identifier.evidence.contacts, felt.world
     model = _model(identifier, library)

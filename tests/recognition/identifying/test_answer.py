@@ -1,6 +1,6 @@
 import pytest
 
-from recognition.identifying.answer import of_pose
+from recognition.identifying.answer import of_pose, of_search
 
 
 def candidate(place: float, turn: float) -> dict[str, object]:
@@ -18,3 +18,12 @@ def test_a_pose_that_is_known_and_one_that_nobody_is_sure_of_say_nothing() -> No
     assert of_pose("budget", [candidate(0.9, 8.0)]) == []
     assert of_pose("sure", [{"pose_sigma": None}]) == []
     assert of_pose("sure", []) == []
+
+
+def test_touches_that_went_into_the_search_are_told_where_it_did_not_become_sure():
+    (told,) = of_search("budget", [False] * 30 + [True, False, True])
+    assert told.startswith("30 of 33 touches met nothing")
+    assert of_search("nothing was found in the workspace", [False] * 4) != []
+    assert of_search("sure", [False] * 30 + [True] * 3) == []
+    assert of_search("budget", [False, True] + [True] * 8) == []
+    assert of_search("nothing was found in the workspace", []) == []
