@@ -19,7 +19,6 @@ from exploration.planning.ways.search import beside_first, coarse_first, from_ab
 from exploration.planning.ways.travel import kept_within
 from primitives.arrays import Floats
 
-_SHORT = 10.0  # [mm] of a sweep's end, from which something stopped it
 _STEEP = 0.6  # of an approach's way that leads down, from which it comes from above
 _NEARLY = 0.42  # of its length, at half of which it passes the middle of where it is made for
 
@@ -113,7 +112,7 @@ class GuardedHand:
             yield made
             if made.met and len(made.contacts):
                 return
-            if not made.met and float(np.linalg.norm(made.pose[:3, 3] - end[:3, 3])) > _SHORT:
+            if made.stopped:
                 place = made.pose[:3, 3]
                 left = beside_first(not_below(left, place), place)
             self.leave()

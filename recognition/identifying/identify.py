@@ -218,9 +218,10 @@ class Identifier:
             return finish, None
         met = sum(t.met for t in self.touches)
         if self.belief is not None and met >= self.config.blind and self._missed() < self.config.misses:
+            made = [t.pose for t in self.touches if t.met or t.stopped]
             found = choose(
                 self.belief, self.library, self.hand.here, ball, self.hand.pad, self.hand.pace, self.rng,
-                reachable=self.hand.reachable, known=self._known(), made=[t.pose for t in self.touches if t.met],
+                reachable=self.hand.reachable, known=self._known(), made=made,
             )  # fmt: skip
             if isinstance(found, Choice):
                 self._idle = 0

@@ -30,6 +30,8 @@ from primitives import pose as se3
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts, EdgeTrace, FreeSpace, Imprint
 
+_SHORT = 10.0  # [mm] of an approach's end, from which something stopped it
+
 
 @dataclass(frozen=True)
 class Approach:
@@ -72,6 +74,12 @@ class LoneTouch:
 
     def __bool__(self) -> bool:
         return self.met
+
+    @property
+    def stopped(self) -> bool:
+        """Whether it ended well before its end on something that the skin did not feel."""
+        gone = float((self.pose[:3, 3] - self.approach.start[:3, 3]) @ self.approach.direction)
+        return not self.met and gone < self.approach.length - _SHORT
 
     @property
     def told(self) -> bool:

@@ -28,7 +28,7 @@ _FOLD = 0.5  # [rad] between the normals beside an edge
 _BESIDE = 8.0  # [mm] by which the same face may lie deeper beside the first contact
 _HIGHER = 0.6  # [mm] above the plane of contact, to which the rubber does not give way
 _UNSETTLED = 0.1  # chance that a pad that meets a face squarely does not settle at once,
-_LEANING = 0.75  # [1/rad] and what leaning adds: the rim is crushed to the housing before outer taxels feel
+_LEANING = 0.2  # [1/rad] and what leaning adds: the rim is crushed to the housing before outer taxels feel
 _SKIN = 0.9  # of the skin's sides, that rays cover
 
 

@@ -1,5 +1,7 @@
 """One touch on the simulated stage, against the object that it was made on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -78,6 +80,16 @@ def test_a_touch_that_misses_says_that_its_way_is_free() -> None:
     assert not touch
     assert not len(touch.contacts)
     assert touch.free.contains(np.array([[60.0, 0.0, 0.0]]))[0]
+    assert not touch.stopped
+
+
+def test_an_approach_that_ends_early_and_felt_nothing_was_stopped() -> None:
+    _, _, missed = _touch("cube", [60.0, 0.0, 20.0], [0.0, 0.0, -1.0])
+    half_way = missed.approach.start @ se3.pose(translation=[0.0, 0.0, 0.5 * missed.approach.length])
+    assert replace(missed, pose=half_way).stopped
+    _, _, met = _touch("cube", [0.0, 0.0, 20.0], [0.0, 0.0, -1.0])
+    assert met.met
+    assert not met.stopped
 
 
 @settings(max_examples=50, deadline=None)
