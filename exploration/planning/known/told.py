@@ -51,12 +51,12 @@ class Told:
         self._tool, self._config = tool, config
 
     def without(self, contacts: Contacts) -> Contacts:
-        """The contacts less those that lie on what was told."""
+        """The contacts less those that lie on what was told, or may: one without a normal belongs to either."""
         if not len(contacts):
             return contacts
         near = np.abs(self.surface.signed_distance(contacts.points)) < self._config.near
         alike = (self.surface.normals(contacts.points) * contacts.normals).sum(axis=1) > self._config.facing
-        return contacts.select(~(near & alike))
+        return contacts.select(~(near & (alike | ~contacts.has_normal)))
 
     def beside(self, cells: Floats) -> Bools:
         """(n,) which of (n, 3) touched places are not on it, by which no face is felt."""

@@ -29,6 +29,11 @@ def test_contacts_on_the_table_are_left_out_and_the_objects_are_kept(told):
     assert own.points == pytest.approx(np.array([points[0], points[2]]))
 
 
+def test_a_sharp_contact_on_the_table_is_not_the_objects_and_one_above_it_is(told):
+    own = told.without(Contacts.of([[50.0, 0.0, -10.1], [30.0, 0.0, 4.0]], None))
+    assert own.points == pytest.approx(np.array([[30.0, 0.0, 4.0]]))
+
+
 def test_a_stroke_down_a_side_is_stopped_by_the_table_and_one_across_is_not(told):
     low, high = np.array([[32.0, 0.0, -8.0]]), np.array([[0.0, 0.0, 10.0], [0.0, 20.0, 8.0]])
     assert told.stopped(low)
