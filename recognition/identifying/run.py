@@ -131,10 +131,11 @@ def _finish(
         "candidates": candidates,
         "history": history,
         "why": why(belief, separate),
-        "truth": truth_json(belief, library, felt.world.part.name, felt.world.solid)
+        "truth": truth_json(identifier.told, library, felt.world.part.name, felt.world.solid)
         if felt.world.known
         else None,
-        "warnings": of_pose(identifier.ended, candidates)
+        "warnings": list(library.warnings)
+        + of_pose(identifier.ended, candidates)
         + of_search(identifier.ended, [touch.met for touch in identifier.touches]),
     }  # fmt: skip
     contacts, world = identifier.evidence.contacts, felt.world
