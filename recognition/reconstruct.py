@@ -52,6 +52,11 @@ class ReconstructOptions:
     named: int = 12  # of those faces, that are named
     past: float = 15.0  # [mm] past all contacts, from which it is told how far the body reaches
     run_on: float = 15.0  # [mm] the same, from which it is cut off where no face ends it
+    off: tuple[float, float] = (
+        6.0,
+        0.5,
+    )  # sigmas, and [mm], from the body, beyond which a contact speaks against it
+    against: int = 2  # contacts that do so, from which that is told
 
 
 @dataclass(frozen=True)
@@ -121,7 +126,8 @@ def reconstruct(
             row["status"] = "measured"
     return Reconstruction(
         assembly, boundary, faces, edges, describe_primitives(assembly), contacts, face_of_contact,
-        (*assembly.warnings, *body.told(), *_in_pieces(assembly), *_untouched(assembly, faces, contacts, options)),
+        (*assembly.warnings, *body.told(), *_in_pieces(assembly), *_untouched(assembly, faces, contacts, options),
+         *_against(assembly, contacts.select(face_of_contact == NO_FACE), options)),
         describe_regularities(assembly, boundary), body.whole,
     )  # fmt: skip
 
@@ -150,6 +156,22 @@ def _untouched(assembly: Assembly, faces: Rows, contacts: Contacts, options: Rec
     if past > options.past:
         out.append(f"the body reaches {past:.0f} mm past all that was touched, where nothing says it ends")
     return out
+
+
+def _against(assembly: Assembly, unowned: Contacts, options: ReconstructOptions) -> list[str]:
+    """How many of the contacts that lie on no face lie nowhere near the body's surface either."""
+    felt = unowned.select(unowned.touch != NOT_FELT)
+    if not len(felt):
+        return []
+    off = np.abs(assembly.solid.signed_distance(felt.points))
+    sigmas, least = options.off
+    off = off[off > np.maximum(sigmas * felt.sigma, least)]
+    if len(off) < options.against:
+        return []
+    return [
+        f"{len(off)} contacts lie on no face, and up to {off.max():.1f} mm off the model: "
+        "a hole or a step may be missing there, or they strayed"
+    ]
 
 
 def _open_face(number: int, fit: Fit) -> dict[str, Any]:
