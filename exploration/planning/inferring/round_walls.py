@@ -73,7 +73,7 @@ class RoundWallsConfig:
     inside: float = 0.4  # of the wall's depth, likewise at most
     land: float = 5.0  # [mm] of it, that there is at least
     ring: int = 24  # places round it
-    sigma: float = 0.2  # [mm]
+    sigma: float = 0.5  # [mm]
     normal_sigma: float = 0.05  # [rad]
 
 

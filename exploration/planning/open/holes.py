@@ -38,7 +38,7 @@ class HolesConfig:
     guessed_share: float = 0.045  # and of its radius in between
     least_depth: float = 2.0  # [mm] that an array went in
     row: float = 8.0  # [mm] between places that follow each other
-    sigma: float = 0.02  # [mm] of the wall, besides the radius' own
+    sigma: float = 0.06  # [mm] of the wall, besides the radius' own
     normal_sigma: float = 0.02  # [rad]
     mouth: float = 1.0  # [mm] before a hole, that is its mouth
     lip: float = 0.2  # [mm] round it, likewise
