@@ -165,7 +165,13 @@ def _hardness(run: FeltRun, options: ProbeOptions) -> dict[str, Any]:
 def _texture(run: FeltRun, options: ProbeOptions) -> dict[str, Any]:
     yields = _sure(hardness(run.guard, _LOOK))
     settle(run.guard)
-    felt = _sure(texture(run.guard, run.pad.axes()[:, 0], yields.share))
+    start, axes = run.guard.world_from_sensor, run.pad.axes()
+    stroked = texture(run.guard, axes[:, 0], yields.share)
+    if not stroked:  # the face may be wide enough across, where the pad is less long
+        retreat(run.guard)
+        if run.pad.touch(start, 6.0, 6.0):
+            stroked = texture(run.guard, axes[:, 1], yields.share)
+    felt = _sure(stroked)
     return {
         "roughness_mm": felt.roughness,
         "roughness_sigma_mm": felt.sigma,
