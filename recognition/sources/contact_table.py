@@ -35,16 +35,15 @@ def read_table(path: Path) -> Columns:
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
         raise PalpateError(f"{path.name} holds no contact; give lines of {_FORM}")
-    parted = next((mark for mark in _MARKS if mark in lines[0]), None)
-    if parted is None and len(lines) > 1:
-        parted = next((mark for mark in _MARKS if mark in lines[1]), None)
-    if parted == ";":
-        lines = [line.replace(",", ".") for line in lines]
-    first = _fields(lines[0], parted)
+    parted = _mark(lines[0])
+    first = _fields(lines[0].replace(",", ".") if parted == ";" else lines[0], parted)
     header, scale = None, np.ones(len(first))
     if not any(_is_number(word) for word in first):
         header, lines = [_plain(word) for word in first], lines[1:]
         scale = np.array([_mm(word) for word in first])
+        parted = _mark(lines[0]) if lines else parted  # a header may be parted otherwise
+    if parted == ";":
+        lines = [line.replace(",", ".") for line in lines]
     if not lines:
         raise PalpateError(f"{path.name} holds a header and no contact; give lines of {_FORM}")
     rows = _numbers(lines, parted, path.name, 1 if header is None else 2)
@@ -91,6 +90,11 @@ def _what_is_wrong(lines: list[str], parted: str | None, name: str, start: int) 
         if len(words) != width:
             return f"{name}, line {number}: {len(words)} columns where the first has {width}; contacts are {_FORM}"
     return f"{name} is not a table of numbers; contacts are {_FORM}"
+
+
+def _mark(line: str) -> str | None:
+    """What parts a line; None where white space does."""
+    return next((mark for mark in _MARKS if mark in line), None)
 
 
 def _fields(line: str, parted: str | None) -> list[str]:

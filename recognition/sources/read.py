@@ -152,8 +152,9 @@ def _of_episode(file: Path) -> Source:
     found = felt_contacts(file, None if made is None else made.contacts)
     told = _summary(file.parent) if file.name == RECORDING else {}
     felt = _cost(told) if "touches" in told else found.felt  # in its folder it cost what the run says
+    name = file.resolve().parent.name if file.name == RECORDING else file.stem
     return Source(
-        file, "episode", file.resolve().parent.name, found.contacts, True, felt, found.warnings,
+        file, "episode", name, found.contacts, True, felt, found.warnings,
         lambda: swept(file), made,
     )  # fmt: skip
 

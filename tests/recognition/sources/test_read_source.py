@@ -41,6 +41,12 @@ def test_between_semicolons_a_comma_is_a_decimal_point(tmp_path):
     assert np.array_equal(found.contacts.points, POINTS)
 
 
+@pytest.mark.parametrize(("head", "mark"), [(";", ","), (" ", ","), (",", ";"), (",", " ")])
+def test_a_header_may_be_parted_otherwise_than_what_is_below_it(tmp_path, head, mark):
+    found = read_source(written(tmp_path, head.join("xyz") + "\n" + rows(POINTS, mark)))
+    assert found.contacts.points == pytest.approx(POINTS)
+
+
 def test_a_cloud_in_metres_that_does_not_say_so_is_told(tmp_path):
     with pytest.raises(PalpateError, match="give mm, or a header that says m"):
         read_source(written(tmp_path, rows(POINTS / 1000)))
