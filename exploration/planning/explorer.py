@@ -81,6 +81,9 @@ class Explorer:
         if not self._finding.find():
             spent = self.config.spent(self.guard.cost)
             self.found.ended = "budget" if spent else "nothing was found in the workspace"
+            if spent:
+                told = "nothing was met before its touches or its time were used up"
+                self.found.warnings.append(f"{told}; a smaller --workspace is swept sooner")
             return
         face: int | None = None
         try:
