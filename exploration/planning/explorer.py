@@ -101,8 +101,7 @@ class Explorer:
                 self._lay()
                 yield from map(self._say, self._any_form())
                 spent = self.config.spent(self.guard.cost)
-                whole = "closed" if not self.found.open else "nothing reachable is open"
-                self.found.ended = "budget" if spent else whole
+                self.found.ended = "budget" if spent else self._whole(bool(self.found.open))
                 return
             wall = None if self.found.hollow else self._walls.next()
             move = self._next(face) if wall is None else partial(self._walls.look, wall)
@@ -115,7 +114,7 @@ class Explorer:
             if move is None:
                 self.found.graph, gone = rounded(flattened(self.found.graph))
                 self.found.rename(gone)
-                self.found.ended = "nothing reachable is open" if self._hidden else "closed"
+                self.found.ended = self._whole(self._hidden > 0)
                 return
             try:
                 done, note = move()
@@ -128,6 +127,11 @@ class Explorer:
             self.found.hollow |= self._stopped >= self.config.stopped
             yield self._say(note)
         self.found.ended = "budget"
+
+    def _whole(self, hidden: bool) -> str:
+        """How it ended where nothing is left to do: a face that lies on a table nobody touched."""
+        resting = self._note_resting in self.found.warnings
+        return "nothing reachable is open" if hidden or resting else "closed"
 
     def _by_what_is_told(self, fault: OverPress | Collision) -> bool:
         """Whether what is told may have stopped a move, which says nothing of the object then."""
