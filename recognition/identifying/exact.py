@@ -9,7 +9,8 @@ place, a [rad] that of its attitude, and log-normal priors about the guess::
 the integral by Laplace, as a mode's own (`matching.modes`): errors are estimated after as many of the contacts'
 freedoms are taken off as the pose has (restricted likelihood: Patterson and Thompson 1971).  The pose is refined
 with the mean of their squares.  What errs so is common to all that one touch felt: the contacts of a flat patch
-are taken for one, their middle with its normal (our derivation).
+are taken for one, their middle with its normal.  Normals of round faces keep the guess, for that flat ones agree
+says nothing of them; and a pose that the pictures of the skin speak against is not taken (our derivation).
 """
 
 from __future__ import annotations
@@ -28,9 +29,12 @@ from primitives.evidence import Contacts
 from primitives.pose import inverse
 from recognition.identifying.learned import LearnConfig, evidence_of
 from recognition.matching import Evidence, Hypothesis, Prior
+from recognition.matching.imprints import log_imprints
 from recognition.matching.likelihood import NoiseConfig
 from recognition.matching.modes import Felt, Mode, modes_of, residual
 from recognition.matching.sharpened import SharpenConfig, sharpened
+
+_FLAT = 4  # contacts that a touch of a flat face leaves, at least
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,7 @@ class ExactConfig:
     factors: tuple[float, ...] = (0.0625, 0.125, 0.25, 0.5, 1.0, 2.0)  # on the guess, that are tried
     unsure: float = 1.0  # 1 sigma of their logarithm
     flat: float = 0.05  # [rad] between normals of a patch that counts as flat
+    worse: float = 1.0  # of log likelihood, by which pictures speak against a pose that contacts were led to
 
 
 class Exact(NamedTuple):
@@ -64,7 +69,7 @@ def exact(
 ) -> Exact | None:
     """The hypothesis refined, with the covariance that its touches let it have; None where no pose fits."""
     guess, config = guess or LearnConfig(), config or ExactConfig()
-    patches = [replace(t, contacts=_patch(t.contacts, config)) for t in touches if t.met]
+    patches = [replace(t, contacts=_patch(t.contacts, guess, config)) for t in touches if t.met]
     factors = np.array(list(product(config.factors, repeat=2)))
     seen = Felt.of(Evidence(evidence_of(patches, guess).contacts))
     fits = [_refined(h, entry, patches, seen, prior, _erring(guess, *f)) for f in factors]
@@ -78,9 +83,13 @@ def exact(
     fit = _refined(h, entry, patches, seen, prior, erring, pictured=True)
     if fit is None:
         return None
-    at, points = fit.hypothesis.pose, evidence_of(touches, guess).contacts.points
-    made = replace(h, pose=at, covariance=fit.hypothesis.covariance, residual=residual(entry, at, points))
-    return Exact(made, erring.made, erring.made_angle)
+    whole = evidence_of(touches, guess)
+    at = fit.hypothesis.pose
+    made = replace(
+        h, pose=at, covariance=fit.hypothesis.covariance, residual=residual(entry, at, whole.contacts.points)
+    )
+    astray = log_imprints(made, entry, whole) < log_imprints(h, entry, whole) - config.worse
+    return Exact(h if astray else made, erring.made, erring.made_angle)
 
 
 def _erring(guess: LearnConfig, place: float, turn: float) -> LearnConfig:
@@ -108,14 +117,14 @@ def _refined(
     return found[0] if found else None
 
 
-def _patch(c: Contacts, config: ExactConfig) -> Contacts:
-    """The contacts of a flat patch as one; others as they are."""
-    if len(c) < 2 or not c.has_normal.all():
+def _patch(c: Contacts, guess: LearnConfig, config: ExactConfig) -> Contacts:
+    """The contacts of a flat patch as one; those of a round one with normals as far off as is guessed."""
+    if not len(c) or not c.has_normal.all():
         return c
     normal = c.normals.mean(axis=0)
     length = float(np.linalg.norm(normal))
-    if length < np.cos(config.flat):
-        return c
+    if len(c) < _FLAT or length < np.cos(config.flat):
+        return replace(c, normal_sigma=frozen(np.hypot(c.normal_sigma, guess.made_angle)))
     return replace(
         c.select(np.array([0])),
         points=frozen(c.points.mean(axis=0)[None]),
