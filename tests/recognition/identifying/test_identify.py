@@ -55,6 +55,7 @@ def test_where_nothing_was_met_the_prior_is_the_answer(library: Library, tmp_pat
     )
     summary = run(options, library)
     assert summary["met"] == 0
+    assert not summary["truth"]["correct"]  # the first of equal names is no answer
     told = {c["name"]: c["probability"] for c in summary["candidates"]}
     assert told == pytest.approx({**dict.fromkeys(NAMES, 0.225), "unknown": 0.1})
     assert summary["confidence"] == pytest.approx(told[summary["decision"]]) == max(told.values())
@@ -63,6 +64,16 @@ def test_where_nothing_was_met_the_prior_is_the_answer(library: Library, tmp_pat
     told = summary_text(summary)
     assert "nothing was met" in told
     assert "right" not in told  # a guess
+
+
+def test_a_file_of_the_library_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+    folder = tmp_path / "library"
+    folder.mkdir()
+    (folder / "brick.csg").write_text("cube([60, 40, 20], center = true);\n")
+    (folder / "bad.stl").write_text("no mesh\n")
+    far = (250.0, 250.0, 250.0, 1.0, 0.0, 0.0, 0.0)
+    options = IdentifyOptions("block", pose=far, max_touches=1, out=tmp_path / "run", library=folder)
+    assert any(told.startswith("bad.stl is left out") for told in run(options)["warnings"])
 
 
 @pytest.mark.parametrize("policy", sorted(POLICY))
