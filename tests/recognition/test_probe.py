@@ -90,3 +90,9 @@ def test_the_same_seed_probes_the_same(tmp_path):
     again = probed(tmp_path, "compliance", stiffness_n_mm3=0.3, overwrite=True)
     assert first["found"] == again["found"]
     assert first["found"]["object_mm"] == pytest.approx(20.0 / (0.3 * 518.4), rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_face_too_short_along_the_pad_is_stroked_across(tmp_path):
+    told = run(ProbeOptions("cube", procedure="texture", seed=2, out=tmp_path / "run"), View())
+    assert told["found"]["stroke_mm"] > 8.0
