@@ -43,6 +43,7 @@ class GroovesConfig:
     around: float = 4.2  # [rad] round the axis, that these lie over
     whole: float = 0.5  # of the gap, in which it was looked at so and none of them shows the wall
     deep: float = 0.4  # [mm] under the wall, from which what was felt in the gap tells of its face,
+    air: float = 0.2  # or under where skin felt nothing, less this,
     out: float = 0.3  # with at least this cosine between its normal and the way out: no bore's inside,
     few: int = 3  # such contacts of a face
     near: float = 1.0  # [mm] of the wall, and
@@ -70,6 +71,7 @@ class Groove:
     low: float  # [mm] heights along it, between which it is not
     high: float
     depth: float  # [mm]
+    bare: float  # [mm] under the wall, down to which skin felt nothing
 
     def stands_beside(self, faces: Sequence[Face], on: float = 0.2) -> tuple[Face, ...]:
         """Faces without those that it stands in for, and without contacts that are its own or in the air.
@@ -81,7 +83,7 @@ class Groove:
 
     def _in_it(self, face: Face, on: float) -> Bools:
         up, deep = _beside(face.contacts, self.wall)
-        deepest = self.depth + on if self.felt else on
+        deepest = self.depth + on if self.felt else max(on, self.bare)
         between = (up > self.low) & (up < self.high) & (deep > -on) & (deep < deepest)
         return np.asarray(between & (face.contacts.touch != NOT_FELT))
 
@@ -102,27 +104,36 @@ def grooves(
         seen = mosaic.band(shape, float(up.min()) - config.wide[0], float(up.max()) + config.wide[0])
         for low, high in _gaps(seen, config):
             if config.wide[0] < high - low < config.wide[1] * shape.radius:
-                found += _of(faces, shape, low, high, config)
+                found += _of(faces, shape, low, high, _bare(shape, low, high, mosaic), config)
     return found
 
 
 def _of(
-    faces: Sequence[Face], shape: Cylinder, low: float, high: float, config: GroovesConfig
+    faces: Sequence[Face], shape: Cylinder, low: float, high: float, bare: float, config: GroovesConfig
 ) -> list[Groove]:
-    """The groove between two heights, if it is one."""
+    """The groove between two heights, if it is one; skin that came `bare` mm under the wall felt nothing."""
     instead = {face.id for face in faces if _misread(face, shape, low, high, config)}
-    lots = [_bottom(face, shape, low, high, config) for face in faces if face.id not in instead]
+    deep = max(config.deep, bare - config.air)
+    lots = [_bottom(face, shape, low, high, deep, config) for face in faces if face.id not in instead]
     felt = [lot for lot in lots if len(lot) >= config.few]
     bottom = Contacts.concatenate(felt or lots)
     tube = tube_felt(*_beside(bottom, shape), bottom.normals @ shape.direction, low, high)
     if tube is not None:
         instead |= {face.id for face in faces if _within(face, shape, low, high, tube.depth, config)}
         ring = Contacts.concatenate([bottom, _ring(shape, tube, config)])
-        return [Groove(ring, frozenset(instead), True, shape, low, high, tube.depth)]
+        return [Groove(ring, frozenset(instead), True, shape, low, high, tube.depth, bare)]
     if felt:
         return []
     tube = half_round(low, high)
-    return [Groove(_ring(shape, tube, config), frozenset(instead), False, shape, low, high, tube.depth)]
+    return [Groove(_ring(shape, tube, config), frozenset(instead), False, shape, low, high, tube.depth, bare)]
+
+
+def _bare(shape: Cylinder, low: float, high: float, mosaic: Mosaic) -> float:
+    """[mm] under the wall, down to which skin felt nothing over the middle half between two heights."""
+    middle, half = 0.5 * (low + high), 0.25 * (high - low)
+    return mosaic.bare(
+        shape, lambda places: np.abs((places - shape.anchor) @ shape.direction - middle) < half
+    )
 
 
 def _gaps(seen: Band, config: GroovesConfig) -> Iterator[tuple[float, float]]:
@@ -151,12 +162,14 @@ def _all_round(known: Bools, config: GroovesConfig) -> bool:
     return len(turns) >= config.sectors and around(turns) > config.around
 
 
-def _bottom(face: Face, shape: Cylinder, low: float, high: float, config: GroovesConfig) -> Contacts:
-    """What was felt of a face in a gap: under the cylinder and looking out as that does."""
+def _bottom(
+    face: Face, shape: Cylinder, low: float, high: float, least: float, config: GroovesConfig
+) -> Contacts:
+    """What was felt of a face in a gap, so deep [mm] under the cylinder and looking out as that does."""
     felt = face.contacts.select(face.contacts.touch != NOT_FELT)
     up, deep = _beside(felt, shape)
     facing = (felt.normals * shape.normals(felt.points)).sum(axis=1)
-    return felt.select((up > low) & (up < high) & (deep > config.deep) & (facing > config.out))
+    return felt.select((up > low) & (up < high) & (deep > least) & (facing > config.out))
 
 
 def _within(

@@ -6,12 +6,13 @@ where the lines are; its end is taken for round, as an end mill leaves it, for u
 alike.  How deep it is a picture of the flat end tells through which it goes on.  Else it is taken for half as deep
 as wide, which is about what a keyway is (DIN 6885), and marked as inferred like the rest (our derivation).
 
-A flat, or a slot in which something was felt, is a face of its own, and none of this.
+A flat, or a slot in which something was felt, is a face of its own, and none of this.  A pad that lay across it
+and sagged in may have read the shaft there: what lies no deeper than skin came and felt nothing was not felt.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ from exploration.planning.inferring.wall_gaps import WallGap, wall_gaps
 from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.known.picture_lines import begins, share_at
 from exploration.planning.open.known_face import KnownFace
-from primitives.arrays import Floats
+from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -38,6 +39,7 @@ class KeywaysConfig:
     deep: float = 0.4  # [mm] under the wall, from which what is known in the gap is a face of its own,
     looks: float = -0.3  # with at least this cosine between its normal and the way out: no bore's inside,
     few: int = 3  # such contacts
+    air: float = 0.1  # [mm] less deep than skin came and felt nothing, that a place is in the air
     margin: float = 0.15  # of its width, that these lie within its sides and ends
     across: float = 0.25  # of its width to either side of its middle, where the picture tells its depth
     lines: int = 5  # on so many lines
@@ -117,18 +119,29 @@ def keyways(
         up = (own.cells - shape.anchor) @ shape.direction
         seen = mosaic.unrolled(shape, float(up.min()) - 2.0, float(up.max()) + 2.0)
         for gap in wall_gaps(seen, shape.radius):
-            key = None if _felt_in(own.cells, gap, shape, config) else _of(gap, shape, faces, mosaic, config)
+            over = _amidst(gap, shape, config)
+            air = mosaic.bare(shape, over) - config.air
+            felt = own.cells[over(own.cells)]
+            if (-shape.signed_distance(felt) > air).sum() >= config.few:
+                continue  # as on a facet of it
+            key = _of(gap, shape, air, faces, mosaic, config)
             if key is not None and not any(key.same(other) for other in found):
                 found.append(key)
     return found
 
 
 def _of(
-    gap: WallGap, shape: Cylinder, faces: Sequence[Face], mosaic: Mosaic, config: KeywaysConfig
+    gap: WallGap,
+    shape: Cylinder,
+    air: float,
+    faces: Sequence[Face],
+    mosaic: Mosaic,
+    config: KeywaysConfig,
 ) -> Keyway | None:
-    """The keyway that a gap is, if no face is known in it."""
+    """The keyway that a gap is, if no face is known in it, deeper than `air` [mm]."""
     out = np.asarray(shape.frame[:, :2] @ [np.cos(gap.turn), np.sin(gap.turn)])
-    if any(_within(face, gap, shape, out, config) for face in faces):
+    least = max(config.deep, air)
+    if any(_within(face, gap, shape, out, least, config) for face in faces):
         return None
     low, high = gap.low, gap.high
     depth: float | None = None
@@ -144,23 +157,29 @@ def _of(
     return Keyway(shape, out, low, high, gap.width, told, depth is not None, gap.open_low, gap.open_high)
 
 
-def _felt_in(cells: Floats, gap: WallGap, shape: Cylinder, config: KeywaysConfig) -> bool:
-    """Whether the cylinder was felt, at (n, 3) places, amidst a gap that a picture shows, as on a facet of it."""
+def _amidst(gap: WallGap, shape: Cylinder, config: KeywaysConfig) -> Callable[[Floats], Bools]:
+    """Whether (n, 3) places lie over the middle of a gap."""
     out = shape.frame[:, :2] @ [np.cos(gap.turn), np.sin(gap.turn)]
-    away = cells - shape.anchor
-    up, across = away @ shape.direction, away @ np.cross(shape.direction, out)
-    amidst = (up > gap.low + gap.width) & (up < gap.high - gap.width) & (away @ out > 0.0)
-    return int((amidst & (np.abs(across) < config.across * gap.width)).sum()) >= config.few
+
+    def over(places: Floats) -> Bools:
+        away = places - shape.anchor
+        up, across = away @ shape.direction, away @ np.cross(shape.direction, out)
+        along = (up > gap.low + gap.width) & (up < gap.high - gap.width) & (away @ out > 0.0)
+        return np.asarray(along & (np.abs(across) < config.across * gap.width))
+
+    return over
 
 
-def _within(face: Face, gap: WallGap, shape: Cylinder, out: Floats, config: KeywaysConfig) -> bool:
-    """Whether contacts of a face lie in a gap, under the cylinder's wall and over what is behind any keyway."""
+def _within(
+    face: Face, gap: WallGap, shape: Cylinder, out: Floats, least: float, config: KeywaysConfig
+) -> bool:
+    """Whether contacts of a face lie in a gap, so deep under its wall [mm] and over what is behind any keyway."""
     away, deep = face.contacts.points - shape.anchor, -shape.signed_distance(face.contacts.points)
     up, across = away @ shape.direction, away @ np.cross(shape.direction, out)
     beside = config.margin * gap.width
     within = (up > gap.low + beside) & (up < gap.high - beside) & (away @ out > 0.0)
     within &= np.abs(across) < 0.5 * gap.width - beside
-    within &= (deep > config.deep) & (deep < config.hollow[1] * gap.width)
+    within &= (deep > least) & (deep < config.hollow[1] * gap.width)
     return int((within & (face.contacts.normals @ out > config.looks)).sum()) >= config.few
 
 

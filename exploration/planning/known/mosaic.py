@@ -32,6 +32,7 @@ class MosaicConfig:
     square: float = 0.035  # most cosine between the pad's normal and the axis of a cylinder that it lies on
     beside: float = 2.0  # [mm] from the line on which it lies, where a taxel tells of it,
     round: float = 0.7  # or of its radius, where it tells of the place under it
+    nothing: float = 0.15  # of how deep a cylinder stands before taxels, up to which they feel nothing of it
 
 
 @dataclass(frozen=True)
@@ -150,6 +151,25 @@ class Mosaic:
         known = weights > config.known
         share: Floats = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
         return Band(share, known, low + config.step * np.arange(count, dtype=np.float64))
+
+    def bare(self, shape: Cylinder, over: Callable[[Floats], Bools]) -> float:
+        """How deep under a convex cylinder [mm] skin came and felt nothing, over some (n, 3) places; 0 for none.
+
+        Walls beside these should be farther off than the rubber spreads.
+        """
+        config, deepest = self.config, 0.0
+        for image in self._images:
+            out = _lying_along(image, shape, config.square)
+            if out is None:
+                continue
+            away = image.places - shape.anchor
+            on = (np.abs(away @ np.cross(shape.direction, out)) < config.beside) & (away @ out > 0.0)
+            on &= over(image.places)
+            if on.sum() > 1:
+                before = float(np.median(-shape.signed_distance(image.places[on])))
+                if float(image.depth[on].mean()) < config.nothing * before:
+                    deepest = max(deepest, before)
+        return deepest
 
     def unrolled(self, shape: Cylinder, low: float, high: float) -> Unrolled:
         """Of a convex cylinder between two heights [mm] from its anchor, each place under the taxel over it.

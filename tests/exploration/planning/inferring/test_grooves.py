@@ -110,7 +110,13 @@ def test_an_end_of_the_wall_a_bore_and_a_gap_in_which_something_was_felt_are_non
     assert grooves([own], [own.face], looked(wall(4.0))) == []
     assert grooves([known(convex=False)], [own.face], groove) == []
     out = np.array([out_at(turn) for turn in ROUND])
-    for deep, count in ((0.8, 0), (2.0, 0), (6.0, 0), (12.0, 0)):
+    for deep, count in (
+        (0.5, 1),
+        (0.8, 0),
+        (2.0, 0),
+        (6.0, 0),
+        (12.0, 0),
+    ):  # in the air, where skin came to 0.8
         floor = ranked_face(1, Contacts.of((RADIUS - deep) * out, out), MergeOptions())
         assert len(grooves([own], [own.face, floor], groove)) == count
     beside = ranked_face(1, Contacts.of((RADIUS - 2.0) * out + 9.0 * X, out), MergeOptions())
@@ -155,6 +161,15 @@ def test_a_round_bottom_that_was_felt_tells_how_deep_the_groove_is(depth):
     assert groove.instead == {1, 2}
     assert ring.radius - ring.minor_radius == pytest.approx(RADIUS - depth, abs=0.1)
     assert ring.minor_radius == pytest.approx((16.0 + depth**2) / (2.0 * depth), abs=0.25)
+
+
+def test_no_bottom_is_where_skin_came_and_felt_nothing():
+    own, width = known(), 8.0
+    sagged = ranked_face(1, bottom(0.6, width), MergeOptions())
+    (groove,) = grooves([own], [own.face, sagged], looked(wall(-4.0, 4.0)))
+    assert not groove.felt
+    assert groove.bare == pytest.approx(0.8, abs=0.1)
+    assert [face.id for face in groove.stands_beside([own.face, sagged])] == [0]
 
 
 def test_a_flat_bottom_and_one_that_bends_otherwise_are_faces_of_their_own():

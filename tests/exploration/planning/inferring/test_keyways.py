@@ -56,7 +56,7 @@ def press(mosaic, where, surface, there, rng):
     mosaic.look(SimpleNamespace(image=image, world_from_sensor=where))
 
 
-def looked(there, end=False, over=(-20.0, -10.0, 0.0, 10.0, 20.0)):
+def looked(there, end=False, over=(-20.0, -10.0, 0.0, 10.0, 20.0), pressed=1.3):
     """A pad that lay along the cylinder at many turns round it, and on its end."""
     mosaic, rng = Mosaic(), np.random.default_rng(1)
     for turn in [*ROUND, *np.deg2rad([190.0, 195.0, 205.0, 212.0])]:
@@ -70,7 +70,7 @@ def looked(there, end=False, over=(-20.0, -10.0, 0.0, 10.0, 20.0)):
         frame = np.column_stack([X, np.cross(-out, X), -out])
         near = np.cos(turn - KEY) > 0.8
         for at in over if near else (-20.0, -10.0, 0.0, 10.0, 20.0):
-            press(mosaic, pose(frame, (RADIUS - 1.3) * out + at * X), along, there, rng)
+            press(mosaic, pose(frame, (RADIUS - pressed) * out + at * X), along, there, rng)
     if end:
         for middle in (0.0, 6.0):
             where = pose(np.column_stack([Y, np.cross(-X, Y), -X]), (END - 0.8) * X + middle * OUT)
@@ -82,12 +82,15 @@ def looked(there, end=False, over=(-20.0, -10.0, 0.0, 10.0, 20.0)):
     return mosaic
 
 
-def known(number=0, amidst=False):
-    """A cylinder that was felt all round but where the keyway is, or there as well."""
-    felt = ROUND if amidst else ROUND[np.abs(ROUND - KEY) > 0.1]
-    turns, along = (lot.ravel() for lot in np.meshgrid(felt, np.linspace(-28.0, 29.0, 9)))
+def known(number=0, amidst=None):
+    """A cylinder that was felt all round but where the keyway is, or so deep there [mm]."""
+    turns, along = (lot.ravel() for lot in np.meshgrid(ROUND, np.linspace(-28.0, 29.0, 9)))
+    in_it = np.abs(turns - KEY) < 0.1
     out = np.column_stack([0.0 * turns, np.cos(turns), np.sin(turns)])
-    contacts = Contacts.of(RADIUS * out + along[:, None] * X, out)
+    contacts = Contacts.of(
+        (RADIUS - np.where(in_it, amidst or 0.0, 0.0))[:, None] * out + along[:, None] * X, out
+    )
+    contacts = contacts.select(~in_it | (amidst is not None))
     face = ranked_face(number, contacts, MergeOptions())
     return KnownFace(face, face.fit, 1.0, contacts.points, np.empty((0, 3)))
 
@@ -112,8 +115,14 @@ def test_a_slot_with_straight_sides_is_a_keyway_half_as_deep_as_wide(width):
 
 
 def test_where_the_cylinder_was_felt_amidst_it_there_is_none():
-    own = known(amidst=True)
-    assert keyways([own], [own.face], looked(keyway(6.0, -20.0, 20.0))) == []
+    own, facet = known(amidst=0.22), looked(keyway(6.0, -20.0, 20.0), pressed=0.3)
+    assert keyways([own], [own.face], facet) == []
+
+
+def test_what_was_read_where_skin_came_deeper_and_felt_nothing_was_not_felt():
+    own = known(amidst=0.5)
+    (key,) = keyways([own], [own.face], looked(keyway(6.0, -20.0, 20.0)))
+    assert key.width == pytest.approx(6.0, abs=0.4)
 
 
 def test_its_walls_face_into_it_and_nobody_felt_them():
