@@ -18,17 +18,21 @@ read while the stage moves and others at rest.
 Each shape is then fitted anew with these covariances (generalized least squares, by Woodbury's identity), so that
 a long stroke counts as the one touch that it is.  Where touches scatter still more its covariance grows (Birge
 1932).  What a fit knows beside its contacts, as that a hole's axis is parallel to another's, it keeps.
+
+A face that nobody felt, as the wall of a hole, was made out from touches too.  Seen from one or two, as at both
+ends, it is moved as a whole by what a touch errs by along every axis, and by half of a reading's variance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 from scipy.optimize import minimize
 
-from primitives.arrays import Floats
+from primitives.arrays import Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.shared_error import with_shared_error
@@ -61,10 +65,10 @@ def fits_of_touches(faces: Sequence[Felt]) -> list[Fit]:
     """
     equations = _all(faces)
     errors = _restricted_likelihood(list(equations.values()))
+    if errors is None:
+        return [with_shared_error(face.fit, face.contacts) for face in faces]
     return [
-        equations[i].solved(errors)
-        if i in equations and errors
-        else with_shared_error(face.fit, face.contacts)
+        equations[i].solved(errors) if i in equations else _beside(face, errors)
         for i, face in enumerate(faces)
     ]
 
@@ -72,6 +76,16 @@ def fits_of_touches(faces: Sequence[Felt]) -> list[Fit]:
 def touch_errors(faces: Sequence[Felt]) -> TouchErrors | None:
     """What touches of these faces err by; None where none was touched by more than a contact at a time."""
     return _restricted_likelihood(list(_all(faces).values()))
+
+
+def _beside(face: Felt, errors: TouchErrors) -> Fit:
+    """The fit of a face that tells nothing of touches, moved as a whole where it was made out from them."""
+    fit = with_shared_error(face.fit, face.contacts)
+    if not (face.contacts.touch == NOT_FELT).all():
+        return fit
+    covariance, moves = np.array(fit.covariance), np.arange(len(fit.shape.translations))
+    covariance[moves, moves] += errors.touch**2 + 0.5 * errors.reading**2
+    return replace(fit, covariance=frozen(covariance))
 
 
 def _all(faces: Sequence[Felt]) -> dict[int, Equations]:

@@ -214,3 +214,27 @@ def test_what_was_not_felt_stays_where_it_was_put():
 
 def test_no_faces_have_no_fits():
     assert fits_of_touches([]) == []
+
+
+def test_a_hole_that_was_seen_from_its_ends_lies_as_far_off_as_it_says():
+    rng, reading, touch = np.random.default_rng(12), 0.05, 0.02
+    turn = np.arange(0, 2 * np.pi, np.pi / 8)
+    out = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(16)])
+    plates = [plate(rng, 5, reading, touch) for _ in range(6)]
+    holes = []
+    for _ in range(40):
+        ends = [
+            5.0 * out
+            + rng.normal(0, 0.01, (16, 3))
+            + rng.normal(0, np.hypot(reading, touch), 3) * [1, 1, 0]
+            + high
+            for high in ([0.0, 0.0, 0.0], [0.0, 0.0, 20.0])
+        ]
+        seen = Contacts.of(np.concatenate(ends), np.tile(out, (2, 1)), 0.02, 0.05, touch=NOT_FELT)
+        holes.append(Face(fit("cylinder", seen), seen))
+    found = fits_of_touches([*holes, *plates])[: len(holes)]
+    axis = np.array([f.shape.anchor - f.shape.direction * (f.shape.anchor[2] - 10.0) for f in found])[:, :2]
+    sigma = np.array([np.sqrt(f.covariance[0, 0]) for f in found])
+    assert 0.6 < np.sqrt(np.mean((axis / sigma[:, None]) ** 2)) < 1.4
+    plain = np.array([np.sqrt(with_shared_error(h.fit, h.contacts).covariance[0, 0]) for h in holes])
+    assert np.sqrt(np.mean((axis / plain[:, None]) ** 2)) > 2.0
