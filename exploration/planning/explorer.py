@@ -20,6 +20,7 @@ from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.planning.any_form import LATER, AnyForm
 from exploration.planning.faces.consistency import flattened
 from exploration.planning.faces.faceted import rounded
+from exploration.planning.faces.tips import tipped
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.known.told import Told
 from exploration.planning.moves.covering import Covering
@@ -112,7 +113,7 @@ class Explorer:
                 face = None
                 continue
             if move is None:
-                self.found.graph, gone = rounded(flattened(self.found.graph))
+                self.found.graph, gone = rounded(tipped(flattened(self.found.graph)))
                 self.found.rename(gone)
                 self.found.ended = self._whole(self._hidden > 0)
                 return

@@ -14,6 +14,7 @@ import numpy as np
 from exploration.planning.faces.consistency import drop_astride, drop_poor, flattened
 from exploration.planning.faces.faceted import rounded
 from exploration.planning.faces.simpler import simpler
+from exploration.planning.faces.tips import tipped
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
 from exploration.planning.inferring.dead_ends import dead_end
@@ -93,7 +94,8 @@ def conclude(
 
     The `mosaic` is what the pad's images showed; the object may lie on a `table` of that height [mm].
     """
-    found.graph, taken = rounded(drop_astride(uprighted(drop_poor(flattened(simpler(found.graph))))))
+    sound = uprighted(drop_poor(flattened(simpler(found.graph))))
+    found.graph, taken = rounded(drop_astride(tipped(sound)))
     found.rename(taken)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
     add_holes(found, frontier, inside, mosaic)  # before walls: a round hole stops strokes, too
