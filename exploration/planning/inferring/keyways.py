@@ -91,11 +91,14 @@ class Keyway:
         along = np.outer(low + spread * (high - low), up)
         raised = np.outer(floor + spread * (np.sqrt(shape.radius**2 - half**2) - floor), self.out)
         across = np.outer(half * (2.0 * spread - 1.0), aside)
+        ends = ((self.open_low, low, -up), (self.open_high, high, up))
+        inward = [np.outer(middle, up) + 0.5 * half * way for open_, middle, way in ends if not open_]
+        floors = np.concatenate([along, *inward])  # under the round ends, too
         for sign in (1.0, -1.0):
             yield self._lot(along + sign * half * aside, raised, -sign * aside, config), "plane"
-        yield self._lot(along + floor * self.out, across, self.out, config), "plane"
+        yield self._lot(floors + floor * self.out, 0.8 * across, self.out, config), "plane"
         turns = np.linspace(-config.arc, config.arc, config.places)
-        for open_, middle, way in ((self.open_low, low, -up), (self.open_high, high, up)):
+        for open_, middle, way in ends:
             if not open_:
                 to_end = np.outer(np.cos(turns), way) + np.outer(np.sin(turns), aside)
                 yield self._lot(middle * up + half * to_end, raised, -to_end, config), "cylinder"

@@ -139,6 +139,12 @@ def test_its_walls_face_into_it_and_nobody_felt_them():
     ends = [wall.shape for wall, kind in walls if kind == "cylinder"]
     assert all(end.radius == pytest.approx(0.5 * key.width, rel=1e-6) for end in ends)
     assert all(abs(float(end.direction @ key.out)) == pytest.approx(1.0) for end in ends)
+    floor = list(key.walls())[2][0].points  # it ends the round ends, too
+    assert all(
+        (np.linalg.norm(np.cross(floor - end.anchor, end.direction), axis=1) < end.radius).any()
+        for end in ends
+    )
+    assert np.ptp((floor - key.shaft.anchor) @ key.shaft.direction) > key.high - key.low - key.width
 
 
 @pytest.mark.parametrize("depth", [2.5, 5.0])
