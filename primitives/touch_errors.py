@@ -20,7 +20,8 @@ a long stroke counts as the one touch that it is.  Where touches scatter still m
 1932).  What a fit knows beside its contacts, as that a hole's axis is parallel to another's, it keeps.
 
 A face that nobody felt, as the wall of a hole, was made out from touches too.  Seen from one or two, as at both
-ends, it is moved as a whole by what a touch errs by along every axis, and by half of a reading's variance.
+ends, it is moved as a whole by what a touch errs by along every axis, and by half of a reading's variance.  What
+the two err by against each other tilts a plane that was drawn between them.
 """
 
 from __future__ import annotations
@@ -35,12 +36,14 @@ from scipy.optimize import minimize
 from primitives.arrays import Floats, frozen
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
+from primitives.plane import Plane
 from primitives.shared_error import with_shared_error
 from primitives.touch_equations import Equations, TouchErrors, sound
 
 _USUAL = np.array([0.02, 0.02, 3e-4])  # [mm, mm, rad] from which the search starts
 _LARGE = np.array([0.05, 0.05, 1e-3])  # [mm, mm, rad] modes of the priors
 _LEAST = 1e-7  # [mm, rad]
+_SPREAD = 1.0  # [mm] that contacts of a face spread at least
 _OWN = 4.0  # readings' worth of evidence that a touch scatters as all do
 
 
@@ -85,6 +88,10 @@ def _beside(face: Felt, errors: TouchErrors) -> Fit:
         return fit
     covariance, moves = np.array(fit.covariance), np.arange(len(fit.shape.translations))
     covariance[moves, moves] += errors.touch**2 + 0.5 * errors.reading**2
+    if isinstance(fit.shape, Plane):
+        spread = np.maximum(np.std(face.contacts.points @ fit.shape.frame[:, :2], axis=0), _SPREAD)
+        tilts = len(moves) + np.arange(2)
+        covariance[tilts, tilts] += 0.5 * (errors.touch**2 + errors.reading**2) / spread**2
     return replace(fit, covariance=frozen(covariance))
 
 

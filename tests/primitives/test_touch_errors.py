@@ -238,3 +238,24 @@ def test_a_hole_that_was_seen_from_its_ends_lies_as_far_off_as_it_says():
     assert 0.6 < np.sqrt(np.mean((axis / sigma[:, None]) ** 2)) < 1.4
     plain = np.array([np.sqrt(with_shared_error(h.fit, h.contacts).covariance[0, 0]) for h in holes])
     assert np.sqrt(np.mean((axis / plain[:, None]) ** 2)) > 2.0
+
+
+def test_a_wall_drawn_between_two_rims_leans_as_far_as_it_says():
+    rng, reading, touch = np.random.default_rng(13), 0.05, 0.02
+    plates = [plate(rng, 5, reading, touch) for _ in range(6)]
+    along, walls = np.linspace(-20.0, 20.0, 9), []
+    for _ in range(40):
+        rims = [
+            np.column_stack([np.full(9, rng.normal(0, np.hypot(reading, touch))), along, np.full(9, high)])
+            for high in (0.0, 10.0)
+        ]
+        points = np.concatenate(rims) + rng.normal(0, 0.01, (18, 3)) * [1, 0, 0]
+        seen = Contacts.of(points, sigma=0.08, touch=NOT_FELT)
+        walls.append(Face(fit("plane", seen), seen))
+    found = fits_of_touches([*walls, *plates])[: len(walls)]
+    up = np.array([0.0, 0.0, 1.0])
+    lean = np.array([f.shape.normal @ up for f in found])
+    tilts = [
+        (f.shape.frame[:, :2].T @ up) @ f.covariance[1:, 1:] @ (f.shape.frame[:, :2].T @ up) for f in found
+    ]
+    assert 0.6 < np.sqrt(np.mean(lean**2 / np.array(tilts))) < 1.4
