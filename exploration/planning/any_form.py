@@ -22,6 +22,7 @@ from exploration.planning.inferring.explained_rims import unexplained
 from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, narrower_ends
 from exploration.planning.inferring.inferred_walls import stops_of
 from exploration.planning.moves.along_land import AlongLand
+from exploration.planning.moves.bores import Bores
 from exploration.planning.moves.climbing import Climbing
 from exploration.planning.moves.drafted import Drafted
 from exploration.planning.moves.entering import Entering
@@ -85,6 +86,7 @@ class AnyForm:
         self._entering = Entering(study, self.reach) if later else None
         self._slipped = Slipped(study, self.reach) if later else None
         self._ledges = Ledges(study, self.reach) if later else None
+        self._bores = Bores(study, self.reach)
         self._holes, self._rim_looks = RoundHoles(study, self.reach), RimLooks(study, self.reach)
         self._wall_tops, self._lands = WallTops(study, self.reach), AlongLand(study, self.reach)
         self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
@@ -114,6 +116,7 @@ class AnyForm:
                 done, note = None, f"backed off: {error}"
             face = done
             yield note
+        self.study.name_loose()  # of what time or touches ran out for
 
     def conclude(self) -> None:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
@@ -176,6 +179,7 @@ class AnyForm:
             or self._lands.next()
             or self._nameless.next()
             or (self._looking.next() if self._entering else self._look(frontier))
+            or self._bores.next()
             or (self._drafted.next() if self._drafted else None)
         )
 

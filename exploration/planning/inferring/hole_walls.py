@@ -24,7 +24,7 @@ from exploration.planning.open.holes import Hole, HolesConfig, ends_of_one, hole
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.local_frontier import LocalFrontier
 from exploration.planning.open.round_rims import RoundRim, far_end
-from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.findings import Bore, Findings
 from primitives.arrays import Floats
 from primitives.fit import Fit
 from primitives.patch_graph import Face
@@ -37,6 +37,8 @@ _BY_REACH = (
 _ALIKE = 0.95  # least cosine between two directions that are one
 _RIM = 1.5  # [mm] from the face that a rim is of
 _AROUND = 16.0  # [mm] round a hole, within which the face was felt that it comes out of
+_NARROWER = 0.2  # [mm] than its rims, by which a hole is as an array felt it
+_FELT = 0.04  # [mm] sigma of its radius then
 _LIP = 2.5  # [mm] round a hole, where what looks like a straight edge is a part of its rim
 
 
@@ -103,6 +105,7 @@ def _holes(
     blind = [hole for hole in holes if not _at_rim(hole, rims) and _ended(hole, faces) is hole]
     floors = [floor for hole in blind if (floor := floor_of(hole, faces)) is not None]
     holes = [hole if _at_rim(hole, rims) else slanting(_ended(hole, faces), faces) for hole in holes]
+    holes = [_as_felt(hole, found.bores) for hole in holes]
     for hole in (*holes, *(hole for step in steps for hole in step.holes), *led.values()):
         change(found, hole.off)
         add(found, hole.wall(), _BY_ENDS, "cylinder")
@@ -111,6 +114,18 @@ def _holes(
     for step in steps:
         add_own(found, step.contacts, step.why, step.kind)
     return left
+
+
+def _as_felt(hole: Hole, bores: Sequence[Bore]) -> Hole:
+    """A hole as narrow as an array that went aside in it was stopped: its rims may be chamfered or rounded."""
+    for bore in bores:
+        away = bore.center - bore.deep * bore.axis - hole.middle
+        up = float(away @ hole.axis)
+        off = away - up * hole.axis
+        along = abs(float(bore.axis @ hole.axis)) > _ALIKE and abs(up) < 0.5 * hole.depth
+        if along and np.linalg.norm(off) < _RIM and hole.radius - bore.radius > _NARROWER:
+            return replace(hole, middle=hole.middle + off, radius=bore.radius, sigma=_FELT)
+    return hole
 
 
 def _guessed(found: Findings, now: LocalFrontier, mosaic: Mosaic) -> list[RoundRim]:

@@ -69,6 +69,15 @@ class Stopped(NamedTuple):
     deep: float  # [mm] behind it
 
 
+class Bore(NamedTuple):
+    """The wall of a round hole, where an array that went aside in it was stopped."""
+
+    center: Floats  # (3,) [mm] on its axis, at the level of its rim
+    axis: Floats  # (3,) out of it
+    radius: float  # [mm]
+    deep: float  # [mm] behind its rim, where that was
+
+
 @dataclass
 class Findings:
     """What exploration has so far; read it whenever the generator yields."""
@@ -80,6 +89,7 @@ class Findings:
     refuted: list[Floats] = field(default_factory=list)  # (3,) where a rim was looked for, and none is
     odd: list[RoundRim] = field(default_factory=list)  # likewise, though something opens there
     stopped: list[Stopped] = field(default_factory=list)  # in holes that narrow
+    bores: list[Bore] = field(default_factory=list)  # holes that an array went aside in
     wall_rims: list[SeenRim] = field(default_factory=list)  # others looked at
     barred: list[SeenRim] = field(
         default_factory=list

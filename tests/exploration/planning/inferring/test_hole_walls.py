@@ -12,7 +12,7 @@ from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.open.holes import Hole
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim
-from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.findings import Bore, Findings
 from primitives.evidence import Contacts
 from primitives.patch_graph import MergeOptions, ranked_face
 
@@ -40,6 +40,19 @@ def test_a_hole_between_two_rims_goes_on_past_a_floor_beside_it():
     wall = found.graph.faces[-1].contacts.points[:, 2]
     assert wall.min() < -5.0
     assert wall.max() > 5.0
+
+
+@pytest.mark.parametrize(("felt", "radius"), [(7.2, 7.2), (7.93, 8.0)])
+def test_a_hole_whose_rims_are_chamfered_is_as_narrow_as_it_was_felt(felt, radius):
+    turn = np.linspace(0.0, 6.0, 12)
+    face = np.column_stack([14.0 * np.cos(turn), 14.0 * np.sin(turn), np.full(12, 8.0)])
+    found = Findings(bores=[Bore(np.array([0.1, 0.0, 8.0]), Z, felt, 9.0)])
+    found.graph, own = found.graph.add_stroke(Contacts.of(face, np.tile(Z, (12, 1))))
+    rims = [RoundRim(8.0 * side * Z, side * Z, 8.0, 0.02, own, True) for side in (-1.0, 1.0)]
+    assert not _holes(found, rims, [], np.empty((0, 3)), [])
+    wall = found.graph.faces[-1].fit.shape
+    assert wall.radius == pytest.approx(radius, abs=0.02)
+    assert wall.anchor[0] == pytest.approx(0.1 if felt == radius else 0.0, abs=0.02)
 
 
 def test_a_hole_that_narrows_ends_at_the_rim_that_was_looked_at():
