@@ -33,9 +33,9 @@ def filled(vertices: Floats, triangles: Ints, config: HoleConfig | None = None) 
     No triangles where one of the holes cannot be closed.
     """
     limits = config or HoleConfig()
-    rims = _rims(triangles)
+    rims, whole = _rims(triangles)
     none = np.empty((0, 3), dtype=np.int64), len(rims)
-    if not rims or len(rims) > limits.holes or any(len(rim) > limits.most for rim in rims):
+    if not rims or not whole or len(rims) > limits.holes or any(len(rim) > limits.most for rim in rims):
         return none
     size = float(np.ptp(vertices, axis=0).max())
     planes = [_plane(vertices[rim]) for rim in rims]
@@ -54,8 +54,11 @@ def filled(vertices: Floats, triangles: Ints, config: HoleConfig | None = None) 
     return np.concatenate(out), len(rims)
 
 
-def _rims(triangles: Ints) -> list[Ints]:
-    """Open runs, each in the order in which the missing triangles would have their corners."""
+def _rims(triangles: Ints) -> tuple[list[Ints], bool]:
+    """Open runs, each in the order in which the missing triangles would have their corners, and if all close.
+
+    One that comes to a dead end begins at an edge that more than two triangles share.
+    """
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     top = int(triangles.max()) + 1
     forth, back = ends[:, 0] * top + ends[:, 1], ends[:, 1] * top + ends[:, 0]
@@ -63,15 +66,16 @@ def _rims(triangles: Ints) -> list[Ints]:
     leaving: dict[int, list[int]] = defaultdict(list)
     for a, b in loose.tolist():
         leaving[a].append(b)
-    rims: list[Ints] = []
+    rims, whole = list[Ints](), True
     for first in sorted(leaving):
         while leaving[first]:
             run, at = [first], leaving[first].pop()
             while at != first and leaving[at]:
                 run.append(at)
                 at = leaving[at].pop()
+            whole &= at == first
             rims.append(np.array(run, dtype=np.int64))
-    return rims
+    return rims, whole
 
 
 def _plane(points: Floats) -> tuple[Floats, Floats, float]:

@@ -6,6 +6,7 @@ import trimesh
 
 from models.csg import Cube
 from models.formats import mesh
+from models.formats.holes import filled
 from models.part import load_part
 from models.solid import Solid
 from primitives.errors import PalpateError
@@ -182,3 +183,11 @@ def test_a_soup_of_triangles_is_refused(tmp_path) -> None:
     soup = np.random.default_rng(0).normal(size=(3000, 3, 3)) * 50
     with pytest.raises(PalpateError, match="9000 open edges"):
         load(tmp_path, soup)
+
+
+def test_an_open_run_that_comes_to_a_dead_end_is_not_filled() -> None:
+    corners = np.array([[0, 0, 0], [4, 0, 0], [2, 3, 0], [2, -1, 3], [2, -1, -3]], dtype=float)
+    three_at_one_edge = np.array([[0, 1, 2], [0, 1, 3], [1, 0, 4]])
+    patch, holes = filled(corners, three_at_one_edge)
+    assert not len(patch)
+    assert holes == 2
