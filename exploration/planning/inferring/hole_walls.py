@@ -119,10 +119,11 @@ def _holes(
 def _as_felt(hole: Hole, bores: Sequence[Bore]) -> Hole:
     """A hole as narrow as an array that went aside in it was stopped: its rims may be chamfered or rounded."""
     for bore in bores:
-        away = bore.center - bore.deep * bore.axis - hole.middle
-        up = float(away @ hole.axis)
-        off = away - up * hole.axis
-        along = abs(float(bore.axis @ hole.axis)) > _ALIKE and abs(up) < 0.5 * hole.depth
+        away = bore.center - hole.middle
+        up = float(away @ bore.axis)
+        off = away - up * bore.axis
+        along = abs(float(bore.axis @ hole.axis)) > _ALIKE
+        along &= up - bore.deep < 0.5 * hole.depth and up > -0.5 * hole.depth
         if along and np.linalg.norm(off) < _RIM and hole.radius - bore.radius > _NARROWER:
             return replace(hole, middle=hole.middle + off, radius=bore.radius, sigma=_FELT)
     return hole

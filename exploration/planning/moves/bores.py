@@ -31,8 +31,8 @@ class BoresConfig:
 
     spare: float = 1.2  # [mm] between its corners and the rim, at least
     before: float = 4.0  # [mm] over the mouth, from where it comes
-    deep: float = 10.0  # [mm] behind the mouth, where it goes aside,
-    least: float = 3.5  # or less, where a floor is met before; but not less than that
+    deep: float = 4.5  # [mm] behind the mouth, where it goes aside: past a chamfer, but not past a step,
+    least: float = 3.0  # or less, where a floor is met before; but not less than that
     lift: float = 1.0  # [mm] off that floor
     speed: float = 8.0  # [mm/s] aside
     past: float = 1.5  # [mm] past where the rim is, after which there is no wall

@@ -59,14 +59,19 @@ def test_a_hole_is_as_wide_as_its_wall_and_not_as_its_rim(chamfer):
 
 
 def test_its_wall_is_felt_above_a_floor_and_off_the_middle_of_a_rim_that_was_misread():
-    (bore,), _ = felt(PLATE - Cylinder(11.0, 12.0).at(0.3, 0.0, 8.0))
+    (bore,), _ = felt(PLATE - Cylinder(11.0, 9.0).at(0.3, 0.0, 8.0))
     assert bore.radius == pytest.approx(11.0, abs=0.08)
     assert bore.center[:2] == pytest.approx([0.3, 0.0], abs=0.08)
-    assert 3.5 < bore.deep < 6.0
+    assert 3.0 < bore.deep < 4.2
+
+
+def test_a_step_further_down_does_not_make_it_narrow():
+    (bore,), _ = felt(PLATE - Cylinder(9.0, 40.0) - Cylinder(12.0, 14.0).at(0.0, 0.0, 8.0))
+    assert bore.radius == pytest.approx(12.0, abs=0.08)
 
 
 def test_a_shallow_hole_and_one_without_room_or_a_look_tell_nothing():
-    assert felt(PLATE - Cylinder(12.0, 6.0).at(0.0, 0.0, 8.0))[0] == []
+    assert felt(PLATE - Cylinder(12.0, 5.0).at(0.0, 0.0, 8.0))[0] == []
     tight, guessed = replace(RIM, radius=6.5), replace(RIM, measured=False)
     assert explored(PLATE, [tight, guessed])[0].next() is None
 
