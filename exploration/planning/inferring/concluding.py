@@ -17,6 +17,7 @@ from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.tips import tipped
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
+from exploration.planning.inferring.broken_edges import broken_edges
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
 from exploration.planning.inferring.explained_rims import unexplained
@@ -136,6 +137,7 @@ def conclude(
     for lot, flat in rounded_corners(now.known, found.graph.faces):
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
+    add_broken_edges(found, mosaic)
     for slot in seen:  # last: whatever told of a wall, none goes on past round ends
         found.graph = replace(found.graph, faces=bounded(found.graph.faces, slot))
 
@@ -198,6 +200,12 @@ def _walled(rim: RoundRim, faces: Sequence[Face]) -> bool:
         if (near & upright & ((normals * flat).sum(axis=1) < 0.0)).any():
             return True
     return False
+
+
+def add_broken_edges(found: Findings, mosaic: Mosaic) -> None:
+    """Chamfers and roundings of the edges between known faces."""
+    for edge in broken_edges(found.graph.faces, mosaic):
+        add_own(found, edge.contacts, edge.told, edge.shape)
 
 
 def _open_rims(

@@ -93,6 +93,17 @@ class Unrolled:
 
 
 @dataclass(frozen=True)
+class Lain:
+    """The image of a pad that lay on a plane."""
+
+    places: Floats  # (n, 3) [mm] of the taxels
+    before: Floats  # (n,) [mm] that the plane stands before each of them
+    depth: Floats  # (n,) [mm] that each is pressed in
+    sigma: Floats  # (n,) [mm] of that
+    spread: float  # [mm] of the rubber
+
+
+@dataclass(frozen=True)
 class _Image:
     pose: Floats  # (4, 4) world_from_sensor
     places: Floats  # (n, 3) [mm] of the taxels in the world, on the skin at rest
@@ -222,6 +233,13 @@ class Mosaic:
             for image in self._images
             if -float(image.pose[:3, 2] @ normal) > self.config.flush
             and low < float((anchor - image.pose[:3, 3]) @ normal) < high
+        ]
+
+    def flush(self, anchor: Floats, normal: Floats) -> list[Lain]:
+        """What each pad that lay on the plane through a (3,) place, of (3,) outward normal, has of it."""
+        return [
+            Lain(image.places, (anchor - image.places) @ normal, image.depth, image.sigma, image.spread)
+            for image in self._flush(anchor, normal)
         ]
 
     def picture(self, anchor: Floats, normal: Floats, lattice: Lattice) -> Picture:
