@@ -25,6 +25,7 @@ from primitives.shapes import Shape, Torus
 from recognition.assembly.closure import ClosureOptions, NotClosed, hull
 from recognition.assembly.concave import concave_pieces, contradicts_convex
 from recognition.assembly.crumbs import without_crumbs
+from recognition.assembly.filleted import FILLETED, filleted
 from recognition.assembly.given import FittedFace, Given
 from recognition.assembly.hollowed import hollowed
 from recognition.assembly.joined import JOINED, joined
@@ -160,7 +161,8 @@ def _finished(
     unfelt = {given.distinct[k] for k, told in enumerate(given.inferred) if told}
     whole = joined(named, unfelt, given.free, known.felt, options.facet)
     told = (JOINED,) if any(new is not old for new, old in zip(whole, named, strict=True)) else ()
-    named = whole
+    named = _filleted(given, whole, known, options)
+    told = (*told, *((FILLETED,) if len(named) > len(whole) else ()))
     bare = Body(named, Solid.from_csg(tree_of(named), options.facet), options.facet)
     drawn = outlined(bare, given.plates, given.free, known.felt)
     body = hollowed(with_limbs(drawn, given.free, known), given.free, known)
@@ -177,6 +179,14 @@ def _finished(
         body.solid,
         (*told, *dict.fromkeys(piece.why for piece in more)),
     )
+
+
+def _filleted(
+    given: Given, named: tuple[Piece, ...], known: Known, options: AssemblyOptions
+) -> tuple[Piece, ...]:
+    """The pieces with those of fillets, numbered as these."""
+    whole = filleted(named, known, options.facet)
+    return tuple(p if any(p is old for old in named) else _renumbered(p, given.distinct) for p in whole)
 
 
 def _surfaces_of(given: Given, solid: Solid, near: float) -> set[int]:

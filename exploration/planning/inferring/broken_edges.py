@@ -68,7 +68,7 @@ class BrokenEdge:
 
 
 @dataclass(frozen=True)
-class _Flat:
+class Flat:
     """A flat face."""
 
     normal: Floats  # (3,) outward
@@ -100,11 +100,11 @@ def broken_edges(
 
     Where one alone does not tell whether it is chamfered or rounded, all of them together do.
     """
-    flats = list(_flats(faces))
-    seen = [edge for pair in combinations(flats, 2) if (edge := _straight(*pair, mosaic, config))]
+    known = list(flats(faces))
+    seen = [edge for pair in combinations(known, 2) if (edge := _straight(*pair, mosaic, config))]
     seen += [
         edge
-        for flat in flats
+        for flat in known
         for wall, others in _ending_at(flat, faces, config)
         if (edge := _round(flat, wall, others, mosaic, config))
     ]
@@ -131,7 +131,7 @@ def _is(face: Face, lot: Contacts, config: BrokenEdgesConfig) -> bool:
     return bool(there.mean() > 0.5)
 
 
-def _flats(faces: Sequence[Face]) -> Iterator[_Flat]:
+def flats(faces: Sequence[Face]) -> Iterator[Flat]:
     """Flat faces that were felt."""
     for face in faces:
         if isinstance(face.fit, Fit) and isinstance(face.fit.shape, Plane):
@@ -141,10 +141,10 @@ def _flats(faces: Sequence[Face]) -> Iterator[_Flat]:
                 way = plane.direction * (
                     1.0 if float(np.nanmean(felt.normals @ plane.direction)) > 0.0 else -1.0
                 )
-                yield _Flat(way, float(plane.anchor @ way), felt.points)
+                yield Flat(way, float(plane.anchor @ way), felt.points)
 
 
-def _straight(one: _Flat, other: _Flat, mosaic: Mosaic, config: BrokenEdgesConfig) -> _Seen | None:
+def _straight(one: Flat, other: Flat, mosaic: Mosaic, config: BrokenEdgesConfig) -> _Seen | None:
     """The edge between two flat faces, if they meet at a convex one and that is broken."""
     if abs(float(one.normal @ other.normal)) > config.square:
         return None
@@ -180,7 +180,7 @@ def _straight(one: _Flat, other: _Flat, mosaic: Mosaic, config: BrokenEdgesConfi
 
 
 def _ending_at(
-    end: _Flat, faces: Sequence[Face], config: BrokenEdgesConfig
+    end: Flat, faces: Sequence[Face], config: BrokenEdgesConfig
 ) -> Iterator[tuple[Fit, list[Fit]]]:
     """Each cylinder and hole that ends upright at a flat face, and the others; of those about one axis one."""
     near: list[tuple[float, Fit]] = []
@@ -206,7 +206,7 @@ def _ending_at(
 
 
 def _round(
-    end: _Flat, fit: Fit, others: Sequence[Fit], mosaic: Mosaic, config: BrokenEdgesConfig
+    end: Flat, fit: Fit, others: Sequence[Fit], mosaic: Mosaic, config: BrokenEdgesConfig
 ) -> _Seen | None:
     """The edge between a flat face and a cylinder or hole that ends there, if it is convex and broken.
 
@@ -215,7 +215,7 @@ def _round(
     shape, side = fit.shape, 1.0 if fit.convex else -1.0
     assert isinstance(shape, Cylinder)
 
-    across, beside = _from_wall(fit), [_from_wall(other) for other in others]
+    across, beside = from_wall(fit), [from_wall(other) for other in others]
     inside = across(end.felt)
     if not (inside < config.near).any() or np.mean(inside < -config.outside) > config.past:
         return None
@@ -246,13 +246,13 @@ def _section(kind: str, one: Floats, other: Floats, config: BrokenEdgesConfig) -
     return ways, ways, "cylinder"
 
 
-def _across(own: _Flat, beside: _Flat) -> Callable[[Floats], Floats]:
+def _across(own: Flat, beside: Flat) -> Callable[[Floats], Floats]:
     """[mm] inside of where another face would meet this one, of (n, 3) places."""
     slope = float(np.linalg.norm(np.cross(own.normal, beside.normal)))
     return lambda places: (beside.offset - places @ beside.normal) / slope
 
 
-def _from_wall(fit: Fit) -> Callable[[Floats], Floats]:
+def from_wall(fit: Fit) -> Callable[[Floats], Floats]:
     """[mm] inside of where a cylinder's or hole's wall would meet its end, of (n, 3) places."""
     side = -1.0 if fit.convex else 1.0
     return lambda places: side * fit.shape.signed_distance(places)
@@ -260,7 +260,7 @@ def _from_wall(fit: Fit) -> Callable[[Floats], Floats]:
 
 def _taxels(
     mosaic: Mosaic,
-    own: _Flat,
+    own: Flat,
     across: Callable[[Floats], Floats],
     others: Sequence[Callable[[Floats], Floats]],
     beside: Callable[[Floats], Bools],

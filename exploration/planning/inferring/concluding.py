@@ -21,6 +21,7 @@ from exploration.planning.inferring.broken_edges import broken_edges
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
 from exploration.planning.inferring.explained_rims import unexplained
+from exploration.planning.inferring.fillets import FILLET, fillets
 from exploration.planning.inferring.grooves import Groove, grooves
 from exploration.planning.inferring.hole_walls import add_holes, add_left_holes
 from exploration.planning.inferring.inferred_walls import inferred_walls, standing, stops_of
@@ -138,6 +139,8 @@ def conclude(
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
     add_broken_edges(found, mosaic)
+    for lot, kind in fillets(found.graph.faces, mosaic):
+        add_own(found, lot, FILLET, kind)
     for slot in seen:  # last: whatever told of a wall, none goes on past round ends
         found.graph = replace(found.graph, faces=bounded(found.graph.faces, slot))
 

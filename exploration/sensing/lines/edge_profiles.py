@@ -1,4 +1,4 @@
-"""How the end of a face presses on skin that lies on it and past it: where it is sharp, chamfered or rounded.
+"""How a face presses on skin past its end, or up to a wall on it: sharp, chamfered, rounded or filleted.
 
 A taxel is pressed by what the face stands before it, less what has fallen away there: of a sharp edge nothing up
 to the edge, and then all; of a chamfer as wide as high, c, and of a rounding of radius r, at a distance u inside
@@ -9,6 +9,9 @@ of where the faces would meet::
 Rubber spreads that as a Gaussian.  The size that leaves least squares, and, less surely, which of the two it is,
 follow from all taxels near an edge (our derivation).  A face that ends sharp and early, at a step, looks much like
 that; but of two faces both seldom do by as much.
+
+Before a wall a fillet of radius r stands up from the face by r - sqrt(r^2 - (r - x)^2) at a distance x < r from
+it, and no skin is nearer to the wall than the side of the pad.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ from primitives.arrays import Floats
 KINDS = ("chamfer", "rounding")
 DEPTHS = np.arange(0.1, 2.6, 0.1)  # [mm] that skin is pressed in
 _STEP = 0.05  # [mm] along a profile
+_BORDER = 0.25  # [mm] to which the side of a pad is known
 _FROM, _TO = -4.0, 12.0  # [mm] outside and inside of an edge, that a profile is drawn over
 
 
@@ -33,6 +37,7 @@ class ProfilesConfig:
     """When an edge is broken."""
 
     sizes: tuple[float, ...] = tuple(np.arange(0.2, 4.01, 0.1).round(2).tolist())  # [mm]
+    fillets: tuple[float, ...] = tuple(np.arange(1.0, 10.01, 0.25).tolist())  # [mm] radii
     least: float = 0.4  # [mm] size of a broken edge
     floor: float = 0.04  # [mm] sigma besides the taxels' own,
     slope: float = 0.06  # and per mm of depth
@@ -41,6 +46,7 @@ class ProfilesConfig:
     gain: float = 40.0  # by which chi2 must fall, altogether
     each: float = 6.0  # and of each face
     share: float = 0.4  # of chi2 of a sharp edge, that is left at most,
+    risen: float = 0.6  # or of that without a fillet,
     off: float = 0.5  # and for each taxel
 
 
@@ -77,6 +83,51 @@ def size_of_edge(
         sizes.append(size)
         costs.append(left)
     return (sizes[0], sizes[1]), costs[1] - costs[0]
+
+
+def size_of_fillet(
+    lots: Sequence[Sequence[Taxels]], config: ProfilesConfig = ProfilesConfig()
+) -> float | None:
+    """Radius [mm] of a fillet at a wall, `inside` being the distance from that; None where there may be none."""
+    counts = [sum(len(taxels.depth) for taxels in lot) for lot in lots]
+    if sum(counts) < config.taxels:
+        return None
+    sharp = np.array([_rise_chi2(lot, 0.0, config) for lot in lots])
+    tried = np.array([[_rise_chi2(lot, size, config) for lot in lots] for size in config.fillets])
+    best = int(tried.sum(axis=1).argmin())
+    left, fallen = float(tried[best].sum()), sharp - tried[best]
+    alike = left < config.off * sum(counts) and left < config.risen * float(sharp.sum())
+    if (
+        not alike
+        or fallen.sum() < config.gain
+        or (fallen < 0.0).any()
+        or best in (0, len(config.fillets) - 1)
+    ):
+        return None
+    return config.fillets[best]
+
+
+def _rise_chi2(lot: Sequence[Taxels], size: float, config: ProfilesConfig) -> float:
+    total = 0.0
+    for t in lot:
+        expected = t.before + risen(size, t.spread, float(t.inside.min()), t.inside)
+        sigma = np.hypot(t.sigma, config.floor + config.slope * t.before)
+        total += float(np.minimum(((t.depth - expected) / sigma) ** 2, config.clip**2).sum())
+    return total
+
+
+def risen(size: float, spread: float, nearest: float, away: Floats) -> Floats:
+    """(n,) [mm] that taxels so far from a wall are pressed in more, the pad's side `nearest` [mm] to it."""
+    border = round(max(nearest, 0.0) / _BORDER) * _BORDER
+    table = _rises(size, round(spread, 3), border)
+    return np.asarray(np.interp(away, border + _STEP * np.arange(len(table)), table))
+
+
+@lru_cache(maxsize=2048)
+def _rises(size: float, spread: float, border: float) -> Floats:
+    away = border + _STEP * np.arange(round(_TO / _STEP))
+    short = np.clip(size - away, 0.0, size)
+    return np.asarray(gaussian_filter1d(size - np.sqrt(size**2 - short**2), spread / _STEP, mode="nearest"))
 
 
 def chi2(lot: Sequence[Taxels], kind: str, size: float, config: ProfilesConfig = ProfilesConfig()) -> float:
