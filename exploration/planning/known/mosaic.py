@@ -32,7 +32,10 @@ class MosaicConfig:
     square: float = 0.035  # most cosine between the pad's normal and the axis of a cylinder that it lies on
     beside: float = 2.0  # [mm] from the line on which it lies, where a taxel tells of it,
     round: float = 0.7  # or of its radius, where it tells of the place under it
-    nothing: float = 0.15  # of how deep a cylinder stands before taxels, up to which they feel nothing of it
+    nothing: tuple[float, float] = (
+        0.15,
+        0.06,
+    )  # of how deep a cylinder stands before taxels, and [mm], to which they are pressed where nothing is
 
 
 @dataclass(frozen=True)
@@ -178,7 +181,8 @@ class Mosaic:
             on &= over(image.places)
             if on.sum() > 1:
                 before = float(np.median(-shape.signed_distance(image.places[on])))
-                if float(image.depth[on].mean()) < config.nothing * before:
+                share, most = config.nothing
+                if float(image.depth[on].mean()) < min(share * before, most):
                     deepest = max(deepest, before)
         return deepest
 

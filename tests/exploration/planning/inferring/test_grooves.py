@@ -172,6 +172,20 @@ def test_no_bottom_is_where_skin_came_and_felt_nothing():
     assert [face.id for face in groove.stands_beside([own.face, sagged])] == [0]
 
 
+def test_a_bottom_that_skin_was_pressed_on_is_not_bare():
+    own, width, depth = known(), 8.0, 4.0
+    seen, touched = looked(wall(-4.0, 4.0)), looked(wall(-4.0, 4.0), turns=ROUND[:1])
+    for image in touched._images:  # a fingertip in the groove, pressed by 0.4 mm
+        deeper = replace(
+            image, places=image.places - (depth - 0.4) * out_at(ROUND[0]), depth=image.depth + 0.4
+        )
+        seen._images.append(deeper)
+    floor = ranked_face(1, bottom(depth, width), MergeOptions())
+    (groove,) = grooves([own], [own.face, floor], seen)
+    assert groove.felt
+    assert groove.bare < 1.0
+
+
 def test_a_flat_bottom_and_one_that_bends_otherwise_are_faces_of_their_own():
     own, seen = known(), looked(wall(-4.0, 4.0))
     out = np.array([out_at(turn) for turn in np.linspace(0.0, 1.5, 6)])
