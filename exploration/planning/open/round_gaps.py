@@ -16,6 +16,7 @@ from exploration.planning.open.gaps import GapsConfig, gaps
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.round_rims import RoundRim, aside
 from primitives.arrays import Floats
+from primitives.shapes import Cone, Cylinder
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,15 @@ def _about(own: KnownFace, free: Floats, middle: Floats, config: RoundGapsConfig
         rim = None if rim is None else _seen_at(own, free, rim.center, config)
     if rim is None or np.mean(aside(free, rim.center, rim.axis) < rim.radius) < config.inside:
         return None
-    return rim
+    return rim if _within(own, rim) else None
+
+
+def _within(own: KnownFace, rim: RoundRim) -> bool:
+    """Whether a bar or cone was felt past a circle toward both its ends: where it ends, it is missing, too."""
+    if not isinstance(own.fit.shape, Cylinder | Cone):
+        return True
+    up = (own.cells - rim.center) @ own.fit.shape.direction
+    return bool(up.min() < -rim.radius and up.max() > rim.radius)
 
 
 def _seen_at(own: KnownFace, free: Floats, middle: Floats, config: RoundGapsConfig) -> RoundRim | None:

@@ -56,6 +56,14 @@ def test_a_mouth_that_is_not_round_is_none_nor_is_a_bar_without_one():
     assert round_gaps(keyway) == []
 
 
+def test_what_is_missing_at_the_end_of_a_bar_is_no_mouth():
+    for high, mouths in ((10.0, 1), (20.5, 0)):
+        missing = tube(
+            17.0, missing=lambda points, at=high: np.linalg.norm(points - [17.0, 0.0, at], axis=1) < 4.5
+        )
+        assert len(round_gaps(missing)) == mouths
+
+
 def test_the_bar_that_a_mouth_is_in_shuts_its_hole_on_the_far_side_if_it_was_touched_there():
     rng = np.random.default_rng(4)
     one = tube(25.0, missing=lambda points: drilled(6.0)(points) & (points[:, 0] > 0.0))
