@@ -27,6 +27,7 @@ class RoundGapsConfig:
     within: float = 30.0  # [mm] of it
     passes: int = 3  # each from the normal at the circle before
     inside: float = 0.8  # least share of a gap's free places in the circle: a keyway is round only at its end
+    past: float = 2.0  # [mm] past it, that a bar was touched toward either end: blur lays places past an edge
     sigma: float = 0.3  # [mm] of the radius, which skin that spans a mouth makes unsure
     spans: float = 1.45  # [mm] that skin spans of a mouth before it finds it free, measured in simulation
     flat: GapsConfig = field(default_factory=GapsConfig)
@@ -57,15 +58,15 @@ def _about(own: KnownFace, free: Floats, middle: Floats, config: RoundGapsConfig
         rim = None if rim is None else _seen_at(own, free, rim.center, config)
     if rim is None or np.mean(aside(free, rim.center, rim.axis) < rim.radius) < config.inside:
         return None
-    return rim if _within(own, rim) else None
+    return rim if _within(own, rim, config) else None
 
 
-def _within(own: KnownFace, rim: RoundRim) -> bool:
+def _within(own: KnownFace, rim: RoundRim, config: RoundGapsConfig) -> bool:
     """Whether a bar or cone was felt past a circle toward both its ends: where it ends, it is missing, too."""
     if not isinstance(own.fit.shape, Cylinder | Cone):
         return True
-    up = (own.cells - rim.center) @ own.fit.shape.direction
-    return bool(up.min() < -rim.radius and up.max() > rim.radius)
+    up, end = (own.cells - rim.center) @ own.fit.shape.direction, rim.radius + config.past
+    return bool(up.min() < -end and up.max() > end)
 
 
 def _seen_at(own: KnownFace, free: Floats, middle: Floats, config: RoundGapsConfig) -> RoundRim | None:
