@@ -73,6 +73,11 @@ class Groove:
     depth: float  # [mm]
     bare: float  # [mm] under the wall, down to which skin felt nothing
 
+    def holds(self, place: Floats, on: float = 2.0) -> bool:
+        """Whether a (3,) place on the wall, to within so many mm, is where the groove runs."""
+        up = float((place - self.wall.anchor) @ self.wall.direction)
+        return self.low < up < self.high and abs(float(self.wall.signed_distance(place[None])[0])) < on
+
     def stands_beside(self, faces: Sequence[Face], on: float = 0.2) -> tuple[Face, ...]:
         """Faces without those that it stands in for, and without contacts that are its own or in the air.
 

@@ -15,6 +15,7 @@ from exploration.control.sighting import Sighting
 from exploration.planning.inferring.adding import add, add_own, change
 from exploration.planning.inferring.blind_holes import floor_of
 from exploration.planning.inferring.far_ends import far_ends, into_bores, narrowed_ends, shut
+from exploration.planning.inferring.grooves import grooves
 from exploration.planning.inferring.led_into import hollows_of, led_into, own_rim
 from exploration.planning.inferring.slanting import slanting
 from exploration.planning.inferring.stepped_holes import stepped_holes
@@ -58,7 +59,8 @@ def add_holes(found: Findings, frontier: Callable[[], LocalFrontier], inside: Fl
         ]
         for rims in (found.wall_rims, found.glimpsed)
     )
-    gaps = frontier().round_gaps
+    grooved = grooves(frontier().known, found.graph.faces, mosaic)
+    gaps = [gap for gap in frontier().round_gaps if not any(groove.holds(gap.center) for groove in grooved)]
     rims = [*found.rims, *(gap for gap in gaps if not any(_told_by(gap, rim) for rim in found.rims))]
     # two mouths in round faces are no pair yet: in a tube's wall each leads into a bore, which is made known here
     apart, known = HolesConfig(leaning=np.inf), frontier().known

@@ -9,8 +9,10 @@ from scipy.special import erf
 
 from exploration.planning.inferring.concluding import _add_groove
 from exploration.planning.inferring.grooves import grooves
+from exploration.planning.inferring.hole_walls import add_holes
 from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.open.known_face import KnownFace
+from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings
 from exploration.sensing.frame import TaxelArray
 from primitives.cylinder import Cylinder
@@ -82,6 +84,21 @@ def test_a_gap_all_round_is_a_groove_half_as_deep_as_wide(low, high):
     assert ring.shape.minor_radius == pytest.approx(0.5 * (high - low), abs=0.2)
     assert (groove.contacts.touch == NOT_FELT).all()
     assert not groove.instead
+
+
+def test_what_is_missing_of_the_wall_in_a_groove_is_the_groove_and_no_hole():
+    own = known()
+    (groove,) = grooves([own], [own.face], looked(wall(-3.0, 4.0)))
+    out = out_at(1.0)
+    assert groove.holds(RADIUS * out + 1.0 * X)
+    assert not groove.holds(RADIUS * out + 7.0 * X)
+    assert not groove.holds(0.5 * RADIUS * out)
+    mouth = RoundRim(RADIUS * out, out, 4.0, 0.3, own.face.id, True, bent=True)
+    for images, wanted in ((looked(wall(-3.0, 4.0)), 0), (Mosaic(), 1)):
+        found = Findings(graph=PatchGraph((own.face,)))
+        now = SimpleNamespace(openings=[], round_gaps=[mouth], known=[own])
+        add_holes(found, lambda now=now: now, np.empty((0, 3)), images)
+        assert len(found.openings) == wanted
 
 
 def test_two_grooves_are_two():
