@@ -64,7 +64,8 @@ class Taxels:
 def size_of_edge(
     lots: Sequence[Sequence[Taxels]], config: ProfilesConfig = ProfilesConfig()
 ) -> tuple[tuple[float, float], float] | None:
-    """Sizes [mm] of `KINDS` that the taxels of each face tell together, and by how much the first fits better.
+    """Sizes [mm] of `KINDS` that the taxels of each face tell together, and by how much of chi2 a taxel the first
+    fits better.
 
     None where the edge may be sharp, or is neither.
     """
@@ -82,7 +83,7 @@ def size_of_edge(
             return None
         sizes.append(size)
         costs.append(left)
-    return (sizes[0], sizes[1]), costs[1] - costs[0]
+    return (sizes[0], sizes[1]), (costs[1] - costs[0]) / sum(counts)
 
 
 def size_of_fillet(
