@@ -14,13 +14,14 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import KDTree
 
+from exploration.planning.inferring.flat_edges import Flat, Stretch, flats, from_wall
 from exploration.planning.known.mosaic import Mosaic
 from exploration.sensing.lines.edge_profiles import DEPTHS, KINDS, Taxels, size_of_edge
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
-from primitives.shapes import Cylinder, Plane
+from primitives.shapes import Cylinder
 
 
 @dataclass(frozen=True)
@@ -66,15 +67,6 @@ class BrokenEdge:
     def told(self) -> str:
         """What a person should know of it."""
         return f"a {self.kind} is inferred from how the pictures of the faces beside it end"
-
-
-@dataclass(frozen=True)
-class Flat:
-    """A flat face."""
-
-    normal: Floats  # (3,) outward
-    offset: float  # [mm]
-    felt: Floats  # (n, 3) places
 
 
 @dataclass(frozen=True)
@@ -128,47 +120,24 @@ def _is(face: Face, lot: Contacts, config: BrokenEdgesConfig) -> bool:
     return bool(there.mean() > 0.5)
 
 
-def flats(faces: Sequence[Face]) -> Iterator[Flat]:
-    """Flat faces that were felt."""
-    for face in faces:
-        if isinstance(face.fit, Fit) and isinstance(face.fit.shape, Plane):
-            felt = face.contacts.select(face.contacts.touch != NOT_FELT)
-            if len(felt):
-                plane = face.fit.shape
-                way = plane.direction * (
-                    1.0 if float(np.nanmean(felt.normals @ plane.direction)) > 0.0 else -1.0
-                )
-                yield Flat(way, float(plane.anchor @ way), felt.points)
-
-
 def _straight(one: Flat, other: Flat, mosaic: Mosaic, config: BrokenEdgesConfig) -> _Seen | None:
     """The edge between two flat faces, if they meet at a convex one and that is broken."""
     if abs(float(one.normal @ other.normal)) > config.square:
         return None
-    along = np.cross(one.normal, other.normal)
-    along = along / np.linalg.norm(along)
-    corner = np.linalg.solve(np.stack([one.normal, other.normal, along]), [one.offset, other.offset, 0.0])
-    spans, sides = [], ((one, _across(one, other)), (other, _across(other, one)))
+    near, sides = [], ((one, _across(one, other)), (other, _across(other, one)))
     for own, across in sides:
         inside = across(own.felt)
-        near = inside < config.near
-        if not near.any() or np.mean(inside < -config.outside) > config.past:
-            return None  # not beside it, or going on past it
-        at = own.felt[near] @ along
-        spans.append((float(at.min()), float(at.max())))
-    low = max(span[0] for span in spans) + config.ends
-    high = min(span[1] for span in spans) - config.ends
-    if high - low < config.long:
+        if np.mean(inside < -config.outside) > config.past:
+            return None  # going on past it
+        near.append(own.felt[inside < config.near])
+    edge = Stretch.of(one, other, near, config.ends)
+    if edge is None or edge.length < config.long:
         return None
-
-    def beside(places: Floats) -> Bools:
-        return np.asarray((places @ along > low) & (places @ along < high))
-
-    told = size_of_edge([_taxels(mosaic, own, across, [], beside, config) for own, across in sides])
+    told = size_of_edge([_taxels(mosaic, own, across, [], edge.beside, config) for own, across in sides])
 
     def laid(kind: str, size: float) -> tuple[Floats, Floats, str]:
-        rows = np.outer(np.linspace(low, high, config.rows), along)
-        middle = corner - size * (one.normal + other.normal)
+        rows = edge.rows(config.rows)
+        middle = edge.corner - size * (one.normal + other.normal)
         ways, normals, shape = _section(kind, one.normal, other.normal, config)
         points = (middle + rows)[:, None] + size * ways
         return points.reshape(-1, 3), np.tile(normals, (len(rows), 1)), shape
@@ -247,12 +216,6 @@ def _across(own: Flat, beside: Flat) -> Callable[[Floats], Floats]:
     """[mm] inside of where another face would meet this one, of (n, 3) places."""
     slope = float(np.linalg.norm(np.cross(own.normal, beside.normal)))
     return lambda places: (beside.offset - places @ beside.normal) / slope
-
-
-def from_wall(fit: Fit) -> Callable[[Floats], Floats]:
-    """[mm] inside of where a cylinder's or hole's wall would meet its end, of (n, 3) places."""
-    side = -1.0 if fit.convex else 1.0
-    return lambda places: side * fit.shape.signed_distance(places)
 
 
 def _taxels(

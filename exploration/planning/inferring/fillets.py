@@ -8,7 +8,7 @@ from itertools import permutations
 
 import numpy as np
 
-from exploration.planning.inferring.broken_edges import Flat, flats, from_wall
+from exploration.planning.inferring.flat_edges import Flat, Stretch, flats, from_wall
 from exploration.planning.known.mosaic import Mosaic
 from exploration.sensing.lines.edge_profiles import Taxels, size_of_fillet
 from primitives.arrays import Bools, Floats
@@ -112,33 +112,21 @@ def _straight(floor: Flat, wall: Flat, mosaic: Mosaic, config: FilletsConfig) ->
     """The fillet between a flat face and a flat wall that stands on it; of the two the face is the larger."""
     if abs(float(floor.normal @ wall.normal)) > config.square or len(floor.felt) < len(wall.felt):
         return None
-    spans, lots = [], list[list[Taxels]]()
-    along = np.cross(floor.normal, wall.normal)
-    along = along / np.linalg.norm(along)
-    for own, other in ((floor, wall), (wall, floor)):
-        away = own.felt @ other.normal - other.offset
-        if np.mean(away < -config.over) > 0.1 or not (away < config.near).any():
+    near, sides = [], ((floor, wall), (wall, floor))
+    for own, other in sides:
+        away = _over(other)(own.felt)
+        if np.mean(away < -config.over) > 0.1 or not _stands(_over(own)(other.felt), config):
             return None
-        if not _stands(other.felt @ own.normal - own.offset, config):
-            return None
-        at = own.felt[away < config.near] @ along
-        spans.append((float(at.min()), float(at.max())))
-    low = max(span[0] for span in spans) + config.ends
-    high = min(span[1] for span in spans) - config.ends
-    if high - low < config.long:
+        near.append(own.felt[away < config.near])
+    edge = Stretch.of(floor, wall, near, config.ends)
+    if edge is None or edge.length < config.long:
         return None
-
-    def beside(places: Floats) -> Bools:
-        return np.asarray((places @ along > low) & (places @ along < high))
-
-    for own, other in ((floor, wall), (wall, floor)):
-        lots.append(_taxels(mosaic, own, _over(other), beside, config))
+    lots = [_taxels(mosaic, own, _over(other), edge.beside, config) for own, other in sides]
     radius = size_of_fillet([lot for lot in lots if lot])
     if radius is None:
         return None
-    corner = np.linalg.solve(np.stack([floor.normal, wall.normal, along]), [floor.offset, wall.offset, 0.0])
-    center = corner + radius * (floor.normal + wall.normal)
-    rows = np.outer(np.linspace(low, high, config.rows), along)
+    center = edge.corner + radius * (floor.normal + wall.normal)
+    rows = edge.rows(config.rows)
     ways = _ways(floor.normal, wall.normal, config)
     points = ((center + rows)[:, None] - radius * ways).reshape(-1, 3)
     lot = Contacts.of(
