@@ -109,12 +109,8 @@ def size_of_fillet(
 
 
 def _rise_chi2(lot: Sequence[Taxels], size: float, config: ProfilesConfig) -> float:
-    total = 0.0
-    for t in lot:
-        expected = t.before + risen(size, t.spread, float(t.inside.min()), t.inside)
-        sigma = np.hypot(t.sigma, config.floor + config.slope * t.before)
-        total += float(np.minimum(((t.depth - expected) / sigma) ** 2, config.clip**2).sum())
-    return total
+    rises = [risen(size, t.spread, float(t.inside.min()), t.inside) for t in lot]
+    return sum(_misfit(t, t.before + rise, config) for t, rise in zip(lot, rises, strict=True))
 
 
 def risen(size: float, spread: float, nearest: float, away: Floats) -> Floats:
@@ -133,12 +129,13 @@ def _rises(size: float, spread: float, border: float) -> Floats:
 
 def chi2(lot: Sequence[Taxels], kind: str, size: float, config: ProfilesConfig = ProfilesConfig()) -> float:
     """Of the taxels of one face, were its edge of that kind and size [mm]; of size 0 it is sharp."""
-    total = 0.0
-    for t in lot:
-        expected = pressed(kind, size, t.spread, t.inside, t.before)
-        sigma = np.hypot(t.sigma, config.floor + config.slope * t.before)
-        total += float(np.minimum(((t.depth - expected) / sigma) ** 2, config.clip**2).sum())
-    return total
+    return sum(_misfit(t, pressed(kind, size, t.spread, t.inside, t.before), config) for t in lot)
+
+
+def _misfit(taxels: Taxels, expected: Floats, config: ProfilesConfig) -> float:
+    """chi2 of taxels that were expected to be pressed so deep (n,) [mm], each clipped."""
+    sigma = np.hypot(taxels.sigma, config.floor + config.slope * taxels.before)
+    return float(np.minimum(((taxels.depth - expected) / sigma) ** 2, config.clip**2).sum())
 
 
 def pressed(kind: str, size: float, spread: float, inside: Floats, before: Floats) -> Floats:

@@ -14,7 +14,7 @@ from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
 from models import parts
-from models.csg import Cube
+from models.csg import Cone, Cube, Cylinder
 from models.solid import Solid, iou
 from primitives import pose as se3
 from recognition.assembly.assemble import assemble
@@ -44,6 +44,17 @@ def test_a_convex_part_is_explored_until_closed_and_rebuilt_by_coarse_arrays_and
     assert explorer.found.ended == "closed"
     assert built
     assert iou(built.solid, solid) > 0.99
+
+
+def test_the_chamfer_at_the_end_of_a_bar_is_found_and_its_sharp_end_left_sharp():
+    explorer, solid = explorer_over(Cylinder(18.0, 30.0) & Cone(46.5, 16.5, 30.0), seed=1, max_touches=60)
+    for _ in explorer.run():
+        pass
+    assert explorer.found.ended == "closed"
+    (cone,) = [face.fit for face in explorer.found.graph.faces if face.fit.kind == "cone"]
+    assert cone.shape.semi_angle == pytest.approx(0.25 * np.pi, abs=0.02)
+    built = assemble([face for face in explorer.found.graph.faces if face.fit], BOX.reshape(2, 3))
+    assert iou(built.solid, solid) > 0.995
 
 
 def test_touches_never_exceed_the_budget():
