@@ -179,7 +179,7 @@ class AnyForm:
             or self._lands.next()
             or self._nameless.next()
             or (self._looking.next() if self._entering else self._look(frontier))
-            or self._bores.next()
+            or self._bores.next(frontier.round_gaps)
             or (self._drafted.next() if self._drafted else None)
         )
 

@@ -40,6 +40,8 @@ _RIM = 1.5  # [mm] from the face that a rim is of
 _AROUND = 16.0  # [mm] round a hole, within which the face was felt that it comes out of
 _NARROWER = 0.2  # [mm] than its rims, by which a hole is as an array felt it
 _FELT = 0.04  # [mm] sigma of its radius then
+_APART = 0.4  # of its depth between two arrays' places in it, from which they tell how it runs
+_UNSURE = 0.12  # [mm] sigma of a hole's radius, from which an array tells it better, wider or narrower
 _LIP = 2.5  # [mm] round a hole, where what looks like a straight edge is a part of its rim
 
 
@@ -119,16 +121,36 @@ def _holes(
 
 
 def _as_felt(hole: Hole, bores: Sequence[Bore]) -> Hole:
-    """A hole as narrow as an array that went aside in it was stopped: its rims may be chamfered or rounded."""
-    for bore in bores:
-        away = bore.center - hole.middle
-        up = float(away @ bore.axis)
-        off = away - up * bore.axis
-        along = abs(float(bore.axis @ hole.axis)) > _ALIKE
-        along &= up - bore.deep < 0.5 * hole.depth and up > -0.5 * hole.depth
-        if along and np.linalg.norm(off) < _RIM and hole.radius - bore.radius > _NARROWER:
-            return replace(hole, middle=hole.middle + off, radius=bore.radius, sigma=_FELT)
-    return hole
+    """A hole as wide as arrays that went aside in it were stopped, and where: at both its ends, along the axis.
+
+    Its rims may be chamfered or rounded, which leaves it narrower; mouths in round faces only tell it roughly.
+    """
+    felt = [bore for bore in bores if _in(hole, bore)]
+    if not felt:
+        return hole
+    places = np.array([bore.center - bore.deep * bore.axis for bore in felt])
+    first, last = places[[0, -1]]
+    apart = float(np.linalg.norm(last - first))
+    axis = hole.axis if hole.sigma < _UNSURE else felt[0].axis
+    axis = (last - first) / apart if apart > _APART * hole.depth else axis
+    axis = axis * np.sign(axis @ hole.axis)
+    off = places.mean(axis=0) - hole.middle
+    radius = float(np.mean([bore.radius for bore in felt]))
+    return replace(
+        hole, middle=hole.middle + off - (off @ axis) * axis, axis=axis, radius=radius, sigma=_FELT
+    )
+
+
+def _in(hole: Hole, bore: Bore) -> bool:
+    """Whether what an array was stopped at is a hole's wall, and tells more of it than its rims do."""
+    away = bore.center - hole.middle
+    up = float(away @ hole.axis) * float(np.sign(bore.axis @ hole.axis))
+    off = float(np.linalg.norm(away - (away @ hole.axis) * hole.axis))
+    along = abs(float(bore.axis @ hole.axis)) > _ALIKE
+    reached = up - bore.deep < 0.5 * hole.depth and up > -0.5 * hole.depth
+    return (
+        along and reached and off < _RIM and (hole.radius - bore.radius > _NARROWER or hole.sigma > _UNSURE)
+    )
 
 
 def _guessed(found: Findings, now: LocalFrontier, mosaic: Mosaic) -> list[RoundRim]:

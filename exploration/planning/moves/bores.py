@@ -1,13 +1,14 @@
 """Feeling the walls of round holes that an array has room in: it goes in along the axis, and then aside.
 
 No taxel looks sideways, but a corner of the array stops at the wall.  Four stops tell a circle.  The rim that was
-looked at tells it better where it is sharp; where it is chamfered or rounded, the hole is narrower than that.
+looked at tells it better where it is sharp; where it is chamfered or rounded, the hole is narrower than that, and
+in a round face, which the skin leaves before the rim, no look tells how wide it is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -22,7 +23,12 @@ from exploration.planning.touching.study import Study
 from primitives import pose as se3
 from primitives.arcs import circle_through
 from primitives.arrays import Floats
+from primitives.fit import Fit
 from primitives.pose import frame_along
+from primitives.shapes import Shape
+
+_STEPS = 6  # down to where a rim is
+_STEEP = 0.2  # least cosine between a face's normal and the axis, on the way there
 
 
 @dataclass(frozen=True)
@@ -35,7 +41,8 @@ class BoresConfig:
     least: float = 3.0  # or less, where a floor is met before; but not less than that
     lift: float = 1.0  # [mm] off that floor
     speed: float = 8.0  # [mm/s] aside
-    past: float = 1.5  # [mm] past where the rim is, after which there is no wall
+    past: float = 1.5  # [mm] past where the rim is, after which there is no wall,
+    sigmas: float = 4.0  # of its radius, on top of that
     ways: int = 4  # round the axis, that are tried to come in
     beside: float = 4.0  # [mm] between rims, or a rim and the axis of another, that are of one hole
     opposed: float = 0.98  # least cosine between the axes of its two ends
@@ -49,10 +56,10 @@ class Bores:
         self.study, self.reach, self.config = study, reach, config
         self._tried = Attempts(1, config.beside)
 
-    def next(self) -> Callable[[], Done] | None:
-        """Into the nearest hole whose wall nobody has felt."""
+    def next(self, gaps: Sequence[RoundRim] = ()) -> Callable[[], Done] | None:
+        """Into the nearest hole whose wall nobody has felt; `gaps` are mouths in round faces."""
         here = self.study.pad.guard.world_from_sensor[:3, 3]
-        left = [rim for rim in self.study.found.rims if self._worth(rim)]
+        left = [rim for rim in (*self.study.found.rims, *gaps) if self._worth(rim)]
         if not left:
             return None
         nearest = min(left, key=lambda rim: float(np.linalg.norm(rim.center - here)))
@@ -66,13 +73,36 @@ class Bores:
         return not any(self._of(bore, rim) for bore in self.study.found.bores)
 
     def _of(self, bore: Bore, rim: RoundRim) -> bool:
-        """Whether what was felt is the wall of a rim's hole."""
+        """Whether what was felt is the wall of a rim's hole.
+
+        The two ends of a hole across a round body tell how it runs, so that each is worth its own.
+        """
         away = rim.center - bore.center
-        off = np.linalg.norm(away - (away @ bore.axis) * bore.axis)
-        return bool(abs(float(bore.axis @ rim.axis)) > self.config.opposed and off < self.config.beside)
+        up = float(away @ bore.axis)
+        off = float(np.linalg.norm(away - up * bore.axis))
+        along = abs(float(bore.axis @ rim.axis)) > self.config.opposed
+        return along and off < self.config.beside and (abs(up) < rim.radius or not rim.bent)
+
+    def _lowest(self, rim: RoundRim) -> RoundRim:
+        """The rim where all of it is material: in a round face it runs down from the face's crest."""
+        if not rim.bent:
+            return rim
+        shape, around, down = self._shape(rim), rim.places()[0], np.zeros(24)
+        for _ in range(_STEPS):
+            places = around - down[:, None] * rim.axis
+            slope = np.maximum(shape.normals(places) @ rim.axis, _STEEP)
+            down += shape.signed_distance(places) / slope
+        return replace(rim, center=rim.center - down.max() * rim.axis)
+
+    def _shape(self, rim: RoundRim) -> Shape:
+        """Of the face that a rim is in."""
+        fit = self.study.found.graph.face(rim.face).fit
+        assert isinstance(fit, Fit)
+        return fit.shape
 
     def _feel(self, rim: RoundRim) -> Done:
         self._tried.note(rim.center)
+        rim = self._lowest(rim)
         pad, config, down = self.study.pad, self.config, -rim.axis
         for way in rim.places(config.ways)[1]:
             over = se3.pose(frame_along(down, way), rim.center + config.before * rim.axis)
@@ -99,7 +129,9 @@ class Bores:
         if circle is None:
             return None, "felt no wall in a hole"
         at = float((rim.center - stops.mean(axis=0)) @ rim.axis)
-        self.study.found.bores.append(Bore(rim.center + flat @ circle[0], rim.axis, circle[1], at))
+        center = rim.center + flat @ circle[0]
+        axis = self._shape(rim).normals(center[None])[0] if rim.bent else rim.axis
+        self.study.found.bores.append(Bore(center, axis, circle[1], at))
         return None, "felt the wall of a hole"
 
     def _stops(self, home: Floats, rim: RoundRim) -> Floats:
@@ -107,10 +139,11 @@ class Bores:
         pad, config, stops = self.study.pad, self.config, list[Floats]()
         half = pad.tool.high[:2]
         corner = float(np.hypot(*half))
+        past = config.past + config.sigmas * rim.sigma
         for signs in ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)):
             lead = home[:3, :2] @ (half * signs)
             try:
-                advance(pad.guard, lead / corner, rim.radius - corner + config.past, config.speed)
+                advance(pad.guard, lead / corner, rim.radius - corner + past, config.speed)
             except (Collision, OverPress) as met:  # housing or skin, whichever is first
                 if met.seen is not None:
                     stops.append(met.seen.world_from_sensor[:3, 3] + lead)

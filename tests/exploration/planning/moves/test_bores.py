@@ -17,9 +17,12 @@ from exploration.planning.touching.study import Study
 from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Cone, Cube, Cylinder
+from models.csg import Cone, Cube, Cylinder, Sphere
 from models.solid import Solid
 from primitives import pose as se3
+from primitives.evidence import Contacts
+from primitives.fit import fit
+from primitives.patch_graph import Face, PatchGraph
 
 UP = np.array([0.0, 0.0, 1.0])
 SPECS = [load_sensor("fingertip")]
@@ -28,13 +31,14 @@ PLATE = Cube((80.0, 60.0, 16.0))
 RIM = RoundRim(np.array([0.0, 0.0, 8.0]), UP, 12.0, 0.02, 0, measured=True)
 
 
-def explored(tree, rims):
+def explored(tree, rims, faces=()):
     solid, high = Solid.from_csg(tree), se3.pose(se3.frame_along(-UP), [0.0, 0.0, 60.0])
     stage, arrays = simulate(solid, SPECS, np.random.default_rng(0), start_pose=high)
     guard = Guard(stage, arrays, [Calibration.nominal(spec) for spec in SPECS])
     tools = Tool.each(SPECS, [array.flange_from_sensor for array in arrays])
     pad = Pad(guard, BOX, lambda kind, detail: None, tools=tools)
-    study = Study(pad, Findings(hollow=True, rims=list(rims)), AttributionConfig(convex=False))
+    found = Findings(graph=PatchGraph(tuple(faces)), hollow=True, rims=list(rims))
+    study = Study(pad, found, AttributionConfig(convex=False))
     return Bores(study, Reach(pad)), study.found
 
 
@@ -85,3 +89,20 @@ def test_a_hole_is_gone_into_from_one_end_and_not_where_it_was_felt():
     bores, found = explored(PLATE - Cylinder(12.0, 40.0), [RIM])
     found.bores.append(Bore(RIM.center, -UP, 12.0, 5.0))
     assert bores.next() is None
+
+
+def test_a_mouth_in_a_round_face_is_felt_below_its_rim_and_its_other_end_is_left_to_do():
+    ways = np.random.default_rng(1).normal(size=(80, 3))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    contacts = Contacts.of(40.0 * ways, ways, 0.02, 0.02)
+    ball = Face(0, fit("sphere", contacts), contacts)
+    lean = np.array([0.02, 0.0, np.sqrt(1.0 - 0.02**2)])
+    gap = RoundRim(40.0 * lean, lean, 17.0, 0.3, 0, measured=True, bent=True)
+    bores, found = explored(Sphere(40.0) - Cylinder(18.0, 100.0), [], [ball])
+    bores.next([gap])()
+    (bore,) = found.bores
+    assert bore.radius == pytest.approx(18.0, abs=0.08)
+    assert np.linalg.norm(bore.center[:2]) < 0.1
+    assert bore.axis @ UP == pytest.approx(1.0, abs=1e-4)
+    assert bores.next([gap]) is None
+    assert bores.next([replace(gap, center=-gap.center, axis=-gap.axis)]) is not None
