@@ -25,6 +25,7 @@ _ON_EDGE = 0.25  # [mm] from two other faces, within which a contact lies on the
 _POOR = 0.05  # [mm] rms, from which so few contacts as below are of no one face
 _AGREE = 0.8  # share of a sound face's contacts that lie on it
 _HOPELESS = 0.15  # [mm] rms, from which so few contacts lead nowhere while exploration goes on
+_ROUND = 0.9  # cosine between two normals of a face, below which it surely bends
 _TELLING = 5  # contacts that are surer than that, without which a face that has unsure ones is none
 _FEW = 30  # contacts, below which a face may be a poor reading of a larger one
 _SAME = 0.1  # [mm] from a larger face, within which more contacts than those are no face beside it
@@ -129,7 +130,8 @@ def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
     """The graph less its faces of few contacts that scatter, as of a pad that lay across an inside corner.
 
     They scatter by more than `most` [mm] rms over what they say that they err; those that are hopelessly unsure of
-    themselves tell nothing of that.  A sound face may have strays, but most of its contacts lie on it.
+    themselves tell nothing of that.  A sound face may have strays, but most of its contacts lie on it.  In a
+    trough, which a pad bridges, they may lie further off.
     """
     for face in graph.faces:
         if isinstance(face.fit, Fit) and len(face.contacts) < _FEW:
@@ -139,9 +141,19 @@ def drop_poor(graph: PatchGraph, most: float = _POOR) -> PatchGraph:
             few = len(sigma) < min(_TELLING, len(off))
             over = np.average(off[tells] ** 2 - sigma**2, weights=sigma**-2) if len(sigma) else 0.0
             scatter = float(np.sqrt(max(0.0, over)))
-            if few or (scatter > most and (len(off) < _SOUND or float(np.quantile(off, _AGREE)) > most)):
+            bound = _HOPELESS if len(off) >= _SOUND and _bends(face) else most
+            if few or (scatter > bound and (len(off) < _SOUND or float(np.quantile(off, _AGREE)) > bound)):
                 graph = _without(graph, face.id)
     return graph
+
+
+def _bends(face: Face) -> bool:
+    """Whether a face was felt so far round that what a pad bridges there moves it, and does not make it up."""
+    fit = face.fit
+    if not isinstance(fit, Fit) or fit.kind == "plane" or not _broad(face):
+        return False
+    normals = face.contacts.normals[np.isfinite(face.contacts.normals).all(axis=1)]
+    return len(normals) > 0 and float((normals @ normals.T).min()) < _ROUND
 
 
 def drop_astride(graph: PatchGraph) -> PatchGraph:

@@ -35,6 +35,19 @@ def test_few_scattered_contacts_are_no_face_and_a_few_strays_do_not_undo_one(off
     assert bool(drop_poor(graph).faces) == stays
 
 
+@pytest.mark.parametrize(("half", "stays"), [(0.7, True), (0.1, False)])
+def test_a_trough_that_a_pad_bridged_stays_where_it_was_felt_round_it(half, stays):
+    turn, along = np.meshgrid(np.linspace(-half, half, 4), np.linspace(-12.0, 12.0, 5), indexing="ij")
+    turn, along = turn.ravel(), along.ravel()
+    out = np.column_stack([np.sin(turn), np.zeros(20), -np.cos(turn)])
+    points = 17.0 * out + along[:, None] * np.eye(3)[1]
+    bridged = points - np.tile([0.12, -0.12], 10)[:, None] * out
+    contacts = Contacts.of(bridged, -out, 0.02, 0.02)
+    wall = replace(fit("cylinder", Contacts.of(points, -out, 0.02, 0.02)), inliers=np.ones(20, dtype=bool))
+    assert wall.shape.radius == pytest.approx(17.0, abs=1e-6)
+    assert bool(drop_poor(PatchGraph((Face(0, wall, contacts),), ())).faces) == stays
+
+
 @pytest.mark.parametrize(("sigma", "unsure", "stays"), [(0.06, 0, True), (0.02, 0, False), (0.02, 5, False)])
 def test_contacts_scatter_as_they_say_and_unsure_ones_excuse_no_sure_ones(sigma, unsure, stays):
     off = np.r_[np.tile([0.065, -0.065], 4), 0.065, np.zeros(unsure)]
