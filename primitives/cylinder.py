@@ -67,8 +67,8 @@ class Cylinder(Revolution):
     def _aligned(self, axis: Floats) -> Floats:
         return axis if axis @ self.axis >= 0 else -axis
 
-    def _anchor_step(self, anchor: Floats, axis: Floats) -> Floats:
+    def _anchor_step(self, anchor: Floats, axis: Floats, frame: Floats) -> Floats:
         offset = anchor - self.origin
         offset = offset - axis * (offset @ self.axis) / (axis @ self.axis)
-        moved: Floats = self.frame[:, :2].T @ offset
+        moved: Floats = frame[:, :2].T @ offset
         return moved

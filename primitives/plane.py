@@ -68,5 +68,5 @@ class Plane(Revolution):
         """Of a rectangle of (length, width) [mm]."""
         return np.inf if extent is None else extent[0] * extent[1]
 
-    def _anchor_step(self, anchor: Floats, axis: Floats) -> Floats:
+    def _anchor_step(self, anchor: Floats, axis: Floats, frame: Floats) -> Floats:
         return np.array([(anchor - self.origin) @ axis / (self.normal @ axis)])

@@ -150,16 +150,21 @@ class Revolution(ABC):
         changed = tuple(float(a + b) for a, b in zip(self.sizes, step[count + self.tilts :], strict=True))
         return self.with_parts(anchor, axis, changed)
 
-    def local(self, other: Self) -> Floats:
-        """The (dof,) step that takes this shape to `other`, nearly enough alike that their axes agree."""
+    def local(self, other: Self, frame: Floats | None = None) -> Floats:
+        """The (dof,) step that takes this shape to `other`, nearly enough alike that their axes agree.
+
+        It is told in another (3, 3) `frame` near its own where it is told of nudged shapes, too: their own turn by
+        a half where the axis crosses the horizontal.
+        """
+        frame = self.frame if frame is None else frame
         axis = self._aligned(other.direction)
         tilt: list[float] = []
         if self.tilts:
-            side = self.frame[:, :2].T @ axis
+            side = frame[:, :2].T @ (axis - (axis @ self.direction) * self.direction)
             sine = float(np.hypot(*side))
             angle = np.arctan2(sine, float(self.direction @ axis))
             tilt = list(side * (angle / sine if sine > TINY else 1.0))
-        move = self._anchor_step(other.anchor, axis)
+        move = self._anchor_step(other.anchor, axis, frame)
         grown = np.subtract(other.sizes, self.sizes)
         return np.concatenate([move, tilt, grown])
 
@@ -167,8 +172,8 @@ class Revolution(ABC):
         """`axis`, or its opposite where both mean the same shape and the opposite is nearer."""
         return axis
 
-    def _anchor_step(self, anchor: Floats, axis: Floats) -> Floats:
-        moved: Floats = self.frame[:, list(self.translations)].T @ (anchor - self.anchor)
+    def _anchor_step(self, anchor: Floats, axis: Floats, frame: Floats) -> Floats:
+        moved: Floats = frame[:, list(self.translations)].T @ (anchor - self.anchor)
         return moved
 
 

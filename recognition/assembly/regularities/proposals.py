@@ -24,7 +24,7 @@ def coincident(state: State) -> list[Proposal]:
             continue
         if any(abs(p - q) > reach * p for p, q in zip(a.sizes, b.sizes, strict=True)):
             continue
-        out.append(Proposal("coincident", (i, j), lambda p, q: p.local(q), len(a.translations)))
+        out.append(Proposal("coincident", (i, j), _one(a.frame), len(a.translations)))
     return out
 
 
@@ -98,6 +98,14 @@ def tangent(state: State) -> list[Proposal]:
 def _pairs(state: State) -> list[tuple[int, int, Shape, Shape]]:
     shapes = state.shapes()
     return [(i, j, shapes[i], shapes[j]) for i in range(len(shapes)) for j in range(i + 1, len(shapes))]
+
+
+def _one(frame: Floats) -> Constraint:
+    def constraint(a: Shape, b: Shape) -> Floats:
+        out: Floats = a.local(b, frame)  # type: ignore[arg-type]
+        return out
+
+    return constraint
 
 
 def _aligned(across: Floats) -> Constraint:

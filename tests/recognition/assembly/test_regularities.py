@@ -125,6 +125,17 @@ def test_one_face_touched_twice_is_coincident_and_a_low_step_is_not():
     assert "coincident" not in counts(regularize([first, step]))
 
 
+@pytest.mark.parametrize("axis", [[1.0, 0.0, 0.0], [0.6, -0.8, 0.0], [0.0, 0.0, 1.0]])
+@pytest.mark.parametrize("lean", [-1e-9, 0.0, 1e-9])
+def test_holes_that_lie_level_are_two_where_they_are_far_apart(axis, lean):
+    along = np.array(axis) + lean
+    beside = np.cross(along, [0.3, 0.5, 0.7])
+    far = [Cylinder(s * 10.0 * beside, s * along, 6.0) for s in (1.0, -1.0)]
+    found = regularize([given(shape) for shape in far])
+    assert "coincident" not in counts(found)
+    assert all(shape.radius == pytest.approx(6.0, abs=1e-6) for shape in found.shapes)
+
+
 def test_the_two_sides_of_a_thin_plate_are_never_coincident():
     up = np.array([0, 0, 1.0])
     pair = [given(Plane(np.zeros(3), up)), given(Plane(np.array([0, 0, -0.005]), -up))]
