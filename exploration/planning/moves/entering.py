@@ -56,7 +56,8 @@ class EnteringConfig:
     alike: float = 0.9  # and least cosine between them, where they run as it does
     floors: int = 12  # places of floors, nearest to a mouth, that are looked at
     through: float = 0.6  # of its length, that an array came into a hole where it was not barred
-    vain: int = 3  # of them that came to nothing, after which no more are made there
+    came_through: int = 4  # arrays that went into one mouth and met nothing, after which none goes in there
+    vain: int = 3  # strokes that came to nothing, after which no more are made there
     within: float = 1.0  # [mm] of skin and housing, where there is surely nothing else
     rim: float = 6.0  # [mm] from a mouth's end, within which its face goes on
 
@@ -87,10 +88,18 @@ class Entering:
         wide, faced = 2.0 * float(self.study.pad.tool.high[:2].min()), _once(self._faced(lids(across)))
         untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, faced)]
         for ways in gathered(untold):
+            if self._open_behind(ways):
+                continue
             some = ways[:: max(1, len(ways) // _WAYS)]
             rooms = ((mouth, self._room(mouth, turns, _straight(mouth, ways, self.config))) for mouth in some)
             if way := next(((mouth, room) for mouth, room in rooms if room), None):
                 yield way[0].center, partial(self._sound, *way)
+
+    def _open_behind(self, ways: Sequence[Mouth]) -> bool:
+        """Whether arrays that went into one mouth came through it so often that there is no floor."""
+        centers = np.array([way.center for way in ways])
+        through = self._through.near(centers)
+        return len(through) >= self.config.came_through
 
     def _room(self, mouth: Mouth, alongs: Callable[[Floats], list[Floats]], across: Floats) -> list[Floats]:
         """(4, 4) poses just inside a mouth, at which nothing known is in the way: an island may be.
