@@ -35,6 +35,7 @@ from recognition.assembly.outlined import outlined
 from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized
+from recognition.assembly.rounded import ROUNDED, Rounding, balls, rounded, roundings
 
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
 
@@ -93,6 +94,39 @@ def assemble(
     """
     options = options or AssemblyOptions()
     given = Given.of(faces, options.regularity, free, stray, plates)
+    convex = [given.fits[i].convex for i in given.distinct]
+    edges = roundings(given.shapes, convex)
+    if edges:
+        less = given.without({*(edge.number for edge in edges), *balls(given.shapes, convex, edges)})
+        sharp = _assembled(less, box, options)
+        if not isinstance(sharp, NotClosed) and (made := _rounded(given, sharp, edges, options)) is not None:
+            return made
+    return _assembled(given, box, options)
+
+
+def _rounded(
+    given: Given, sharp: Assembly, edges: Sequence[Rounding], options: AssemblyOptions
+) -> Assembly | None:
+    """A body with its edges rounded, if contacts of their roundings are nearer to it then."""
+    numbered = [replace(edge, number=given.distinct[edge.number]) for edge in edges]
+    places = np.concatenate([given.touched[edge.number][0] for edge in edges])
+    whole = rounded(sharp.pieces, numbered, places, options.facet)
+    if whole is None:
+        return None
+    on = {s for s in sharp.surface_of_fit if s is not None} | {edge.number for edge in numbered}
+    return replace(
+        sharp,
+        surface_of_fit=tuple(s if s in on else None for s in given.speaker),
+        pieces=whole,
+        tree=tree_of(whole),
+        solid=Solid.from_csg(tree_of(whole), options.facet),
+        warnings=(*sharp.warnings, ROUNDED),
+    )
+
+
+def _assembled(given: Given, box: Floats, options: AssemblyOptions) -> Assembly | NotClosed:
+    """The body of all faces as they are."""
+    faces = given.faces
     fits, regularized, distinct, touched = given.fits, given.regularized, given.distinct, given.touched
     sigma = max((float(np.median(f.contacts.sigma)) for f in faces if len(f.contacts)), default=0.0)
     allowed = max(options.reach_sigmas * sigma, options.least_step)
@@ -148,7 +182,7 @@ def _from_cells(given: Given, options: AssemblyOptions) -> Assembly | NotClosed:
     warnings = tuple(
         f"face {i} ({given.fits[i].kind}, {len(given.faces[i].contacts)} contacts) lies on no surface of the model"
         for i, s in enumerate(made.surface_of_fit)
-        if s is None
+        if s is None and given.speaker[i] in given.distinct
     )
     return replace(made, warnings=(*warnings, *made.warnings))
 
@@ -200,7 +234,9 @@ def _unused(given: Given, surface_of_fit: tuple[int | None, ...]) -> tuple[str, 
     return tuple(
         f"face {i} ({given.fits[i].kind}, {len(contacts)} contacts) does not touch the body; left out"
         for i, s in enumerate(surface_of_fit)
-        if s is None and ((contacts := given.faces[i].contacts).touch != NOT_FELT).any()
+        if s is None
+        and given.speaker[i] in given.distinct
+        and ((contacts := given.faces[i].contacts).touch != NOT_FELT).any()
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -63,6 +63,13 @@ class Given:
             )
             for own in self.distinct
         ]
+
+    def without(self, numbers: Collection[int]) -> Given:
+        """Less some of the speakers, by their place among them."""
+        kept = [k for k in range(len(self.distinct)) if k not in numbers]
+        return replace(
+            self, distinct=[self.distinct[k] for k in kept], touched=[self.touched[k] for k in kept]
+        )
 
     @staticmethod
     def of(

@@ -1,0 +1,85 @@
+"""Bodies whose edges are rounded."""
+
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+
+from models.csg import Cube, Sphere
+from models.csg import Cylinder as Bar
+from models.solid import Solid
+from primitives.evidence import Contacts
+from primitives.fit import fit
+from primitives.pose import frame_along, pose
+from recognition.assembly.assemble import assemble
+from recognition.assembly.rounded import ROUNDED
+from recognition.best_body import FeltFace
+
+HALF, R = np.array([40.0, 25.0, 16.0]), 6.0
+BOX = np.array([[-90.0] * 3, [90.0] * 3])
+SIDES = [s * np.eye(3)[k] for k in range(3) for s in (1.0, -1.0)]
+EDGES = [(a, b) for a, b in combinations(SIDES, 2) if abs(a @ b) < 0.5]
+
+
+def felt(kind, points, normals):
+    lot = Contacts.of(points, normals, 0.02)
+    return FeltFace(fit(kind, lot), lot)
+
+
+def flat(normal):
+    k = int(np.argmax(np.abs(normal)))
+    spots = [np.linspace(R - HALF[i], HALF[i] - R, 6) if i != k else [HALF[k] * normal[k]] for i in range(3)]
+    points = np.array(list(product(*spots)))
+    return felt("plane", points, np.tile(normal, (len(points), 1)))
+
+
+def edge(one, other):
+    along = np.abs(np.cross(one, other))
+    turn = 0.5 * np.pi * np.linspace(0.05, 0.95, 6)[:, None]
+    ways = np.cos(turn) * one + np.sin(turn) * other
+    rows = np.outer(np.linspace(-1.0, 1.0, 5) * ((HALF - R) @ along), along) + (HALF - R) * (one + other)
+    return felt("cylinder", (rows[:, None] + R * ways).reshape(-1, 3), np.tile(ways, (5, 1)))
+
+
+def ball_box():
+    """A box rounded all over, as the union that it is."""
+    x, y, z = 2.0 * HALF
+    inner = 2.0 * R
+    tree = Cube((x, y - inner, z - inner)) | Cube((x - inner, y, z - inner)) | Cube((x - inner, y - inner, z))
+    for one, other in EDGES:
+        axis = np.abs(np.cross(one, other))
+        bar = Bar(R, float(2.0 * ((HALF - R) @ axis)))
+        tree = tree | bar.placed(pose(frame_along(axis), (HALF - R) * (one + other)))
+    for signs in product((1.0, -1.0), repeat=3):
+        tree = tree | Sphere(R).at(*((HALF - R) * signs))
+    return Solid.from_csg(tree, 0.005)
+
+
+def test_a_box_that_is_rounded_all_over_is_a_box_with_bars_and_balls():
+    made = assemble([*map(flat, SIDES), *(edge(*pair) for pair in EDGES)], BOX)
+    assert made
+    kinds = [piece.kind for piece in made.pieces]
+    assert (kinds.count("cube"), kinds.count("cylinder"), kinds.count("sphere")) == (13, 12, 8)
+    wanted = ball_box()
+    assert made.solid.volume == pytest.approx(wanted.volume, rel=2e-4)
+    assert np.abs(made.solid.signed_distance(wanted.vertices)).max() < 0.05
+    assert all(s is not None for s in made.surface_of_fit)
+    assert made.warnings == (ROUNDED,)
+
+
+def test_two_edges_that_run_to_flat_ends_are_rounded_to_these():
+    pair = [edge(SIDES[4], SIDES[0]), edge(SIDES[4], SIDES[3])]
+    made = assemble([*map(flat, SIDES), *pair], BOX)
+    assert made
+    lost = (1.0 - 0.25 * np.pi) * R**2 * 2.0 * (HALF[0] + HALF[1])
+    assert made.solid.volume == pytest.approx(8.0 * HALF.prod() - lost, rel=2e-3)
+
+
+def test_edges_that_all_run_one_way_are_walls_of_the_body_as_before():
+    upright = [edge(a, b) for a, b in EDGES if abs(np.cross(a, b)[2]) > 0.5]
+    made = assemble([*map(flat, SIDES), *upright], BOX)
+    assert made
+    assert ROUNDED not in made.warnings
+    assert made.solid.volume == pytest.approx(
+        8.0 * HALF.prod() - (4.0 - np.pi) * R**2 * 2.0 * HALF[2], rel=1e-3
+    )
