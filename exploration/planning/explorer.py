@@ -21,6 +21,7 @@ from exploration.planning.any_form import LATER, AnyForm
 from exploration.planning.faces.consistency import flattened
 from exploration.planning.faces.faceted import rounded
 from exploration.planning.faces.tips import tipped
+from exploration.planning.inferring.between_flats import between_flats
 from exploration.planning.inferring.concluding import add_broken_edges
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.known.told import Told
@@ -114,7 +115,7 @@ class Explorer:
                 face = None
                 continue
             if move is None:
-                self.found.graph, gone = rounded(tipped(flattened(self.found.graph)))
+                self.found.graph, gone = rounded(tipped(flattened(between_flats(self.found.graph))))
                 self.found.rename(gone)
                 add_broken_edges(self.found, self.pad.skin.mosaic)
                 self.found.ended = self._whole(self._hidden > 0)

@@ -17,6 +17,7 @@ from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.tips import tipped
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
+from exploration.planning.inferring.between_flats import between_flats
 from exploration.planning.inferring.broken_edges import broken_edges
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
@@ -96,10 +97,11 @@ def conclude(
 
     The `mosaic` is what the pad's images showed; the object may lie on a `table` of that height [mm].
     """
-    sound = uprighted(drop_poor(flattened(simpler(found.graph))))
+    sound = uprighted(drop_poor(flattened(simpler(between_flats(found.graph)))))
     found.graph, taken = rounded(drop_astride(tipped(sound)))
     found.rename(taken)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
+    edges = _broken_for_now(found, mosaic)  # before walls: where a face ends at a rounding, none stands
     add_holes(found, frontier, inside, mosaic)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)
     for groove in grooves(frontier().known, found.graph.faces, mosaic):  # before ends: its rims are none
@@ -138,7 +140,8 @@ def conclude(
     for lot, flat in rounded_corners(now.known, found.graph.faces):
         if isinstance(add(found, lot, _BY_CORNER, "cylinder"), Fit):
             found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in flat))
-    add_broken_edges(found, mosaic)
+    found.graph = replace(found.graph, faces=tuple(f for f in found.graph.faces if f.id not in edges))
+    add_broken_edges(found, mosaic)  # again: there are walls by now that edges are between
     for lot, kind in fillets(found.graph.faces, mosaic):
         add_own(found, lot, FILLET, kind)
     for slot in seen:  # last: whatever told of a wall, none goes on past round ends
@@ -209,6 +212,14 @@ def add_broken_edges(found: Findings, mosaic: Mosaic) -> None:
     """Chamfers and roundings of the edges between known faces."""
     for edge in broken_edges(found.graph.faces, mosaic):
         add_own(found, edge.contacts, edge.told, edge.shape)
+
+
+def _broken_for_now(found: Findings, mosaic: Mosaic) -> set[int]:
+    """Add the chamfers and roundings between faces that were felt, and tell nobody; their ids."""
+    before, told = {face.id for face in found.graph.faces}, len(found.warnings)
+    add_broken_edges(found, mosaic)
+    del found.warnings[told:]
+    return {face.id for face in found.graph.faces} - before
 
 
 def _open_rims(
