@@ -21,7 +21,6 @@ from exploration.planning.any_form import LATER, AnyForm
 from exploration.planning.faces.consistency import flattened
 from exploration.planning.faces.faceted import rounded
 from exploration.planning.faces.tips import tipped
-from exploration.planning.inferring.between_flats import between_flats
 from exploration.planning.inferring.concluding import add_broken_edges
 from exploration.planning.known.surface_map import SurfaceMap
 from exploration.planning.known.told import Told
@@ -39,6 +38,7 @@ from exploration.planning.touching.pad import Announce, Pad
 from exploration.planning.touching.study import Study
 from exploration.planning.ways.routes import Tool
 from primitives.arrays import Floats
+from primitives.between_flats import between_flats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 

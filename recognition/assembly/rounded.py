@@ -12,13 +12,14 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from models.csg import Cube
 from models.csg import Cylinder as Bar
 from models.csg import Sphere as Ball
 from models.solid import Solid
 from primitives.arrays import Bools, Floats
-from primitives.pose import pose
+from primitives.pose import frame_along, pose
 from primitives.shapes import Cylinder, Plane, Shape, Sphere
 from recognition.assembly.piece import Piece, along, tree_of
 
@@ -35,7 +36,8 @@ _SIDE = (
 _STEP = 0.25  # [mm] along an edge
 _HALVINGS = 10  # of that
 _PAST = 1.0  # [mm] before its faces, that what is taken away of an edge reaches
-_MEET = 0.3  # of their radius, within which three edges end at one corner
+_MEET = 0.3  # of the largest radius, within which edges end at one corner,
+_THREE = 3  # and how many of them, between as many faces, a ball rounds
 _BETTER = 0.5  # of the distance of what was felt of the roundings, that is left at most
 
 
@@ -166,24 +168,23 @@ def _end(on: Callable[[Floats], Bools], height: float, step: float) -> float:
 
 def _corners(stretches: Sequence[_Stretch]) -> list[tuple[Floats, float]]:
     """Middle (3,) [mm] and radius [mm] of the ball at each corner where three of them end."""
-    ends = [(s, s.of.at(0.0) + h * s.of.shape.direction) for s in stretches for h in (s.low, s.high)]
+    ends = [(s.of, s.of.at(0.0) + h * s.of.shape.direction) for s in stretches for h in (s.low, s.high)]
+    places, largest = np.array([at for _, at in ends]), max(s.of.radius for s in stretches)
     found: list[tuple[Floats, float]] = []
-    for (a, at), (b, beside), (c, there) in combinations(ends, 3):
-        radius = float(np.mean([s.of.radius for s in (a, b, c)]))
-        apart = max(float(np.linalg.norm(beside - at)), float(np.linalg.norm(there - at)))
-        faces = {k: n for s in (a, b, c) for k, n in zip(s.of.flats, s.of.normals, strict=True)}
-        if apart < _MEET * radius and len(faces) == 3:
-            found.append((np.mean([at, beside, there], axis=0) - radius * sum(faces.values()), radius))
+    for near in sorted({tuple(sorted(n)) for n in KDTree(places).query_ball_point(places, _MEET * largest)}):
+        met = [ends[k][0] for k in near]
+        faces = {k: n for r in met for k, n in zip(r.flats, r.normals, strict=True)}
+        if len(met) == len(faces) == _THREE:
+            radius = float(np.mean([r.radius for r in met]))
+            found.append((places[list(near)].mean(axis=0) - radius * sum(faces.values()), radius))
     return found
 
 
 def _cut(stretch: _Stretch) -> Piece:
     """What is taken away along an edge."""
-    r, (one, other) = stretch.of.radius, stretch.of.normals
-    axis = stretch.of.shape.direction
-    frame = np.column_stack([axis, one, np.cross(axis, one)])
+    r, (one, other), axis = stretch.of.radius, stretch.of.normals, stretch.of.shape.direction
     middle = stretch.of.place(0.5 * (stretch.low + stretch.high)) + 0.5 * (r + _PAST) * (one + other)
-    cube = Cube((stretch.high - stretch.low, r + _PAST, r + _PAST))
+    cube, frame = Cube((r + _PAST, r + _PAST, stretch.high - stretch.low)), frame_along(axis, one)
     return Piece("cube", "subtract", cube, pose(frame, middle), None, ((None, None),) * 3, ROUNDED)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from primitives.arrays import Floats, Ints, frozen
+from primitives.between_flats import BetweenFlatsConfig, between_flats
 from primitives.evidence import Contacts
 from primitives.fit import Fit, FitOptions, NoFit, refit, squares
 from primitives.patch_graph import Face, PatchGraph
@@ -63,7 +64,14 @@ def surfaces(contacts: Contacts, options: SurfaceOptions | None = None) -> Patch
             break
     faces, kept = _faces(contacts, fits, owner, order, options)
     graph = _with_rest(faces, contacts, np.flatnonzero(~np.isin(owner, kept)))
-    return graph if contacts.has_normal.all() else turned_out(graph)
+    return _rounded(graph) if contacts.has_normal.all() else turned_out(graph)
+
+
+def _rounded(graph: PatchGraph) -> PatchGraph:
+    """Of what lies between two flat faces, across an edge, the pieces that it was found in as one face each."""
+    made = between_flats(graph, BetweenFlatsConfig(laid=False))
+    faces = sorted(made.faces, key=lambda face: not isinstance(face.fit, Fit))
+    return PatchGraph(tuple(replace(face, id=k) for k, face in enumerate(faces)))
 
 
 def _with_rest(faces: list[Face], contacts: Contacts, rest: Ints) -> PatchGraph:

@@ -14,12 +14,12 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import KDTree
 
-from exploration.planning.inferring.flat_edges import Flat, Stretch, flats, from_wall
 from exploration.planning.known.mosaic import Mosaic
 from exploration.sensing.lines.edge_profiles import DEPTHS, KINDS, Taxels, size_of_edge
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
+from primitives.flat_edges import Flat, Stretch, flats, from_wall
 from primitives.patch_graph import Face
 from primitives.shapes import Cylinder
 

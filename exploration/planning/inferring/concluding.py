@@ -17,7 +17,6 @@ from exploration.planning.faces.simpler import simpler
 from exploration.planning.faces.tips import tipped
 from exploration.planning.faces.uprighted import uprighted
 from exploration.planning.inferring.adding import add, add_own, change, home_of, once
-from exploration.planning.inferring.between_flats import between_flats
 from exploration.planning.inferring.broken_edges import broken_edges
 from exploration.planning.inferring.dead_ends import dead_end
 from exploration.planning.inferring.dividers import dividers
@@ -50,6 +49,7 @@ from exploration.planning.open.round_rims import RoundRim
 from exploration.planning.touching.findings import Findings, SeenRim
 from exploration.planning.touching.study import Wall
 from primitives.arrays import Floats
+from primitives.between_flats import between_flats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face

@@ -18,12 +18,12 @@ from itertools import combinations
 
 import numpy as np
 
-from exploration.planning.inferring.flat_edges import Flat, Stretch, flats
 from primitives.arrays import Bools, Floats
 from primitives.evidence import NOT_FELT, Contacts
-from primitives.fit import Fit, fit
+from primitives.fit import Fit, NoFit, refit
+from primitives.flat_edges import Flat, Stretch, flats
 from primitives.patch_graph import Face, PatchGraph
-from primitives.shapes import Plane
+from primitives.shapes import Cylinder, Plane
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,8 @@ class BetweenFlatsConfig:
     between: float = 0.15  # least cosine to the normals of both faces,
     along: float = 0.25  # and most to the edge
     radii: tuple[float, float] = (1.5, 14.0)  # [mm]
-    off: tuple[float, float] = (0.3, 0.1)  # [mm], and of the radius, that a contact tells another
+    off: tuple[float, float] = (0.3, 0.1)  # [mm], and of the radius, that a contact tells another,
+    sigmas: float = 5.0  # or of contacts, where that is more
     leans: float = 0.3  # [rad] from where it should look, at most
     few: int = 6  # contacts of an edge, at least,
     share: float = 0.7  # and of all that lie there
@@ -48,7 +49,9 @@ class BetweenFlatsConfig:
     alike: float = 0.12  # of its radius, to those of other edges, so that it need not turn
     early: float = 0.6  # of that radius before an edge, that both faces end at least where nobody was on it
     gone: float = 0.5  # share of a face's contacts, from which it was none
-    rows: int = 12  # of inferred contacts along an edge,
+    crumb: int = 100  # contacts, below which what lies at rounded edges alone is no face
+    laid: bool = True  # whether inferred contacts say how far a rounding goes,
+    rows: int = 12  # of them along an edge,
     across: tuple[float, ...] = (0.06, 0.28, 0.5, 0.72, 0.94)  # of the way from one face to the other
     sigma: float = 0.1  # [mm] of theirs
     normal_sigma: float = 0.05  # [rad]
@@ -81,10 +84,16 @@ def between_flats(graph: PatchGraph, config: BetweenFlatsConfig = BetweenFlatsCo
     edges = [e for e in found if any(abs(e.radius - r) < config.alike * r for r in turned)]
     edges += [replace(e, radius=usual) for e in found if np.isnan(e.radius) and e.ends > config.early * usual]
     used = np.any([edge.used for edge in edges], axis=0)
-    made = [face for edge in edges if (face := _made(edge, rest, config)) is not None]
-    first = graph.next_id
-    kept = [_left(face, used[whose == face.id], config) for face in graph.faces]
-    whole = [*(f for f in kept if f is not None), *(replace(f, id=first + k) for k, f in enumerate(made))]
+    kept, lost = list[Face](), [Contacts.of([])]
+    for face in graph.faces:
+        mine = used[whose == face.id]
+        mine = mine if len(mine) else np.zeros(len(face.contacts), dtype=bool)
+        none = (mine.any() and mine.mean() > config.gone) or _crumb(face, edges, config)
+        lost += [face.contacts.select(~mine)] if none else []
+        kept += [] if none else [face.only(~mine) if mine.any() else face]
+    made = [new for edge in edges if (new := _made(edge, rest, config)) is not None]
+    made += [Face(-1, NoFit("contacts beside rounded edges name no face"), Contacts.concatenate(lost))]
+    whole = [*kept, *(replace(f, id=graph.next_id + k) for k, f in enumerate(made) if len(f.contacts))]
     ids = {face.id for face in whole}
     lines = tuple(e for e in graph.edges if all(number is None or number in ids for number in e.faces))
     return replace(graph, faces=tuple(whole), edges=lines)
@@ -146,7 +155,8 @@ def _edge(one: Flat, other: Flat, rest: Contacts, config: BetweenFlatsConfig) ->
         return None
     looks = np.outer(radius - a, one.normal) + np.outer(radius - b, other.normal)
     looks /= np.maximum(np.linalg.norm(looks, axis=1), 1e-9)[:, None]
-    used = there & (np.abs(radii - radius) < max(config.off[0], config.off[1] * radius))
+    off = max(config.off[0], config.off[1] * radius, config.sigmas * float(np.median(rest.sigma[there])))
+    used = there & (np.abs(radii - radius) < off)
     used &= np.arccos(np.clip((looks * normals).sum(axis=1), -1.0, 1.0)) < config.leans
     if used.sum() < max(config.few, config.share * there.sum()):
         return None
@@ -156,8 +166,11 @@ def _edge(one: Flat, other: Flat, rest: Contacts, config: BetweenFlatsConfig) ->
 
 def _made(edge: _Edge, rest: Contacts, config: BetweenFlatsConfig) -> Face | None:
     """The face: what was felt of it, and what nobody felt between the two beside it."""
-    lot = Contacts.concatenate([rest.select(edge.used), Contacts.of(*_laid(edge, config), touch=NOT_FELT)])
-    made = fit("cylinder", lot)
+    lot = rest.select(edge.used)
+    if config.laid:
+        lot = Contacts.concatenate([lot, Contacts.of(*_laid(edge, config), touch=NOT_FELT)])
+    middle = edge.stretch.corner - edge.radius * (edge.one.normal + edge.other.normal)
+    made = refit(Cylinder(middle, edge.stretch.along, edge.radius), True, lot)
     return Face(-1, made, lot) if isinstance(made, Fit) else None
 
 
@@ -170,8 +183,15 @@ def _laid(edge: _Edge, config: BetweenFlatsConfig) -> tuple[Floats, Floats, floa
     return points, np.tile(ways, (len(rows), 1)), config.sigma, config.normal_sigma
 
 
-def _left(face: Face, used: Bools, config: BetweenFlatsConfig) -> Face | None:
-    """What is left of a face whose contacts are those of roundings; None where that is too little."""
-    if not len(used) or not used.any():
-        return face
-    return None if used.mean() > config.gone else face.only(~used)
+def _crumb(face: Face, edges: Sequence[_Edge], config: BetweenFlatsConfig) -> bool:
+    """Whether the few contacts of a face all lie at a rounded edge, or where such edges meet."""
+    if len(face.contacts) >= config.crumb or not isinstance(face.fit, Fit):
+        return False
+    points, at = face.contacts.points, np.zeros(len(face.contacts), dtype=bool)
+    for edge in edges:
+        past = 2.0 * edge.radius
+        deep = [flat.offset - points @ flat.normal for flat in (edge.one, edge.other)]
+        along = points @ edge.stretch.along
+        beside = (along > edge.stretch.low - past) & (along < edge.stretch.high + past)
+        at |= beside & (np.minimum(*deep) > config.deep[0]) & (np.maximum(*deep) < edge.radius)
+    return bool(at.mean() > config.gone)

@@ -5,7 +5,7 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from exploration.planning.inferring.between_flats import between_flats
+from primitives.between_flats import between_flats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import fit
 from primitives.patch_graph import Face, MergeOptions, PatchGraph, ranked_face
