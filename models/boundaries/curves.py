@@ -20,6 +20,7 @@ class Chain(NamedTuple):
     closed: bool  # a rim: no other face meets it anywhere
 
 
+_THROUGH = 0.05  # of its radius from a circle's center, within which a chord passes through it
 _Step = tuple[int, int, int]  # where it ends, triangles left and right
 
 
@@ -97,13 +98,19 @@ def curve_of(points: Floats, tolerance: float) -> tuple[Curve, float]:
 
 
 def refined(edge: Edge, parts: int = 8) -> Floats:
-    """(m, 3) points along an edge, in order, a circle's closer together and still on it."""
+    """(m, 3) points along an edge, in order, a circle's closer together and still on it.
+
+    A chord through its center does not say which way round the circle goes.
+    """
     if edge.curve != "circle":
         return edge.points
     center, radius, _ = circle_through(edge.points)
     share = np.arange(parts)[:, None] / parts
     chords = edge.points[:-1, None] * (1 - share) + edge.points[1:, None] * share - center
-    on_circle: Floats = center + radius * chords / np.linalg.norm(chords, axis=2, keepdims=True)
+    away = np.linalg.norm(chords, axis=2, keepdims=True)
+    if float(away.min()) < _THROUGH * radius:
+        return edge.points
+    on_circle: Floats = center + radius * chords / away
     return np.concatenate([on_circle.reshape(-1, 3), edge.points[-1:]])
 
 
