@@ -36,6 +36,7 @@ from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.pieces import pieces
 from recognition.assembly.regularities import RegularityOptions, Regularized
 from recognition.assembly.rounded import ROUNDED, Rounding, balls, rounded, roundings
+from recognition.assembly.rounded_rims import Rim, rims
 
 _LOOKED_AT = 4000  # contacts whose distance to the body is looked at
 
@@ -95,25 +96,27 @@ def assemble(
     options = options or AssemblyOptions()
     given = Given.of(faces, options.regularity, free, stray, plates)
     convex = [given.fits[i].convex for i in given.distinct]
-    edges = roundings(given.shapes, convex)
-    if edges:
-        less = given.without({*(edge.number for edge in edges), *balls(given.shapes, convex, edges)})
-        sharp = _assembled(less, box, options)
-        if not isinstance(sharp, NotClosed) and (made := _rounded(given, sharp, edges, options)) is not None:
+    edges, ends = roundings(given.shapes, convex), rims(given.shapes, convex)
+    if edges or ends:
+        left = given.without({*_numbers(edges, ends), *balls(given.shapes, convex, edges)})
+        sharp = _assembled(left, box, options)
+        made = None if isinstance(sharp, NotClosed) else _rounded(given, sharp, edges, ends, options)
+        if made is not None:
             return made
     return _assembled(given, box, options)
 
 
 def _rounded(
-    given: Given, sharp: Assembly, edges: Sequence[Rounding], options: AssemblyOptions
+    given: Given, sharp: Assembly, edges: Sequence[Rounding], ends: Sequence[Rim], options: AssemblyOptions
 ) -> Assembly | None:
     """A body with its edges rounded, if contacts of their roundings are nearer to it then."""
-    numbered = [replace(edge, number=given.distinct[edge.number]) for edge in edges]
-    places = np.concatenate([given.touched[edge.number][0] for edge in edges])
-    whole = rounded(sharp.pieces, numbered, places, options.facet)
+    straight = [replace(edge, number=given.distinct[edge.number]) for edge in edges]
+    turned = [replace(rim, number=given.distinct[rim.number]) for rim in ends]
+    places = np.concatenate([given.touched[number][0] for number in _numbers(edges, ends)])
+    whole = rounded(sharp.pieces, straight, turned, places, options.facet)
     if whole is None:
         return None
-    on = {s for s in sharp.surface_of_fit if s is not None} | {edge.number for edge in numbered}
+    on = {*(s for s in sharp.surface_of_fit if s is not None), *_numbers(straight, turned)}
     return replace(
         sharp,
         surface_of_fit=tuple(s if s in on else None for s in given.speaker),
@@ -122,6 +125,10 @@ def _rounded(
         solid=Solid.from_csg(tree_of(whole), options.facet),
         warnings=(*sharp.warnings, ROUNDED),
     )
+
+
+def _numbers(edges: Sequence[Rounding], ends: Sequence[Rim]) -> list[int]:
+    return [*(edge.number for edge in edges), *(rim.number for rim in ends)]
 
 
 def _assembled(given: Given, box: Floats, options: AssemblyOptions) -> Assembly | NotClosed:

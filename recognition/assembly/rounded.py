@@ -22,6 +22,7 @@ from primitives.arrays import Bools, Floats
 from primitives.pose import frame_along, pose
 from primitives.shapes import Cylinder, Plane, Shape, Sphere
 from recognition.assembly.piece import Piece, along, tree_of
+from recognition.assembly.rounded_rims import Rim
 
 ROUNDED = "edges are rounded where round faces touch the flat ones beside them"
 _TOUCH = 0.12  # of its radius, within which a rounding touches the faces beside it,
@@ -115,21 +116,27 @@ def _near(radius: float) -> float:
 
 
 def rounded(
-    pieces: tuple[Piece, ...], found: Sequence[Rounding], places: Floats, facet: float
+    pieces: tuple[Piece, ...],
+    found: Sequence[Rounding],
+    ends: Sequence[Rim],
+    places: Floats,
+    facet: float,
 ) -> tuple[Piece, ...] | None:
-    """The pieces of a body with those that round its edges, `facet` [mm] being its mesh's error.
+    """The pieces of a body with those that round its edges and `ends`, `facet` [mm] being its mesh's error.
 
     They come after all that is added, so that what is taken away of the body is taken of them, too.  None where
     (n, 3) places that were felt of the roundings lie hardly nearer then: the body has no such edges.
     """
     solid = Solid.from_csg(tree_of(pieces), facet)
     stretches = [stretch for rounding in found for stretch in _stretches(rounding, solid)]
-    if not stretches:
+    ends = [rim for rim in ends if rim.on(solid)]
+    if not stretches and not ends:
         return None
-    corners = _corners(stretches)
+    corners = _corners(stretches) if stretches else []
     last = max(k for k, piece in enumerate(pieces) if piece.operation != "subtract") + 1
-    cut = [_cut(stretch) for stretch in stretches]
+    cut = [*(_cut(stretch) for stretch in stretches), *(rim.cut(ROUNDED) for rim in ends)]
     bars = [_bar(stretch, corners) for stretch in stretches]
+    bars += [piece for rim in ends for piece in rim.filled(ROUNDED)]
     filled = [Piece("sphere", "add", Ball(r), pose(translation=at), None, (), ROUNDED) for at, r in corners]
     whole = (*pieces[:last], *cut, *bars, *filled, *pieces[last:])
     made = Solid.from_csg(tree_of(whole), facet)

@@ -5,7 +5,7 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from models.csg import Cube, Sphere
+from models.csg import Cube, Sphere, Torus
 from models.csg import Cylinder as Bar
 from models.solid import Solid
 from primitives.evidence import Contacts
@@ -83,3 +83,38 @@ def test_edges_that_all_run_one_way_are_walls_of_the_body_as_before():
     assert made.solid.volume == pytest.approx(
         8.0 * HALF.prod() - (4.0 - np.pi) * R**2 * 2.0 * HALF[2], rel=1e-3
     )
+
+
+def turned(deep, lean):
+    """(n, 3) places of the rounded rim of a bar with its end at 20 mm, and (n, 3) normals."""
+    turns, lean = (lot.ravel() for lot in np.meshgrid(np.arange(0.0, 6.2, 0.3), lean))
+    out = np.column_stack([np.cos(turns), np.sin(turns), 0.0 * turns])
+    ways = np.sin(lean)[:, None] * out + np.cos(lean)[:, None] * np.eye(3)[2]
+    return (18.0 - deep) * out + [0.0, 0.0, 20.0 - deep] + deep * ways, ways
+
+
+@pytest.mark.parametrize("bore", [False, True])
+def test_the_end_of_a_bar_is_rounded_by_a_ring_and_keeps_its_bore(bore):
+    turns, high = (lot.ravel() for lot in np.meshgrid(np.arange(0.0, 6.2, 0.3), np.linspace(-17.0, 12.0, 6)))
+    out = np.column_stack([np.cos(turns), np.sin(turns), 0.0 * turns])
+    wall = 18.0 * out + high[:, None] * np.eye(3)[2]
+    ends = []
+    for z, reach in ((20.0, 12.0), (-20.0, 17.0)):
+        disc = np.array([[x, y, z] for x in range(-16, 17, 3) for y in range(-16, 17, 3)], dtype=float)
+        far = np.hypot(disc[:, 0], disc[:, 1])
+        disc = disc[(far < reach) & (far > (7.0 if bore else -1.0))]
+        ends.append(felt("plane", disc, np.tile([0.0, 0.0, np.sign(z)], (len(disc), 1))))
+    faces = [
+        felt("cylinder", wall, out),
+        *ends,
+        felt("torus", *turned(5.0, np.deg2rad([10.0, 30.0, 50.0, 75.0]))),
+    ]
+    if bore:
+        faces.append(felt("cylinder", 6.0 * out + high[:, None] * np.eye(3)[2], -out))
+    made = assemble(faces, BOX)
+    assert made
+    assert made.warnings == (ROUNDED,)
+    wanted = (Bar(18.0, 35.0).at(0, 0, -2.5) | Bar(13.0, 40.0)) | Torus(13.0, 5.0).at(0, 0, 15.0)
+    wanted = Solid.from_csg(wanted - Bar(6.0, 60.0) if bore else wanted, 0.005)
+    assert made.solid.volume == pytest.approx(wanted.volume, rel=5e-4)
+    assert np.abs(made.solid.signed_distance(wanted.vertices)).max() < 0.1
