@@ -72,7 +72,7 @@ class _Edge:
 
 def between_flats(graph: PatchGraph, config: BetweenFlatsConfig = BetweenFlatsConfig()) -> PatchGraph:
     """The graph with a cylinder for each rounded edge, and without what its contacts were taken for."""
-    known = [flat for flat in flats(graph.faces) if len(flat.felt) >= config.sure and _broad(flat, config)]
+    known = [flat for flat in flats(graph.faces) if len(flat.felt) >= config.sure and is_broad(flat, config)]
     whose, rest = _rest(graph.faces, known)
     if len(rest) < config.few:
         return graph
@@ -99,7 +99,8 @@ def between_flats(graph: PatchGraph, config: BetweenFlatsConfig = BetweenFlatsCo
     return replace(graph, faces=tuple(whole), edges=lines)
 
 
-def _broad(flat: Flat, config: BetweenFlatsConfig) -> bool:
+def is_broad(flat: Flat, config: BetweenFlatsConfig = BetweenFlatsConfig()) -> bool:
+    """Whether a flat face was felt over more than a line, as no bevel is."""
     spread = np.linalg.svd(flat.felt - flat.felt.mean(axis=0), compute_uv=False)
     return bool(spread[1] > config.broad * np.sqrt(len(flat.felt)))
 
@@ -148,20 +149,36 @@ def _edge(one: Flat, other: Flat, rest: Contacts, config: BetweenFlatsConfig) ->
     unfelt = _Edge(one, other, stretch, min(bare), np.zeros(len(rest), dtype=bool), np.nan, 0.0)
     if there.sum() < config.few:
         return unfelt if not there.any() else None
-    a, b = np.maximum(a, 0.0), np.maximum(b, 0.0)
+    told = told_radius((a, b), (one.normal, other.normal), there, rest, config)
+    return None if told is None else replace(unfelt, used=told[1], radius=told[0], turn=told[2])
+
+
+def told_radius(
+    deep: tuple[Floats, Floats],
+    out: tuple[Floats, Floats],
+    there: Bools,
+    contacts: Contacts,
+    config: BetweenFlatsConfig,
+) -> tuple[float, Bools, float] | None:
+    """Radius [mm] of the rounding that contacts `there` (n,) tell, which of them do, and over what turn [rad].
+
+    Each is `deep` (n,) [mm] behind two faces that look `out` (3,) or (n, 3), across each other.
+    """
+    a, b = (np.maximum(each, 0.0) for each in deep)
     radii = a + b + np.sqrt(2.0 * a * b)
     radius = float(np.median(radii[there]))
     if not config.radii[0] < radius < config.radii[1]:
         return None
-    looks = np.outer(radius - a, one.normal) + np.outer(radius - b, other.normal)
-    looks /= np.maximum(np.linalg.norm(looks, axis=1), 1e-9)[:, None]
-    off = max(config.off[0], config.off[1] * radius, config.sigmas * float(np.median(rest.sigma[there])))
+    looks = (radius - a)[:, None] * out[0] + (radius - b)[:, None] * out[1]
+    looks = looks / np.maximum(np.linalg.norm(looks, axis=1), 1e-9)[:, None]
+    off = max(config.off[0], config.off[1] * radius, config.sigmas * float(np.median(contacts.sigma[there])))
     used = there & (np.abs(radii - radius) < off)
-    used &= np.arccos(np.clip((looks * normals).sum(axis=1), -1.0, 1.0)) < config.leans
+    facing = (looks * np.nan_to_num(contacts.normals)).sum(axis=1)
+    used &= np.arccos(np.clip(facing, -1.0, 1.0)) < config.leans
     if used.sum() < max(config.few, config.share * there.sum()):
         return None
-    round_ = np.arctan2(radius - b[used], radius - a[used])
-    return replace(unfelt, used=used, radius=float(np.median(radii[used])), turn=float(np.ptp(round_)))
+    turns = np.arctan2(radius - b[used], radius - a[used])
+    return float(np.median(radii[used])), used, float(np.ptp(turns))
 
 
 def _made(edge: _Edge, rest: Contacts, config: BetweenFlatsConfig) -> Face | None:

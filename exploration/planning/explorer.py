@@ -41,6 +41,7 @@ from primitives.arrays import Floats
 from primitives.between_flats import between_flats
 from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
+from primitives.rounded_ends import rounded_ends
 
 __all__ = ["Explorer", "ExplorerConfig", "Findings"]
 
@@ -115,7 +116,9 @@ class Explorer:
                 face = None
                 continue
             if move is None:
-                self.found.graph, gone = rounded(tipped(flattened(between_flats(self.found.graph))))
+                self.found.graph, gone = rounded(
+                    tipped(flattened(rounded_ends(between_flats(self.found.graph))))
+                )
                 self.found.rename(gone)
                 add_broken_edges(self.found, self.pad.skin.mosaic)
                 self.found.ended = self._whole(self._hidden > 0)

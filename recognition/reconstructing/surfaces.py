@@ -18,6 +18,7 @@ from primitives.between_flats import BetweenFlatsConfig, between_flats
 from primitives.evidence import Contacts
 from primitives.fit import Fit, FitOptions, NoFit, refit, squares
 from primitives.patch_graph import Face, PatchGraph
+from primitives.rounded_ends import RoundedEndsConfig, rounded_ends
 from primitives.segment import Segment, segment
 from recognition.reconstructing.sides import turned_out
 
@@ -68,8 +69,9 @@ def surfaces(contacts: Contacts, options: SurfaceOptions | None = None) -> Patch
 
 
 def _rounded(graph: PatchGraph) -> PatchGraph:
-    """Of what lies between two flat faces, across an edge, the pieces that it was found in as one face each."""
-    made = between_flats(graph, BetweenFlatsConfig(laid=False))
+    """The pieces that a rounded edge between flat faces, or a rounded end of a bar, was found in as one face."""
+    felt = BetweenFlatsConfig(laid=False)
+    made = rounded_ends(between_flats(graph, felt), RoundedEndsConfig(replace(felt, few=10)))
     faces = sorted(made.faces, key=lambda face: not isinstance(face.fit, Fit))
     return PatchGraph(tuple(replace(face, id=k) for k, face in enumerate(faces)))
 

@@ -54,6 +54,7 @@ from primitives.evidence import NOT_FELT, Contacts
 from primitives.fit import Fit
 from primitives.patch_graph import Face
 from primitives.plate import Plate
+from primitives.rounded_ends import rounded_ends
 from primitives.shapes import Plane
 
 _BY_STOPS = "a face that no pad could lie on is inferred from strokes it stopped"
@@ -97,7 +98,7 @@ def conclude(
 
     The `mosaic` is what the pad's images showed; the object may lie on a `table` of that height [mm].
     """
-    sound = uprighted(drop_poor(flattened(simpler(between_flats(found.graph)))))
+    sound = uprighted(drop_poor(flattened(simpler(rounded_ends(between_flats(found.graph))))))
     found.graph, taken = rounded(drop_astride(tipped(sound)))
     found.rename(taken)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
