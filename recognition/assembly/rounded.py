@@ -2,7 +2,7 @@
 
 A face that only touches those beside it bounds no cell of its own, and where a box is rounded all over, cells
 leave a heap of bars.  So the body is made of its other faces first, and its edges are rounded then: a square bar
-is taken away along each, and a round one put into what that leaves; a ball, where three such edges meet.
+is taken away along each, and a round one put into what that leaves; a ball, where such edges meet.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ _STEP = 0.25  # [mm] along an edge
 _HALVINGS = 10  # of that
 _PAST = 1.0  # [mm] before its faces, that what is taken away of an edge reaches
 _MEET = 0.3  # of the largest radius, within which edges end at one corner,
-_THREE = 3  # and how many of them, between as many faces, a ball rounds
+_THREE = (
+    3  # and between how many faces a ball rounds that: less material than two edges leave, but none past them
+)
 _BETTER = 0.5  # of the distance of what was felt of the roundings, that is left at most
 
 
@@ -135,7 +137,7 @@ def rounded(
     corners = _corners(stretches) if stretches else []
     last = max(k for k, piece in enumerate(pieces) if piece.operation != "subtract") + 1
     cut = [*(_cut(stretch) for stretch in stretches), *(rim.cut(ROUNDED) for rim in ends)]
-    bars = [_bar(stretch, corners) for stretch in stretches]
+    bars = [bar for stretch in stretches if (bar := _bar(stretch, corners)) is not None]
     bars += [piece for rim in ends for piece in rim.filled(ROUNDED)]
     filled = [Piece("sphere", "add", Ball(r), pose(translation=at), None, (), ROUNDED) for at, r in corners]
     whole = (*pieces[:last], *cut, *bars, *filled, *pieces[last:])
@@ -174,14 +176,14 @@ def _end(on: Callable[[Floats], Bools], height: float, step: float) -> float:
 
 
 def _corners(stretches: Sequence[_Stretch]) -> list[tuple[Floats, float]]:
-    """Middle (3,) [mm] and radius [mm] of the ball at each corner where three of them end."""
+    """Middle (3,) [mm] and radius [mm] of the ball at each corner of three faces where some of them end."""
     ends = [(s.of, s.of.at(0.0) + h * s.of.shape.direction) for s in stretches for h in (s.low, s.high)]
     places, largest = np.array([at for _, at in ends]), max(s.of.radius for s in stretches)
     found: list[tuple[Floats, float]] = []
     for near in sorted({tuple(sorted(n)) for n in KDTree(places).query_ball_point(places, _MEET * largest)}):
         met = [ends[k][0] for k in near]
         faces = {k: n for r in met for k, n in zip(r.flats, r.normals, strict=True)}
-        if len(met) == len(faces) == _THREE:
+        if len(met) > 1 and len(faces) == _THREE:
             radius = float(np.mean([r.radius for r in met]))
             found.append((places[list(near)].mean(axis=0) - radius * sum(faces.values()), radius))
     return found
@@ -195,15 +197,19 @@ def _cut(stretch: _Stretch) -> Piece:
     return Piece("cube", "subtract", cube, pose(frame, middle), None, ((None, None),) * 3, ROUNDED)
 
 
-def _bar(stretch: _Stretch, corners: Sequence[tuple[Floats, float]]) -> Piece:
-    """What is put into that: up to the balls at its corners."""
-    rounding, low, high = stretch.of, stretch.low, stretch.high
+def _bar(stretch: _Stretch, corners: Sequence[tuple[Floats, float]]) -> Piece | None:
+    """What is put into that: up to the balls at its corners; None where these leave no room."""
+    rounding, ends = stretch.of, [stretch.low, stretch.high]
     for at, radius in corners:
         away = at - rounding.shape.anchor
         height = float(away @ rounding.shape.direction)
         if np.linalg.norm(away - height * rounding.shape.direction) < _near(radius):
-            low = height if abs(height - low) < 2.0 * radius else low
-            high = height if abs(height - high) < 2.0 * radius else high
-    bar = Bar(rounding.radius, high - low)
-    where = along(rounding.shape.anchor, rounding.shape.direction, low, high)
+            near = int(abs(height - stretch.high) < abs(height - stretch.low))
+            ends[near] = (
+                height if abs(height - (stretch.low, stretch.high)[near]) < 2.0 * radius else ends[near]
+            )
+    if ends[1] - ends[0] < _STEP:
+        return None
+    bar = Bar(rounding.radius, ends[1] - ends[0])
+    where = along(rounding.shape.anchor, rounding.shape.direction, *ends)
     return Piece("cylinder", "add", bar, where, rounding.number, ((None, None),), ROUNDED)

@@ -67,6 +67,14 @@ def test_a_box_that_is_rounded_all_over_is_a_box_with_bars_and_balls():
     assert made.warnings == (ROUNDED,)
 
 
+def test_edges_hardly_longer_than_they_are_round_are_rounded_too(monkeypatch):
+    monkeypatch.setitem(globals(), "HALF", np.array([40.0, 25.0, R + 3.0]))
+    made = assemble([*map(flat, SIDES), *(edge(*pair) for pair in EDGES)], BOX)
+    assert made
+    assert made.warnings == (ROUNDED,)
+    assert made.solid.volume == pytest.approx(ball_box().volume, rel=2e-4)
+
+
 def test_two_edges_that_run_to_flat_ends_are_rounded_to_these():
     pair = [edge(SIDES[4], SIDES[0]), edge(SIDES[4], SIDES[3])]
     made = assemble([*map(flat, SIDES), *pair], BOX)
