@@ -34,7 +34,7 @@ def turned_ring(shape: Shape, disc: Disc) -> Csg:
 
 def turned_outline(outline: Outline) -> Csg:
     """A polygon's part with x >= 0 turned."""
-    corners = right_half(cleaned(outline.corners))
+    corners = _leveled(right_half(cleaned(outline.corners)))
     if len(corners) < 3:
         raise PalpateError("an outline needs three corners or more that are not on one line")
     levels = np.unique(corners[:, 1])
@@ -51,6 +51,16 @@ def turned_outline(outline: Outline) -> Csg:
             rings.append(ring - _frustum(left) if _round(left) else ring)
     made: Csg = Union(tuple(rings))
     return made.named(outline.label) if outline.label else made
+
+
+def _leveled(corners: Floats) -> Floats:
+    """With heights that only rounding keeps apart made one: between them is no cone, but nothing."""
+    if not len(corners):
+        return corners
+    heights, row = np.unique(corners[:, 1], return_inverse=True)
+    apart = np.diff(heights, prepend=heights[0]) > _TOUCH * max(float(np.abs(corners).max()), 1e-300)
+    first = np.maximum.accumulate(np.where(apart, np.arange(len(heights)), 0))
+    return np.column_stack([corners[:, 0], heights[first][row]])
 
 
 def _crossings(corners: Floats, low: float, high: float) -> list[Side]:

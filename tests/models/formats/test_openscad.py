@@ -28,6 +28,20 @@ def names(tree: Csg) -> Iterator[str]:
         yield from names(child)
 
 
+def test_a_turned_outline_whose_heights_differ_by_rounding_alone_is_read(tmp_path):
+    file = tmp_path / "can.scad"
+    file.write_text(
+        "$fn = 64; rotate_extrude() hull() { square([1, 60]); translate([24, 8]) circle(r = 8); }"
+    )
+    turned = load_part(file).solid
+    assert turned.volume > pi * 24.0**2 * 16.0
+    exact = tmp_path / "bar.scad"
+    exact.write_text(
+        "rotate_extrude() polygon([[0, 0], [9, 0.1 + 0.2 - 0.3], [9, 5], [4, 5 + 1e-15], [0, 5]]);"
+    )
+    assert load_part(exact).solid.volume == pytest.approx(pi * 81.0 * 5.0, rel=1e-3)
+
+
 def test_a_tree_is_written_as_openscad_writes_it() -> None:
     tree = (Cube((1, 2, 3), name="base") - Sphere(0.5).at(0, 0, 1.5)).named("part")
     assert openscad.text(tree) == (
