@@ -36,6 +36,7 @@ _BESIDE = 5.0  # [mm] outside the cylinder, within which an end or a shoulder of
 class KeywaysConfig:
     """What is a keyway, and where its contacts are."""
 
+    bare: float = 4.0  # [rad] round a shaft, over which it was felt nowhere, at most
     deep: float = 0.4  # [mm] under the wall, from which what is known in the gap is a face of its own,
     looks: float = -0.3  # with at least this cosine between its normal and the way out: no bore's inside,
     few: int = 3  # such contacts
@@ -119,6 +120,8 @@ def keyways(
         shape = own.fit.shape
         if not isinstance(shape, Cylinder) or own.side < 0.0 or not len(own.cells):
             continue
+        if _bare(own.cells, shape) > config.bare:
+            continue  # as the rounding of an edge
         up = (own.cells - shape.anchor) @ shape.direction
         seen = mosaic.unrolled(shape, float(up.min()) - 2.0, float(up.max()) + 2.0)
         for gap in wall_gaps(seen, shape.radius):
@@ -158,6 +161,13 @@ def _of(
             depth = _depth(gap, shape, out, end, way, mosaic, config)
     told = depth or 0.5 * gap.width
     return Keyway(shape, out, low, high, gap.width, told, depth is not None, gap.open_low, gap.open_high)
+
+
+def _bare(places: Floats, shape: Cylinder) -> float:
+    """[rad] the widest turn round a cylinder without any of (n, 3) places."""
+    flat = (places - shape.anchor) @ shape.frame[:, :2]
+    turns = np.sort(np.arctan2(flat[:, 1], flat[:, 0]))
+    return float(np.diff(turns, append=turns[0] + 2.0 * np.pi).max())
 
 
 def _amidst(gap: WallGap, shape: Cylinder, config: KeywaysConfig) -> Callable[[Floats], Bools]:

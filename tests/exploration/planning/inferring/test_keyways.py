@@ -1,5 +1,6 @@
 """Keyways along a cylinder, from images of a pad that lay along it and on its end."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -112,6 +113,13 @@ def test_a_slot_with_straight_sides_is_a_keyway_half_as_deep_as_wide(width):
     assert ends == pytest.approx([-12.0, 9.0], abs=0.8)
     assert key.depth == pytest.approx(0.5 * key.width)
     assert not key.seen
+
+
+def test_the_rounding_of_an_edge_is_no_shaft():
+    own, mosaic = known(), looked(keyway(6.0, -12.0, 9.0))
+    edge = own.cells[own.cells @ OUT > 0.3 * RADIUS]
+    assert len(keyways([own], [own.face], mosaic)) == 1
+    assert keyways([replace(own, cells=edge)], [own.face], mosaic) == []
 
 
 def test_where_the_cylinder_was_felt_amidst_it_there_is_none():
