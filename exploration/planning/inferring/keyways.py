@@ -36,7 +36,7 @@ _BESIDE = 5.0  # [mm] outside the cylinder, within which an end or a shoulder of
 class KeywaysConfig:
     """What is a keyway, and where its contacts are."""
 
-    bare: float = 4.0  # [rad] round a shaft, over which it was felt nowhere, at most
+    bare: float = 3.5  # [rad] round a shaft, over which it was felt nowhere, at most
     deep: float = 0.4  # [mm] under the wall, from which what is known in the gap is a face of its own,
     looks: float = -0.3  # with at least this cosine between its normal and the way out: no bore's inside,
     few: int = 3  # such contacts
