@@ -88,18 +88,16 @@ class Entering:
         wide, faced = 2.0 * float(self.study.pad.tool.high[:2].min()), _once(self._faced(lids(across)))
         untold = [mouth for mouth in across if mouth.width > wide and self._untold(mouth, faced)]
         for ways in gathered(untold):
-            if self._open_behind(ways):
+            if self._open_behind(ways[0]):
                 continue
             some = ways[:: max(1, len(ways) // _WAYS)]
             rooms = ((mouth, self._room(mouth, turns, _straight(mouth, ways, self.config))) for mouth in some)
             if way := next(((mouth, room) for mouth, room in rooms if room), None):
                 yield way[0].center, partial(self._sound, *way)
 
-    def _open_behind(self, ways: Sequence[Mouth]) -> bool:
-        """Whether arrays that went into one mouth came through it so often that there is no floor."""
-        centers = np.array([way.center for way in ways])
-        through = self._through.near(centers)
-        return len(through) >= self.config.came_through
+    def _open_behind(self, middle: Mouth) -> bool:
+        """Whether arrays that went into a wide mouth came through it so often that there is no floor."""
+        return self._through.count(middle.center, 0.5 * middle.width) >= self.config.came_through
 
     def _room(self, mouth: Mouth, alongs: Callable[[Floats], list[Floats]], across: Floats) -> list[Floats]:
         """(4, 4) poses just inside a mouth, at which nothing known is in the way: an island may be.

@@ -140,11 +140,6 @@ class Attempts:
         within = self._within if within is None else within
         return np.asarray(KDTree(self._places).query_ball_point(places, within, return_length=True))
 
-    def near(self, places: Floats) -> Floats:
-        """(m, 3) places that moves have gone for, each near one of (n, 3) places."""
-        gone = np.array(self._places).reshape(-1, 3)
-        return gone[KDTree(places).query(gone)[0] < self._within] if len(gone) else gone
-
     def count(self, place: Floats, within: float | None = None) -> int:
         """How often a move has gone for this place."""
         if not self._places:

@@ -5,7 +5,7 @@ from exploration.devices.guard import Guard
 from exploration.devices.simulated import simulate
 from exploration.planning.inferring.inferred_walls import inferred_walls
 from exploration.planning.moves.entering import Entering, EnteringConfig
-from exploration.planning.open.mouths import MouthConfig, gathered, lids, mouths
+from exploration.planning.open.mouths import Mouth, MouthConfig, gathered, lids, mouths
 from exploration.planning.touching.findings import ExplorerConfig, Findings
 from exploration.planning.touching.pad import Pad
 from exploration.planning.touching.reach import Reach
@@ -131,6 +131,17 @@ def test_a_mouth_that_was_sounded_in_vain_is_sounded_elsewhere(over_slot):
     entering._sounded.note(middle)
     beside = [place for place, _ in entering.ways_in(across, lambda normal: [])]
     assert [9.0 < abs(place[1] - middle[1]) < 24.0 for place in beside] == [True, True]
+
+
+@pytest.mark.parametrize(("times", "left"), [(3, True), (4, False)])
+def test_a_wide_mouth_that_arrays_came_through_again_and_again_is_left_alone(over_slot, times, left):
+    reach, guard, _ = over_slot
+    entering = Entering(Study(reach.pad, Findings(), ExplorerConfig().attribution), reach)
+    guard.use(1)
+    wide = [Mouth(np.array([x, 0.0, 15.0]), UP, np.array([0.0, 1.0, 0.0]), 60.0) for x in (-14.0, 0.0, 14.0)]
+    for place in np.linspace(-24.0, -10.0, times):
+        entering._through.note(np.array([0.0, place, 15.0]))
+    assert bool(list(entering.ways_in(wide, lambda normal: [np.array([1.0, 0.0, 0.0])]))) == left
 
 
 @pytest.mark.parametrize(("left", "ways"), [(36.0, 1), (-5.0, 0)])
