@@ -194,7 +194,8 @@ def _made(edge: _Edge, rest: Contacts, config: BetweenFlatsConfig) -> Face | Non
 def _laid(edge: _Edge, config: BetweenFlatsConfig) -> tuple[Floats, Floats, float, float]:
     turn = 0.5 * np.pi * np.array(config.across)[:, None]
     ways = np.cos(turn) * edge.one.normal + np.sin(turn) * edge.other.normal
-    rows = edge.stretch.rows(config.rows)
+    felt = replace(edge.stretch, low=edge.stretch.low - config.ends, high=edge.stretch.high + config.ends)
+    rows = (felt if felt.length > 0.0 else edge.stretch).rows(config.rows)
     middle = edge.stretch.corner - edge.radius * (edge.one.normal + edge.other.normal)
     points = ((middle + rows)[:, None] + edge.radius * ways).reshape(-1, 3)
     return points, np.tile(ways, (len(rows), 1)), config.sigma, config.normal_sigma
