@@ -12,7 +12,7 @@ on, and toward which both faces end as early, is taken to be rounded as the othe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -84,16 +84,32 @@ def between_flats(graph: PatchGraph, config: BetweenFlatsConfig = BetweenFlatsCo
     edges = [e for e in found if any(abs(e.radius - r) < config.alike * r for r in turned)]
     edges += [replace(e, radius=usual) for e in found if np.isnan(e.radius) and e.ends > config.early * usual]
     used = np.any([edge.used for edge in edges], axis=0)
+    made = [new for edge in edges if (new := _made(edge, rest, config)) is not None]
+    return regrouped(graph, made, used, whose, config, lambda face: _crumb(face, edges, config))
+
+
+def regrouped(
+    graph: PatchGraph,
+    made: Sequence[Face],
+    used: Bools,
+    whose: Floats,
+    config: BetweenFlatsConfig,
+    crumb: Callable[[Face], bool] = lambda _: False,
+) -> PatchGraph:
+    """The graph with new faces, which `used` (n,) contacts `whose` (n,) faces' they were before.
+
+    A face that most of them were taken from, and each `crumb`, is none; what is left of it names no face.
+    """
     kept, lost = list[Face](), [Contacts.of([])]
     for face in graph.faces:
         mine = used[whose == face.id]
         mine = mine if len(mine) else np.zeros(len(face.contacts), dtype=bool)
-        none = (mine.any() and mine.mean() > config.gone) or _crumb(face, edges, config)
+        none = (mine.any() and mine.mean() > config.gone) or crumb(face)
         lost += [face.contacts.select(~mine)] if none else []
         kept += [] if none else [face.only(~mine) if mine.any() else face]
-    made = [new for edge in edges if (new := _made(edge, rest, config)) is not None]
-    made += [Face(-1, NoFit("contacts beside rounded edges name no face"), Contacts.concatenate(lost))]
-    whole = [*kept, *(replace(f, id=graph.next_id + k) for k, f in enumerate(made) if len(f.contacts))]
+    rest = Face(-1, NoFit("contacts beside roundings name no face"), Contacts.concatenate(lost))
+    new = [face for face in (*made, rest) if len(face.contacts)]
+    whole = [*kept, *(replace(face, id=graph.next_id + k) for k, face in enumerate(new))]
     ids = {face.id for face in whole}
     lines = tuple(e for e in graph.edges if all(number is None or number in ids for number in e.faces))
     return replace(graph, faces=tuple(whole), edges=lines)

@@ -7,14 +7,14 @@ axis or a piece of a ball, is none.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from primitives.arrays import Bools, Floats
-from primitives.between_flats import BetweenFlatsConfig, is_broad, told_radius
+from primitives.arrays import Bools
+from primitives.between_flats import BetweenFlatsConfig, is_broad, regrouped, told_radius
 from primitives.evidence import NOT_FELT, Contacts
-from primitives.fit import Fit, NoFit, refit
+from primitives.fit import Fit, refit
 from primitives.flat_edges import Flat, flats
 from primitives.patch_graph import Face, PatchGraph
 from primitives.shapes import Cylinder, Torus
@@ -36,9 +36,10 @@ class RoundedEndsConfig:
 def rounded_ends(graph: PatchGraph, config: RoundedEndsConfig = RoundedEndsConfig()) -> PatchGraph:
     """The graph with a ring for each rounded end of a bar, and without what its contacts were taken for."""
     for end in [flat for flat in flats(graph.faces) if len(flat.felt) >= config.sure and is_broad(flat)]:
-        for face in graph.faces:
-            if isinstance(face.fit, Fit) and _ends_at(face, end, config):
-                graph = _with_ring(graph, face, end, config)
+        for number in [face.id for face in graph.faces]:
+            bar = next((face for face in graph.faces if face.id == number), None)
+            if bar is not None and _ends_at(bar, end, config):
+                graph = _with_ring(graph, bar, end, config)
     return graph
 
 
@@ -77,7 +78,7 @@ def _with_ring(graph: PatchGraph, bar: Face, end: Flat, config: RoundedEndsConfi
     made = refit(ring, True, lot)
     if not isinstance(made, Fit):
         return graph
-    return _replaced(graph, Face(graph.next_id, made, lot), used, whose, config)
+    return regrouped(graph, [Face(-1, made, lot)], used, whose, config.flats)
 
 
 def _told(rest: Contacts, wall: Cylinder, end: Flat, config: RoundedEndsConfig) -> tuple[float, Bools] | None:
@@ -109,21 +110,3 @@ def _laid(ring: Torus, config: RoundedEndsConfig) -> Contacts:
     middles = np.tile(ring.center + ring.radius * ways, (len(lean), 1))
     points = middles + ring.minor_radius * normals
     return Contacts.of(points, normals, config.flats.sigma, config.flats.normal_sigma, touch=NOT_FELT)
-
-
-def _replaced(
-    graph: PatchGraph, ring: Face, used: Bools, whose: Floats, config: RoundedEndsConfig
-) -> PatchGraph:
-    """With the ring, and without what its contacts were taken for; what is left of that names no face."""
-    kept, lost = list[Face](), [Contacts.of([])]
-    for face in graph.faces:
-        mine = used[whose == face.id]
-        none = len(mine) > 0 and mine.mean() > config.flats.gone
-        lost += [face.contacts.select(~mine)] if none else []
-        kept += [] if none else [face.only(~mine) if mine.any() else face]
-    whole = [*kept, ring]
-    if len(rest := Contacts.concatenate(lost)):
-        whole.append(Face(ring.id + 1, NoFit("contacts beside a rounded end name no face"), rest))
-    ids = {face.id for face in whole}
-    lines = tuple(e for e in graph.edges if all(number is None or number in ids for number in e.faces))
-    return replace(graph, faces=tuple(whole), edges=lines)
