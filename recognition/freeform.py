@@ -44,6 +44,7 @@ _SUPPORT = 0.3  # [mm] past a face that nothing reaches past
 _FEW = 0.005  # share of the contacts that may
 _FLAT, _FLAT_SHARE = 3, 0.01  # touches of such a face, and share of the contacts, at least
 _WIDE = 20.0  # [mm] both ways, of what is flat although fewer touched it
+_REST = 0.12  # share of contacts beside those, of which a smooth body is made where faces closed one
 _MOSTLY_ROUND = 0.25  # share of contacts on flat faces, of what is mostly round
 
 _TOLD = "what was felt bends as no face that has a name; the body is a smooth mesh through all contacts"
@@ -66,7 +67,8 @@ def freeform(
     ground = [k for k, face in enumerate(faces) if _is_ground(face) and _supports(face, felt.points)]
     rest = _beside(flat, faces, felt)
     smooth = rest.select(rest.has_normal)
-    if len(smooth) < FEWEST:
+    mostly_flat = len(rest) < _REST * len(felt) and isinstance(body, Assembly) and not is_hull
+    if len(smooth) < FEWEST or mostly_flat:
         return None
     if (apart := kept_apart(_away(body, smooth.points), _freedom(faces, felt), smooth, is_hull)) is None:
         return None

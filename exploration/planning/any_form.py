@@ -150,7 +150,10 @@ class AnyForm:
         known = (id(graph), len(felt.points), len(free), sum(pit.times for pit in pits))
         if self._last is None or self._last[0] != known:
             last = self._last[-1] if self._last else None
-            now = LocalFrontier(graph.faces, felt, free, self.config.feature, last=last, pits=pits)
+            mosaic = self.pad.skin.mosaic
+            now = LocalFrontier(
+                graph.faces, felt, free, self.config.feature, last=last, pits=pits, mosaic=mosaic
+            )
             self._last = known, graph, now
         return self._last[-1]
 
@@ -203,7 +206,7 @@ class AnyForm:
     def _look(self, frontier: LocalFrontier) -> Callable[[], Done] | None:
         """From afar where nobody was, and at the rims of what has no room for an array."""
         seen, flat = self.found.rims, [own for own in frontier.known if own.fit.kind == "plane"]
-        openings = [*frontier.openings, *far_ends(seen, flat, WHERE_TO_LOOK)]
+        openings = [*frontier.openings, *frontier.narrow, *far_ends(seen, flat, WHERE_TO_LOOK)]
         round_ = [opening for opening in openings if not self._refuted(opening)]
         straight = [rim for rim in frontier.rims if not any(o.holds(rim[0].point) for o in round_)]
         rings = bare_ends(frontier.known, self.found.wall_rims, self._free)

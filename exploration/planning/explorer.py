@@ -109,7 +109,7 @@ class Explorer:
                 return
             wall = None if self.found.hollow else self._walls.next()
             move = self._next(face) if wall is None else partial(self._walls.look, wall)
-            if move is None and not self.found.hollow and (self.found.open or self._bumpy()):
+            if move is None and not self.found.hollow and (self.found.open or self._not_plain()):
                 self.found.hollow = True
                 continue
             if move is None and self._study.merge():
@@ -153,12 +153,20 @@ class Explorer:
         self._felt.take(self.pad.felt)
         faces, free = self.found.graph.faces, self.pad.skin.free.points
         self._frontier = LocalFrontier(
-            faces, self._felt, free, self.config.feature, last=self._frontier, pits=self.pad.skin.pits.sure
+            faces,
+            self._felt,
+            free,
+            self.config.feature,
+            last=self._frontier,
+            pits=self.pad.skin.pits.sure,
+            mosaic=self.pad.skin.mosaic,
         )
         return self._frontier.dented()
 
-    def _bumpy(self) -> bool:
-        """Whether something stands up from a face of what else looks convex and closed."""
+    def _not_plain(self) -> bool:
+        """Whether what looks convex and closed has a narrow hole, or a face from which something stands up."""
+        if self._frontier is not None and self._frontier.narrow:
+            return True
         self._felt.take(self.pad.felt)
         felt = Contacts.of(self._felt.points, self._felt.facing)
         return bumpy(self.found.graph.faces, felt if self.told is None else self.told.without(felt))

@@ -158,7 +158,7 @@ def _guessed(found: Findings, now: LocalFrontier, mosaic: Mosaic) -> list[RoundR
     edges, faces = [edge for edge, _ in (*found.wall_rims, *found.glimpsed)], found.graph.faces
     return [
         rim
-        for rim in now.openings
+        for rim in (*now.openings, *now.narrow)
         if not (_looked_at(rim, found) or cornered(rim, edges) or _pictured(rim, faces, mosaic))
     ]
 

@@ -15,12 +15,14 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from exploration.control.sighting import Sighting
+from exploration.planning.known.mosaic import Mosaic
 from exploration.planning.known.seen_pits import SeenPit
 from exploration.planning.known.surface_map import SurfaceMap, clusters
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.open.gaps import gaps
 from exploration.planning.open.known_face import KnownFace
 from exploration.planning.open.mouths import Mouth, mouths
+from exploration.planning.open.pictured_pits import pictured_pits
 from exploration.planning.open.pit_rims import pit_rims
 from exploration.planning.open.rim_sightings import by_heading, rim_sighting
 from exploration.planning.open.ring_ends import ring_ends
@@ -60,9 +62,10 @@ class LocalFrontier:
         config: LocalFrontierConfig | None = None,
         last: LocalFrontier | None = None,
         pits: Sequence[SeenPit] = (),
+        mosaic: Mosaic | None = None,
     ) -> None:
         self.config, self.reach = config or LocalFrontierConfig(), min(max(feature / 2.0, 3.0), 8.0)
-        self.pits = pits
+        self.pits, self._mosaic = pits, mosaic
         old = {} if last is None else {id(own.face): own for own in last.known}
         seen = (0, 0) if last is None else last.extent
         self.known: list[KnownFace] = [
@@ -143,6 +146,12 @@ class LocalFrontier:
         for rim in pit_rims(self.pits, self.known):
             found += [] if self._known_as(rim, found) else [rim]
         return found
+
+    @cached_property
+    def narrow(self) -> list[RoundRim]:
+        """Rims of narrow holes that only the pictures of flat faces show."""
+        found = [] if self._mosaic is None else pictured_pits(self.known, self._mosaic)
+        return [rim for rim in found if not self._known_as(rim, self.openings) and not self._filled(rim)]
 
     @cached_property
     def round_gaps(self) -> list[RoundRim]:
