@@ -133,7 +133,7 @@ def test_a_hole_into_a_hollow_ends_there_though_an_array_went_in_from_the_other_
     points = hollow.project(np.column_stack([9.0 * np.cos(around), 9.0 * np.sin(around), 20.0 + around]))
     found, frontier = (
         Findings(),
-        SimpleNamespace(openings=[], round_gaps=[], known=[], placed=list, ends=list),
+        SimpleNamespace(openings=[], narrow=[], round_gaps=[], known=[], placed=list, ends=list),
     )
     found.graph, own = found.graph.add_stroke(Contacts.of(points, -hollow.normals(points), 0.02, 0.01))
     assert not found.graph.face(own).fit.convex
@@ -154,7 +154,7 @@ def test_a_round_hole_between_two_rims_is_known_before_it_is_asked_what_stopped_
         found.graph, own = found.graph.add_stroke(Contacts.of(square + z * Z, np.tile(way, (9, 1))))
         found.rims.append(RoundRim(z * Z, way, 9.0, 0.05, own, True))
     known = []
-    frontier = SimpleNamespace(openings=[], round_gaps=[], known=[], placed=list, ends=list)
+    frontier = SimpleNamespace(openings=[], narrow=[], round_gaps=[], known=[], placed=list, ends=list)
     conclude(
         found, lambda: known.append({f.fit.kind for f in found.graph.faces}) or [], lambda: frontier, Mosaic()
     )
@@ -174,7 +174,7 @@ def test_two_mouths_in_a_tubes_wall_lead_into_its_bore_and_in_a_bars_through_it(
         found.graph, own = found.graph.add_stroke(end)
         found.rims += [RoundRim(way * 20.0 * Z, way * Z, 10.0, 0.05, own, True)] if bored else []
     mouths = [RoundRim(way * 25.0 * x, way * x, 5.0, 0.3, barrel, True, bent=True) for way in (1.0, -1.0)]
-    frontier = SimpleNamespace(openings=[], round_gaps=mouths, known=[], placed=list, ends=list)
+    frontier = SimpleNamespace(openings=[], narrow=[], round_gaps=mouths, known=[], placed=list, ends=list)
     conclude(found, list, lambda: frontier, Mosaic())
     assert found.openings == []
     inferred = [face for face in found.graph.faces if (face.contacts.touch == NOT_FELT).all()]
@@ -201,7 +201,7 @@ def ring_with_rims():
 def test_rims_of_faces_that_turned_out_to_be_a_ring_make_no_hole_and_no_wall():
     found, frontier = (
         ring_with_rims(),
-        SimpleNamespace(openings=[], round_gaps=[], known=[], placed=list, ends=list),
+        SimpleNamespace(openings=[], narrow=[], round_gaps=[], known=[], placed=list, ends=list),
     )
     conclude(found, list, lambda: frontier, Mosaic())
     assert [face.fit.kind for face in found.graph.faces] == ["torus"]

@@ -96,7 +96,7 @@ def test_what_is_missing_of_the_wall_in_a_groove_is_the_groove_and_no_hole():
     mouth = RoundRim(RADIUS * out, out, 4.0, 0.3, own.face.id, True, bent=True)
     for images, wanted in ((looked(wall(-3.0, 4.0)), 0), (Mosaic(), 1)):
         found = Findings(graph=PatchGraph((own.face,)))
-        now = SimpleNamespace(openings=[], round_gaps=[mouth], known=[own])
+        now = SimpleNamespace(openings=[], narrow=[], round_gaps=[mouth], known=[own])
         add_holes(found, lambda now=now: now, np.empty((0, 3)), images)
         assert len(found.openings) == wanted
 

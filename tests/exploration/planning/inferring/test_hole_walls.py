@@ -70,7 +70,7 @@ def test_a_hole_that_narrows_ends_at_the_rim_that_was_looked_at():
     ]
     below = found.graph.faces[1]
     known = KnownFace(below, below.fit, 1.0, ring, np.empty((0, 3)))
-    now = SimpleNamespace(openings=[], round_gaps=[], known=[known])
+    now = SimpleNamespace(openings=[], narrow=[], round_gaps=[], known=[known])
     add_holes(found, lambda: now, np.array([[0.5, 0.0, z] for z in (8.0, 2.0, -6.0)]), Mosaic())
     radii = sorted(face.fit.shape.radius for face in found.graph.faces if face.fit.kind == "cylinder")
     assert np.allclose(radii, [5.0, 8.0], atol=0.01)
