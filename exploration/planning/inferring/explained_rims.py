@@ -14,6 +14,7 @@ from primitives.fit import Fit
 from primitives.patch_graph import Face
 
 _ALONG = 0.5  # most cosine between a rim and the way that the face behind it looks
+_LEANS = 0.12  # least cosine between the way out of a rim and the way that the face behind it looks
 _ALIKE = 0.95  # least cosine between two directions that are one
 _BEHIND = 1.0  # [mm] from a rim, within which the face behind it passes
 _BEVEL = 3.0  # [mm] short of a flat face, within which the rim of a bevel is
@@ -39,7 +40,7 @@ def _explained(rim: SeenRim, faces: Sequence[Face]) -> bool:
             at, side = seen.point[None], 1.0 if face.fit.convex else -1.0
             normal = side * face.fit.shape.normals(at)[0]
             behind = -side * float(face.fit.shape.signed_distance(at)[0])
-            along = normal @ seen.outward > 0.3 and abs(float(normal @ seen.tangent)) < _ALONG
+            along = normal @ seen.outward > _LEANS and abs(float(normal @ seen.tangent)) < _ALONG
             bends = face.fit.kind != "plane" and float(normal @ seen.normal) > _ALIKE
             bends = bends and _beside(face.contacts.points, seen)
             if abs(behind) < _BEHIND and (bends or (along and _reaches(face, seen))):

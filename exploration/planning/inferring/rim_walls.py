@@ -54,8 +54,11 @@ def rim_walls(
             normal = None if face == other else _across(a, b, ways, config)
             if normal is not None and not _too_slender((a, face), (b, other), rims, faces, config):
                 join(found, (between(along(a), along(b)), normal))
-    found += [side for floor in list(found) for side in _sides(rims, floor, ways, config)]
-    return contacts_of(found)
+    sides: list[Wall] = []
+    for floor in found:
+        for side in _sides(rims, floor, ways, config):
+            join(sides, side)
+    return contacts_of([*found, *sides])
 
 
 def _too_slender(
