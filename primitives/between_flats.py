@@ -45,7 +45,8 @@ class BetweenFlatsConfig:
     leans: float = 0.3  # [rad] from where it should look, at most
     few: int = 6  # contacts of an edge, at least,
     share: float = 0.7  # and of all that lie there
-    turns: float = 0.25  # [rad] between the first and last of them round the edge, so that it is no bevel
+    turns: float = 0.25  # [rad] between the first and last of them round the edge, so that it is no bevel,
+    bevel: float = 0.5  # and no nearer to a straight one than so many times as they are to the rounding
     alike: float = 0.12  # of its radius, to those of other edges, so that it need not turn
     early: float = 0.6  # of that radius before an edge, that both faces end at least where nobody was on it
     gone: float = 0.5  # share of a face's contacts, from which it was none
@@ -193,8 +194,17 @@ def told_radius(
     used &= np.arccos(np.clip(facing, -1.0, 1.0)) < config.leans
     if used.sum() < max(config.few, config.share * there.sum()):
         return None
+    if _bevel(a[used], b[used], radius) < config.bevel:
+        return None
     turns = np.arctan2(radius - b[used], radius - a[used])
     return float(np.median(radii[used])), used, float(np.ptp(turns))
+
+
+def _bevel(a: Floats, b: Floats, radius: float) -> float:
+    """How far contacts (n,) deep behind two faces are off a straight bevel, over how far off a rounding."""
+    deep = np.column_stack([a - a.mean(), b - b.mean()])
+    straight = float(np.linalg.svd(deep, compute_uv=False)[-1])
+    return straight / max(float(np.std(np.hypot(radius - a, radius - b))) * float(np.sqrt(len(a))), 1e-9)
 
 
 def _made(edge: _Edge, rest: Contacts, config: BetweenFlatsConfig) -> Face | None:

@@ -72,6 +72,18 @@ def test_a_bevel_and_an_edge_that_is_sharp_are_no_roundings():
     assert between_flats(sharp) is sharp
 
 
+def test_a_wide_bevel_is_none_however_well_its_middle_lies_on_a_rounding():
+    along, out = np.eye(3)[1], np.array([1.0, 0.0, 1.0]) / np.sqrt(2.0)
+    middle = HALF * [1.0, 0.0, 1.0] - 2.5 * np.array([1.0, 0.0, 1.0])
+    places = [
+        middle + x * np.cross(along, out) + y * along for x in (-1.6, 0.0, 1.6) for y in (-9.0, 0.0, 9.0)
+    ]
+    noise = np.random.default_rng(0).normal(scale=0.03, size=(9, 1))
+    wide = face_of(6, (np.array(places) + noise * out, np.tile(out, (9, 1))), kind="plane")
+    graph = PatchGraph((*box(border=1.0), wide))
+    assert between_flats(graph) is graph
+
+
 def test_contacts_that_tell_different_radii_are_of_no_rounding():
     points, normals = on_edge(SIDES[4], SIDES[0])
     bent = points + 1.5 * np.sin(np.arange(len(points)))[:, None] * normals
