@@ -49,6 +49,7 @@ class BetweenFlatsConfig:
     bevel: float = 0.5  # and no nearer to a straight one than so many times as they are to the rounding
     alike: float = 0.12  # of its radius, to those of other edges, so that it need not turn
     early: float = 0.6  # of that radius before an edge, that both faces end at least where nobody was on it
+    amiss: float = 0.8  # [mm] off such a rounding, from which contacts contradict it
     gone: float = 0.5  # share of a face's contacts, from which it was none
     crumb: int = 100  # contacts, below which what lies at rounded edges alone is no face
     laid: bool = True  # whether inferred contacts say how far a rounding goes,
@@ -83,10 +84,27 @@ def between_flats(graph: PatchGraph, config: BetweenFlatsConfig = BetweenFlatsCo
         return graph
     usual = float(np.median(turned))
     edges = [e for e in found if any(abs(e.radius - r) < config.alike * r for r in turned)]
-    edges += [replace(e, radius=usual) for e in found if np.isnan(e.radius) and e.ends > config.early * usual]
+    felt = Contacts.concatenate([face.contacts for face in graph.faces])
+    felt = felt.select((felt.touch != NOT_FELT) & felt.has_normal)
+    early = (e for e in found if np.isnan(e.radius) and e.ends > config.early * usual)
+    unfelt = (replace(edge, radius=usual) for edge in early)
+    edges += [edge for edge in unfelt if not _contradicted(edge, felt, config)]
     used = np.any([edge.used for edge in edges], axis=0)
     made = [new for edge in edges if (new := _made(edge, rest, config)) is not None]
     return regrouped(graph, made, used, whose, config, lambda face: _crumb(face, edges, config))
+
+
+def _contradicted(edge: _Edge, felt: Contacts, config: BetweenFlatsConfig) -> bool:
+    """Whether something was felt where a rounding leaves nothing, or looks between its faces and is not on it."""
+    one, other, radius = edge.one, edge.other, edge.radius
+    a, b = one.offset - felt.points @ one.normal, other.offset - felt.points @ other.normal
+    there = (
+        edge.stretch.beside(felt.points) & (np.minimum(a, b) > config.deep[0]) & (np.maximum(a, b) < radius)
+    )
+    past = np.hypot(radius - a, radius - b) - radius
+    cosines = felt.normals @ np.column_stack([one.normal, other.normal])
+    amiss = (past > config.amiss) | ((cosines.min(axis=1) > config.between) & (past < -config.amiss))
+    return int((there & amiss).sum()) >= config.few
 
 
 def regrouped(

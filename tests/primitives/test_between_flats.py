@@ -84,6 +84,20 @@ def test_a_wide_bevel_is_none_however_well_its_middle_lies_on_a_rounding():
     assert between_flats(graph) is graph
 
 
+def test_an_edge_that_nobody_was_on_is_not_rounded_where_a_bevel_or_a_ledge_was_felt_in_its_place():
+    seen, up, side = face_of(9, on_edge(SIDES[4], SIDES[0])), SIDES[4], SIDES[2]
+    spots = np.linspace(-39.0, 39.0, 9)
+    for depth, leans in ((8.0, True), (1.0, False)):
+        out = (up + side) / np.sqrt(2.0) if leans else up
+        across = np.cross(out, np.eye(3)[0])
+        middle = HALF * (up + side) - 0.5 * depth * (up + side)
+        rows = (-3.0, 0.0, 3.0) if leans else (0.0, -1.5, 1.5)
+        places = [middle + x * np.eye(3)[0] + y * across for x in spots for y in rows]
+        felt = Contacts.of(np.array(places), np.tile(out, (27, 1)), 0.02)
+        graph = PatchGraph((*box(), seen, ranked_face(10, felt, MergeOptions())))
+        assert len(radii(between_flats(graph))) == 11
+
+
 def test_contacts_that_tell_different_radii_are_of_no_rounding():
     points, normals = on_edge(SIDES[4], SIDES[0])
     bent = points + 1.5 * np.sin(np.arange(len(points)))[:, None] * normals
