@@ -16,7 +16,7 @@ from functools import lru_cache
 from itertools import combinations, permutations
 
 import numpy as np
-from scipy.ndimage import binary_fill_holes, distance_transform_edt, zoom
+from scipy.ndimage import binary_fill_holes, distance_transform_edt, label, zoom
 
 from exploration.planning.known.mosaic import Lattice, Mosaic, Picture
 from exploration.planning.open.known_face import KnownFace
@@ -164,7 +164,9 @@ def _steps(
         if config.step[0] < thick < config.step[1]:
             low, high = heights[lower] + config.step[0], heights[upper] - config.step[0]
             ledges = [own for own, height in zip(seen, heights, strict=True) if low < height < high]
+            floors = [own for own, height in zip(seen, heights, strict=True) if height < high]
             gone = _over(seen[upper], seen[lower], ledges, lattice, config)
+            gone = np.maximum(gone, _pockets(seen[upper], seen[lower], floors, lattice, config))
             slope = _touched(_feet(known, up, (heights[lower], high), config), lattice)
             if slope.any():
                 gone[distance_transform_edt(~slope) * lattice.step < config.slope] = 0.0
@@ -206,6 +208,22 @@ def _over(
     for ledge in ledges:
         gone = np.where(ledge.known, np.minimum(gone, 1.0 - ledge.share), gone)
     return np.asarray(gone, dtype=np.float64)
+
+
+def _pockets(
+    top: Picture, floor: Picture, floors: Sequence[Picture], lattice: Lattice, config: PlatesConfig
+) -> Floats:
+    """Share of what is missing of openings with the face all round them, in which this floor alone was seen.
+
+    A floor that was felt in a part of a pocket is taken for that of all of it.
+    """
+    gone = _beyond(np.where(top.known, 1.0 - top.share, 0.0), top.known, config.beyond / lattice.step)
+    lots, _ = label(~top.there)
+    border = np.unique(np.concatenate([lots[0], lots[-1], lots[:, 0], lots[:, -1]]))
+    low = [lot for lot in np.unique(lots[floor.there & ~top.there]) if lot not in border]
+    others = [other for other in floors if other is not floor]
+    own = [lot for lot in low if not any((other.there & (lots == lot)).any() for other in others)]
+    return np.where(np.isin(lots, own), gone, 0.0)
 
 
 def _behind(top: Picture, nearest: Ints) -> Bools:

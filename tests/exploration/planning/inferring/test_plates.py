@@ -142,6 +142,26 @@ def test_over_a_floor_nothing_is_where_the_face_above_is_not_and_elsewhere_nothi
         assert ((lot.points * lot.normals).sum(axis=1) < 0.0).all()
 
 
+@pytest.mark.parametrize(("levels", "far"), [((-2.0,), True), ((-2.0, 1.0), False)])
+def test_a_pocket_of_which_one_floor_was_felt_in_a_part_goes_down_to_it_everywhere(levels, far):
+    """It is as a U, 8 mm wide; between its legs lies the upper face, and two floors may be at its ends."""
+
+    def bent(world, height):
+        x, y = world[..., 0], world[..., 1]
+        hole = np.minimum(13.0 - np.abs(x), np.maximum(np.abs(x) - 5.0, 4.0 - np.abs(y + 10.0)))
+        hole = np.minimum(hole, 14.0 - np.abs(y))
+        if height > 5.0:
+            return soft(np.minimum(-hole, 20.0 - np.abs(world).max(axis=-1)))
+        return soft(np.minimum(hole, np.minimum(x - 5.0, y - 4.0) if height < 0.0 else -5.0 - x))
+
+    floors = [side(2 + k, level, 1.0) for k, level in enumerate(levels)]
+    step = max(plates([TOP, *floors], Drawn(bent)), key=lambda each: each.thick)
+    own = transform_points(
+        inverse(step.pose), np.array([[9.0, 10.0, 2.0], [-9.0, 0.0, 2.0], [0.0, 0.0, 2.0]])
+    )
+    assert (depth_inside(step.missing, own[:, :2]) > 0.0).tolist() == [True, far, False]
+
+
 def test_a_ledge_between_a_floor_and_the_face_above_it_is_left_where_it_is():
     def stairs(world, height):
         tread = {-2.0: (10.0, 20.0), 2.0: (6.0, 10.0), 6.0: (-20.0, 6.0)}[round(height, 3)]
