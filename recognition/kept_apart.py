@@ -24,6 +24,7 @@ SIGMAS = float(ndtri(0.5 + 0.005 * SHARE))  # within which so many lie of what i
 NEAR = 0.12  # [mm] from a body, from which it is looked for
 _BETTER = 0.8  # times the distance from the body, as which contacts kept apart must be nearer
 _CONTRADICTED = 1.3  # times what noise explains, from which contacts contradict a body
+_POOR = 5.0  # times it, from which any surface is taken that is nearer
 _GENERAL, _LITTLE = 1.5, 0.1  # times the distance of its own contacts, and [mm] more, that they may be
 _BENT = 0.05  # times the width of gaps in a cloud, and as much more
 _LEAST, FEWEST = 60, 24  # contacts with normals, and of a cloud, which are spread
@@ -48,8 +49,10 @@ def kept_apart(away: float, freedom: float, smooth: Contacts, is_hull: bool) -> 
     faces have for each of them (generalized cross-validation, Craven and Wahba 1979).  A body within the noise of
     its contacts is doubted less.
     """
-    contradicted = away > _CONTRADICTED * SIGMAS * float(np.median(smooth.sigma))
+    noise = SIGMAS * float(np.median(smooth.sigma))
+    contradicted, poor = away > _CONTRADICTED * noise, away > _POOR * noise
     away = away / (1.0 - freedom) if freedom < 1.0 else np.inf
+    poor &= away < np.inf  # there is a body
     if not is_hull and away < NEAR:
         return None
     folds, gap = _folds(smooth)
@@ -75,7 +78,7 @@ def kept_apart(away: float, freedom: float, smooth: Contacts, is_hull: bool) -> 
     else:
         gap = max(gap, 2.0 * float(np.median(np.concatenate(alone)))) if gap else 0.0
         most = _GENERAL * most_of(np.concatenate(own)) + _LITTLE + _BENT * gap
-        most = min(most, away if gap and contradicted else _BETTER * away)
+        most = _BETTER * away if poor else min(most, away if gap and contradicted else _BETTER * away)
     return Apart(found, float(np.percentile(from_hull, NEARLY)), gap) if found < most else None
 
 
