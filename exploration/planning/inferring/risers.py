@@ -32,6 +32,7 @@ class RiserConfig:
     upright: float = 0.03  # most cosine between their normal and a direction across it
     least: int = 4  # touched places of a patch from which one goes out
     cluster: float = 8.0  # [mm] between neighboring places of one patch
+    strays: int = 1  # touched places on the way, that are none of a face there
     side: float = (
         0.2  # of a patch's places, on either hand, that lie beside the middle from which one goes out
     )
@@ -147,6 +148,9 @@ def _wall(
 ) -> _Wall | None:
     """The wall that one comes to, where it is not known; that of the face that begins first."""
     seen = [(_where(patch, way, other, step > 0, config), step) for other, step in others]
+    seen = [
+        (rim, step) for rim, step in seen if step > 0.0 or not _rises(patch, way, rim.begun, others, config)
+    ]
     (at, gap, begun), step = min(seen, key=lambda found: found[0][0], default=(_NOWHERE, 0.0))
     if not np.isfinite(at) or gap > config.gap or _stands(known, patch, way, (at, begun), step, config):
         return None
@@ -157,6 +161,18 @@ def _wall(
         if side * float(s.normal @ way) > config.alike and abs(side * s.offset - at) < 0.5 * gap + config.met
     ]
     return _Wall(way, float(np.median(met)) if met else at, 0.0 if met else gap, step)
+
+
+def _rises(
+    patch: Patch, way: Floats, begun: float, others: Sequence[tuple[KnownFace, float]], config: RiserConfig
+) -> bool:
+    """Whether on the way down to where a face has begun one that is higher was felt: first one goes up there."""
+    edge = patch.edge(way)
+    for other, step in others:
+        ahead = patch.ahead(other.cells, way, config.side) if step > 0.0 else np.empty(0)
+        if np.count_nonzero((ahead > edge) & (ahead < begun)) > config.strays:
+            return True
+    return False
 
 
 def _ring(patch: Patch, walls: Sequence[_Wall | None], config: RiserConfig) -> Riser | None:

@@ -156,3 +156,17 @@ def test_no_wall_stands_between_the_foot_and_the_top_of_a_pyramid_where_its_side
     faces.append(flat(2, places(60.0, lambda x, y: np.abs(y) < 5.0)[:, [2, 0, 1]], [1.0, 0.0, 0.0]))
     assert risers(faces) != []
     assert risers([*faces, *sides]) == []
+
+
+def test_no_wall_goes_down_from_a_pocket_in_a_raised_block_to_what_lies_round_that():
+    """The block ends again just past the pocket's rim, so that this is not made out."""
+    up, square = [0.0, 0.0, 1.0], lambda x, y: np.maximum(np.abs(x), np.abs(y))
+    floor = flat(1, places(-5.0, lambda x, y: square(x, y) < 6.0), up)
+    gone = places(
+        -0.6, lambda x, y: ((square(x, y) > 15.0) & (square(x, y) < 24.0)) | (square(x, y) < 13.0), 1.0
+    )
+    block = flat(0, places(0.0, lambda x, y: square(x, y) == 14.0), up, gone)
+    low = flat(3, places(-10.0, lambda x, y: square(x, y) > 25.0), up)
+    side = flat(2, places(40.0, lambda x, y: np.abs(y) < 5.0)[:, [2, 0, 1]], [1.0, 0.0, 0.0])
+    found = [riser.contacts for riser in risers([floor, block, low, side])]
+    assert not any((wall.points[:, 2].max() < -5.0) and np.abs(wall.points).max() < 16.0 for wall in found)
