@@ -36,6 +36,7 @@ class PlateWallsConfig:
     step: float = 0.5  # [mm] between the places of an outline
     longer: float = 8.0  # [mm] of a straight piece, without
     many: int = 12  # such pieces of one outline, that are teeth and no walls
+    most: int = 6  # of a pocket's, that are walls of the whole body: of a letter they are its outline's alone
     trim: float = 1.5  # [mm] of its ends, which the rubber rounds
     bends: float = 0.15  # [mm] of its sagitta at most
     told: float = 0.5  # share of a piece that known walls make, from which it is theirs
@@ -71,7 +72,7 @@ def plate_walls(
             piece = _straight(places, left, corner, after, config)
             if piece is not None:
                 flat.append((_wall(plate, *piece, config), "plane"))
-        found += flat if len(flat) <= config.many else []
+        found += flat if len(flat) <= (config.most if plate.step else config.many) else []
     return found
 
 
