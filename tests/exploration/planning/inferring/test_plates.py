@@ -162,6 +162,21 @@ def test_a_pocket_of_which_one_floor_was_felt_in_a_part_goes_down_to_it_everywhe
     assert (depth_inside(step.missing, own[:, :2]) > 0.0).tolist() == [True, far, False]
 
 
+def test_a_cross_has_walls_through_a_plate_and_none_as_a_pocket_in_it():
+    def crossed(world, height):
+        x, y = np.abs(world[..., 0]), np.abs(world[..., 1])
+        bars = np.maximum(np.minimum(15.0 - x, 5.0 - y), np.minimum(5.0 - x, 15.0 - y))
+        return soft(bars if -5.0 < height < 5.0 else np.minimum(-bars, 20.0 - np.abs(world).max(axis=-1)))
+
+    (through,) = plates([TOP, BOTTOM], Drawn(crossed))
+    step = next(each for each in plates([TOP, side(2, -2.0, 1.0)], Drawn(crossed)) if each.step)
+    inside = [
+        [lot for lot, _ in plate_walls(plate, []) if np.abs(lot.points[:, :2]).max() < 18.0]
+        for plate in (through, step)
+    ]
+    assert [len(walls) for walls in inside] == [12, 0]
+
+
 def test_a_ledge_between_a_floor_and_the_face_above_it_is_left_where_it_is():
     def stairs(world, height):
         tread = {-2.0: (10.0, 20.0), 2.0: (6.0, 10.0), 6.0: (-20.0, 6.0)}[round(height, 3)]
