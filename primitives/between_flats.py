@@ -46,7 +46,8 @@ class BetweenFlatsConfig:
     few: int = 6  # contacts of an edge, at least,
     share: float = 0.7  # and of all that lie there
     turns: float = 0.25  # [rad] between the first and last of them round the edge, so that it is no bevel,
-    bevel: float = 0.5  # and no nearer to a straight one than so many times as they are to the rounding
+    bevel: float = 0.5  # and no nearer to a straight one than so many times as they are to the rounding,
+    follows: float = 0.5  # nor do they turn by less than so much of what their places do
     alike: float = 0.12  # of its radius, to those of other edges, so that it need not turn
     early: float = 0.6  # of that radius before an edge, that both faces end at least where nobody was on it
     amiss: float = 0.8  # [mm] off such a rounding, from which contacts contradict it
@@ -212,10 +213,13 @@ def told_radius(
     used &= np.arccos(np.clip(facing, -1.0, 1.0)) < config.leans
     if used.sum() < max(config.few, config.share * there.sum()):
         return None
-    if _bevel(a[used], b[used], radius) < config.bevel:
-        return None
     turns = np.arctan2(radius - b[used], radius - a[used])
-    return float(np.median(radii[used])), used, float(np.ptp(turns))
+    over = float(np.ptp(turns))
+    across = ((contacts.normals * way).sum(axis=1)[used] for way in (out[1], out[0]))
+    follows = float(np.polyfit(turns, np.arctan2(*across), 1)[0]) if over > config.turns else 1.0
+    if _bevel(a[used], b[used], radius) < config.bevel or follows < config.follows:
+        return None
+    return float(np.median(radii[used])), used, over
 
 
 def _bevel(a: Floats, b: Floats, radius: float) -> float:

@@ -72,13 +72,14 @@ def test_a_bevel_and_an_edge_that_is_sharp_are_no_roundings():
     assert between_flats(sharp) is sharp
 
 
-def test_a_wide_bevel_is_none_however_well_its_middle_lies_on_a_rounding():
+@pytest.mark.parametrize("off", [0.03, 0.1])
+def test_a_wide_bevel_is_none_however_well_its_middle_lies_on_a_rounding(off):
     along, out = np.eye(3)[1], np.array([1.0, 0.0, 1.0]) / np.sqrt(2.0)
     middle = HALF * [1.0, 0.0, 1.0] - 2.5 * np.array([1.0, 0.0, 1.0])
     places = [
         middle + x * np.cross(along, out) + y * along for x in (-1.6, 0.0, 1.6) for y in (-9.0, 0.0, 9.0)
     ]
-    noise = np.random.default_rng(0).normal(scale=0.03, size=(9, 1))
+    noise = np.random.default_rng(0).normal(scale=off, size=(9, 1))
     wide = face_of(6, (np.array(places) + noise * out, np.tile(out, (9, 1))), kind="plane")
     graph = PatchGraph((*box(border=1.0), wide))
     assert between_flats(graph) is graph
