@@ -31,17 +31,8 @@ class PicturedPitsConfig:
 
     cells: int = 12  # felt places of the face, at least
     margin: float = 4.0  # [mm] round them, of the picture
-    levels: tuple[float, ...] = (
-        0.75,
-        0.7,
-        0.65,
-        0.6,
-        0.55,
-        0.5,
-        0.45,
-        0.4,
-        0.35,
-    )  # shares: an island under one
+    levels: tuple[float, float] = (0.75, 0.35)  # shares, down from the first: an island under one of them,
+    steps: int = 9  # in so many steps
     deep: float = 0.6  # share of the face over its middle, at most
     told: float = 0.12  # likewise, down to which that tells its radius
     radii: tuple[float, float] = (1.2, 6.0)  # [mm]
@@ -75,7 +66,7 @@ def _islands(
 ) -> Iterator[tuple[Floats, float]]:
     """(2,) middles [mm] and radii of what is missing of a picture with the face all round it."""
     taken = np.zeros(lattice.shape, dtype=bool)
-    for level in config.levels:
+    for level in np.linspace(*config.levels, config.steps):
         lots, _ = label(seen.known & (seen.share < level), _ALL_ROUND)
         for number, (rows, columns) in enumerate(find_objects(lots), start=1):
             mine = lots == number
