@@ -214,3 +214,21 @@ def test_contacts_without_normals_are_held_against_it_too():
     assert freeform([], Contacts.concatenate([contacts, far]), NOTHING) is None
     near = Contacts.of(AXES * ways(300, 4), sigma=0.03)
     assert freeform([], Contacts.concatenate([contacts, near]), NOTHING) is not None
+
+
+@pytest.mark.parametrize(("times", "made"), [(1, True), (30, False)])
+def test_a_smooth_body_is_made_of_more_than_a_few_contacts_beside_flat_faces(times, made):
+    """Where faces have closed a body, be that as poor as a box round half an egg."""
+    contacts, below = egg(240), bottom()
+    contacts = contacts.select(contacts.points[:, 2] > -9.5)
+    more = [replace(below.contacts, touch=below.contacts.touch + 100 * k) for k in range(times)]
+    flat = Contacts.concatenate(more)
+    sides = [below]
+    for way in (*np.eye(3), *-np.eye(3)[:2]):
+        rows = np.random.default_rng(0).uniform(-0.9, 0.9, (30, 3)) * AXES
+        rows += np.outer(AXES @ np.abs(way) - rows @ way, way)
+        lot = Contacts.of(rows, np.tile(way, (30, 1)), 0.01, 0.005)
+        sides.append(FeltFace(fit("plane", lot), lot))
+    box = best_body(sides, BOX, None, 15.0).assembly
+    face = FeltFace(fit("plane", flat), flat)
+    assert (freeform([face], Contacts.concatenate([contacts, flat]), box) is not None) is made
