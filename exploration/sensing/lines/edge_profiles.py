@@ -72,6 +72,7 @@ def size_of_edge(
     counts = [sum(len(taxels.depth) for taxels in lot) for lot in lots]
     if min(counts) < config.taxels:
         return None
+    lots = [_by_rubber(lot) for lot in lots]
     sharp = np.array([chi2(lot, KINDS[0], 0.0, config) for lot in lots])
     sizes, costs = [], []
     for kind in KINDS:
@@ -84,6 +85,23 @@ def size_of_edge(
         sizes.append(size)
         costs.append(left)
     return (sizes[0], sizes[1]), (costs[1] - costs[0]) / sum(counts)
+
+
+def _by_rubber(lot: Sequence[Taxels]) -> list[Taxels]:
+    """The same taxels, those under one rubber together."""
+    rubbers = sorted({taxels.spread for taxels in lot})
+    return [_together([t for t in lot if t.spread == spread]) for spread in rubbers]
+
+
+def _together(lot: Sequence[Taxels]) -> Taxels:
+    """All taxels of pads whose rubber is the same."""
+    return Taxels(
+        np.concatenate([t.inside for t in lot]),
+        np.concatenate([t.before for t in lot]),
+        np.concatenate([t.depth for t in lot]),
+        np.concatenate([t.sigma for t in lot]),
+        lot[0].spread,
+    )
 
 
 def size_of_fillet(
