@@ -44,9 +44,7 @@ def integrate(
     partial: Bools,
 ) -> tuple[float, int]:
     """Judge all cells, then integrate the simple, the crossed and the poked; greatest depth, cells given up."""
-    deepest = read_corners(
-        hits, poses, x_edges, y_edges, vertices, triangles, neighbors, start, corners, kinds
-    )
+    deepest = read_corners(hits, poses, x_edges, y_edges, vertices, triangles, start, corners, kinds)
     modes[:] = 0.0
     partial[:] = False
     rows, columns = states.shape

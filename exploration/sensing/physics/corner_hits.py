@@ -13,14 +13,7 @@ import numpy as np
 from numba import njit
 
 from exploration.sensing.physics.coverage import add_polygon, clip_to_contact
-from exploration.sensing.physics.slipped_rays import (
-    HIT,
-    INSIDE,
-    MISS,
-    grazed,
-    plane_of,
-    settle_inside,
-)
+from exploration.sensing.physics.slipped_rays import HIT, INSIDE, MISS, plane_of
 from primitives.arrays import Floats, Ints
 
 EMPTY, SIMPLE, COVER = 0, 1, 2
@@ -41,7 +34,6 @@ def read_corners(
     y_edges: Floats,
     vertices: Floats,
     triangles: Ints,
-    neighbors: Ints,
     start: float,
     corners: Floats,
     kinds: Ints,
@@ -51,7 +43,6 @@ def read_corners(
     far = _FAR * max(x_edges[-1] - x_edges[-2], y_edges[-1] - y_edges[-2])
     deepest, last, last_pose = 0.0, -1, -1
     z0 = gx = gy = facing = 0.0
-    inside = False
     for r in range(rows):
         k = 0 if len(poses) == 1 else 2 * r
         pose = poses[k]
@@ -64,19 +55,14 @@ def read_corners(
                 z0, gx, gy, facing = plane_of(pose, vertices, triangles, t)
                 last, last_pose = t, k
             if facing >= 0.0:
-                if grazed(pose, x_edges[c], y_edges[r], vertices, triangles, neighbors, t):
-                    kinds[r, c] = MISS
-                    continue
                 kinds[r, c] = INSIDE
-                inside = True
                 corners[0, r, c], corners[1, r, c], corners[2, r, c] = -start, 0.0, 0.0
+                deepest = start
                 continue
             z = z0 + gx * x_edges[c] + gy * y_edges[r]
             kinds[r, c] = HIT if z < far else MISS
             corners[0, r, c], corners[1, r, c], corners[2, r, c] = z, gx, gy
             deepest = max(deepest, -z)
-    if inside and settle_inside(corners, kinds, x_edges, y_edges, start):
-        deepest = start
     return deepest
 
 

@@ -14,6 +14,7 @@ from exploration.sensing.physics.coverage import FULL, scratch
 from exploration.sensing.physics.facets import NearFacets, facets_of
 from exploration.sensing.physics.raster import BEHIND, draw, drawing_room
 from exploration.sensing.physics.skin import MODES, Skin, legendre, staggered_lattice
+from exploration.sensing.physics.slipped_rays import cast_again
 from primitives.arrays import Floats, Ints
 from primitives.pose import transform_points
 from primitives.surface import TriangleSurface
@@ -90,6 +91,8 @@ class MeshGap:
         skin = self._skin
         _aim(poses, skin.x_edges, skin.y_edges, self._start, self._origins, self._directions)
         _, hits = self._surface.first_hits(self._origins, self._directions)
+        rays = self._origins, self._directions
+        cast_again(self._surface, poses[0], *rays, self._vertices, self._triangles, hits)
         deepest, overlaps = integrate(
             hits,
             poses,
