@@ -15,6 +15,7 @@ import numpy as np
 from models.formats import gltf, intake, mesh, openscad, step, threemf
 from models.formats.bodies import Found, chosen, united, without_splinters
 from models.formats.crossings import crossings
+from models.formats.facing import seen_from_behind
 from models.formats.fair import fair
 from models.formats.labeled import LabeledMesh, joined
 from models.formats.repair import RepairConfig, closed
@@ -32,6 +33,7 @@ class Parsed(NamedTuple):
     own: float = 1.0  # how many mm the file's numbers were taken to be worth before the meshes were made
 
 
+_BACKS = 0.01  # share of backs among what is seen from outside, from which a solid is inside out
 _Reader = Callable[[Path, bytes, step.StepConfig | None], Parsed]
 
 
@@ -86,6 +88,7 @@ def load(
     )
     if not exact:
         _refuse_crossings(picked.solids[number], name)
+    _refuse_inside_out(picked.solids[number], name)
     return Loaded(picked.solids[number], warnings)
 
 
@@ -112,6 +115,14 @@ def _refuse_crossings(solid: Solid, name: str) -> None:
         raise PalpateError(
             f"{name} passes through itself, for example near {x:.4g}, {y:.4g}, {z:.4g} mm; "
             "unite its parts in a mesh editor first"
+        )
+
+
+def _refuse_inside_out(solid: Solid, name: str) -> None:
+    if (share := seen_from_behind(solid)) > _BACKS:
+        raise PalpateError(
+            f"{name} is inside out in places: {share:.0%} of what is seen of it from outside are backs of its "
+            "faces; repair it in CAD, or export it as a mesh"
         )
 
 
