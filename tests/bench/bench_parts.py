@@ -1,10 +1,10 @@
 """Explore parts, one pose of each, on a stage that errs as the trackers' does, and hold models against the truth.
 
 All built-in parts, or those and the CAD files that `PALPATE_BENCH_PARTS=flange,some/file.step` names, or one of
-the bodies in a file, `assembly.step#3`.  The seed draws each part's size, so that round numbers win nothing:
-built-in ones are scaled by 0.9 to 1.1, files to 60 to 160 mm.  `PALPATE_BENCH_SEED` takes another pose and size,
-`PALPATE_BENCH_SENSORS=lts210` one array, `PALPATE_BENCH_POSE_NOISE=0` a stage that does not err,
-`PALPATE_BENCH_WORKERS=2` as many parts at once.
+the bodies in a file, `assembly.step#3`; `part.stl@m` is one in meters.  The seed draws each part's size, so that
+round numbers win nothing: built-in ones are scaled by 0.9 to 1.1, files to 60 to 160 mm.  `PALPATE_BENCH_SEED`
+takes another pose and size, `PALPATE_BENCH_SENSORS=lts210` one array, `PALPATE_BENCH_POSE_NOISE=0` a stage that
+does not err, `PALPATE_BENCH_WORKERS=2` as many parts at once.
 `PALPATE_BENCH_REACH=1` compares again with all that no array could come to filled in both, half a minute a part,
 and `PALPATE_BENCH_KEEP=FOLDER` keeps the runs, and what was told of each in `FOLDER/told.jsonl`.
 """

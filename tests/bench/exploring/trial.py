@@ -15,6 +15,7 @@ from exploring.reachable import Reach, reach
 from exploration.devices.simulated import PoseNoise, simulate
 from exploration.sensing.spec import load_sensor
 from models import parts
+from models.formats.units import Units
 from models.part import load_part
 from models.solid import Solid
 from primitives.errors import PalpateError
@@ -33,7 +34,7 @@ NOISE = 0.05  # of the full-contact signal
 class Trial:
     """What is explored, and how."""
 
-    part: str  # a built-in one, a file, or FILE#N of the bodies in that
+    part: str  # a built-in one, or FILE[#N][@UNIT]: the Nth of the bodies in a file, its unit where it tells none
     seed: int
     sensors: tuple[str, ...]
     folder: Path  # of its run
@@ -43,16 +44,16 @@ class Trial:
 
 def explored(trial: Trial) -> dict[str, Any]:
     """What `summary.json` says, with what the part itself is; `fault` in its place where that ended it."""
-    name, _, number = trial.part.partition("#")
-    body = int(number) if number else None
+    name, units, body = _named(trial.part)
     try:
-        scale = drawn_scale(name, body, trial.seed)
-        part = load_part(name, scale=scale, body=body).solid
+        scale = drawn_scale(name, units, body, trial.seed)
+        part = load_part(name, units, scale, body).solid
     except PalpateError as error:
         return {"part": trial.part, "fault": str(error)}
     told: dict[str, Any] = {"part": trial.part, "scale": scale, "bound": 1.0 - 0.05 * part.area / part.volume}
     options = ExploreOptions(
         name,
+        units=units,
         body=body,
         seed=trial.seed,
         sensors=trial.sensors,
@@ -72,12 +73,19 @@ def explored(trial: Trial) -> dict[str, Any]:
     return told
 
 
-def drawn_scale(name: str, body: int | None, seed: int) -> float:
+def _named(part: str) -> tuple[str, Units, int | None]:
+    """Name or path, unit and body of a part as a `Trial` has it."""
+    rest, _, units = part.partition("@")
+    name, _, number = rest.partition("#")
+    return name, units or "auto", int(number) if number else None
+
+
+def drawn_scale(name: str, units: Units, body: int | None, seed: int) -> float:
     """The factor on a part's size that its name and the seed draw: no sizes are round numbers then."""
     share = float(np.random.default_rng([seed, *Path(name).name.encode()]).uniform())
     low, high = SCALES
     if name not in parts.names():
-        corners = np.asarray(load_part(name, body=body).solid.bounds).reshape(2, 3)
+        corners = np.asarray(load_part(name, units, body=body).solid.bounds).reshape(2, 3)
         low, high = (size / float((corners[1] - corners[0]).max()) for size in SIZES)
     return low + share * (high - low)
 
