@@ -151,8 +151,9 @@ def _wall(
     seen = [
         (rim, step) for rim, step in seen if step > 0.0 or not _rises(patch, way, rim.begun, others, config)
     ]
-    (at, gap, begun), step = min(seen, key=lambda found: found[0][0], default=(_NOWHERE, 0.0))
-    if not np.isfinite(at) or gap > config.gap or _stands(known, patch, way, (at, begun), step, config):
+    rim, step = min(seen, key=lambda found: found[0][0], default=(_NOWHERE, 0.0))
+    at, gap, _ = rim
+    if not np.isfinite(at) or gap > config.gap or _stands(known, patch, way, rim, step, config):
         return None
     side = -np.sign(step)
     met = [
@@ -256,19 +257,21 @@ def _stands(
     known: Sequence[KnownFace],
     patch: Patch,
     way: Floats,
-    between: tuple[float, float],
+    rim: _Rim,
     step: float,
     config: RiserConfig,
 ) -> bool:
     """Whether a known face is crossed on the way, half way up or down: into it going up, out of it going down.
 
-    That of a pyramid is crossed `between` [mm] where its top ends and where its foot begins.  Who goes up from the
-    floor of a round hole comes to its wall, wherever the face above begins.
+    Blur lays touched places past an edge: it may stand as far on as where the face behind has surely begun.  That
+    of a pyramid is crossed between where its top ends and where its foot begins.  Who goes up from the floor of a
+    round hole comes to its wall, wherever the face above begins.
     """
     if step > 0.0 and patch.in_round_hole(known):
         return True
-    (at, begun), side = between, float(np.sign(step))
-    near, far = (at - config.past, at + config.behind), (at - config.past, max(at, begun) + config.behind)
+    (at, _, begun), side = rim, float(np.sign(step))
+    near = at - config.past, max(at + config.behind, min(begun, at + config.past))
+    far = at - config.past, max(at, begun) + config.behind
     leaning = [own for own in known if _leans(own, patch.normal, config)]
     return patch.enters(known, way, near, 0.5 * step, side) or patch.enters(
         leaning, way, far, 0.5 * step, side

@@ -104,6 +104,16 @@ def test_a_wall_that_is_known_is_not_inferred_again():
     assert len([r for r in found if r.kind == "plane"]) == 3
 
 
+def test_a_wall_that_is_known_stands_behind_where_blur_lets_the_face_above_begin():
+    up, side = [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]
+    top = flat(0, places(TOP, lambda x, y: x > -3.0), up, places(TOP - 0.6, lambda x, y: x < -4.5))
+    floor = flat(1, places(FLOOR, lambda x, y: x < -6.0), up)
+    outer = flat(2, places(40.0, lambda x, y: np.abs(y) < 5.0)[:, [0, 2, 1]], side)
+    wall = np.array([[0.0, y, z] for y in np.arange(-10.0, 11.0, 2.0) for z in (-8.0, -4.0)])
+    assert any(r.contacts.normals[0, 0] < -0.9 for r in risers([top, floor, outer]))
+    assert risers([top, floor, outer, flat(3, wall, [-1.0, 0.0, 0.0])]) == []
+
+
 @pytest.mark.parametrize("reach", [4.0])
 def test_where_the_floor_runs_out_to_the_side_there_is_no_wall(reach):
     step = [
