@@ -45,16 +45,36 @@ def brink(seen: Observation, felt: Felt, heading: Floats) -> Sighting:
     A narrow contact, as of a cylinder, is cut by its edge over a few taxels only; that it ends is plain.
     """
     end = fit_strip_end(seen.image, heading)
-    ahead = reach_along(felt, seen, heading) if end is None else end.offset
-    across = float(felt.centroid @ np.array([-heading[1], heading[0]]))
-    foot = ahead * heading + across * np.array([-heading[1], heading[0]])
+    if end is not None:
+        return _across(seen, felt, heading, end.offset, end.sigma)
+    return _across(
+        seen, felt, heading, reach_along(felt, seen, heading), 0.7 * float(min(seen.image.array.pitch))
+    )
+
+
+def strip_ends(seen: Observation, felt: Felt) -> list[Sighting]:
+    """The edges that end a narrow contact under the pad, to either side along it."""
+    ridge = np.linalg.eigh(felt.hessian)[1][:, 0]
+    found = []
+    for way in (ridge, -ridge):
+        rough = fit_strip_end(seen.image, way)
+        end = None if rough is None else fit_strip_end(seen.image, rough.axis)
+        if rough is not None and end is not None:
+            found.append(_across(seen, felt, rough.axis, end.offset, end.sigma))
+    return found
+
+
+def _across(seen: Observation, felt: Felt, heading: Floats, ahead: float, sigma: float) -> Sighting:
+    """The edge across a (2,) heading, so far ahead [mm] of the pad's middle."""
+    aside = np.array([-heading[1], heading[0]])
+    foot = ahead * heading + float(felt.centroid @ aside) * aside
     turn = seen.world_from_sensor[:3, :3]
     return Sighting(
         point=turn @ np.array([foot[0], foot[1], -felt.depth]) + seen.world_from_sensor[:3, 3],
-        tangent=turn[:, :2] @ np.array([-heading[1], heading[0]]),
+        tangent=turn[:, :2] @ aside,
         outward=turn[:, :2] @ heading,
         normal=-turn[:, 2],
-        sigma=0.7 * float(min(seen.image.array.pitch)) if end is None else end.sigma,
+        sigma=sigma,
         length=float(np.sqrt(felt.area)),
     )
 

@@ -122,6 +122,7 @@ class AnyForm:
         """Infer what no array could lie on, once every one of them has nothing left to try."""
         if len(felt := self.reach.felt.points):
             self.found.inside.append(self.pad.swept.between(felt.min(axis=0), felt.max(axis=0)))
+        self.found.strip_ends = self.pad.strip_ends
         table = None if self.pad.told is None else self.pad.told.table
         conclude(self.found, self._unexplained, self._frontier, self.pad.skin.mosaic, table)
         if len(self.study.loose):

@@ -39,6 +39,7 @@ from exploration.planning.inferring.rounded_edges import rounded_edges
 from exploration.planning.inferring.slot_ends import as_seen, bounded, flat_ends
 from exploration.planning.inferring.slots import Slot, slots
 from exploration.planning.inferring.sockets import sockets
+from exploration.planning.inferring.strip_rims import strip_rims
 from exploration.planning.inferring.thin_walls import thin_walls
 from exploration.planning.inferring.turned_ends import felt_ends, turned_ends
 from exploration.planning.inferring.upright_walls import upright_walls
@@ -102,6 +103,7 @@ def conclude(
     found.graph, taken = rounded(drop_astride(tipped(sound)))
     found.rename(taken)
     inside = np.concatenate([np.empty((0, 3)), *found.inside])
+    found.wall_rims = [*found.wall_rims, *strip_rims(found.strip_ends, frontier().known)]
     edges = _broken_for_now(found, mosaic)  # before walls: where a face ends at a rounding, none stands
     add_holes(found, frontier, inside, mosaic)  # before walls: a round hole stops strokes, too
     _add_walls(found, walls, frontier, inside)

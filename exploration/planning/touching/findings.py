@@ -95,6 +95,7 @@ class Findings:
         default_factory=list
     )  # edges that there was no room to roll over, or to lie past
     glimpsed: list[SeenRim] = field(default_factory=list)  # edges that parts of a pad showed
+    strip_ends: list[Sighting] = field(default_factory=list)  # edges that ended a narrow contact under a pad
     plates: list[Plate] = field(default_factory=list)  # pairs of faces whose outlines are known
     openings: list[RoundRim] = field(default_factory=list)  # whose depth is not known
     hollow: bool = False  # whether the object has turned out not to be convex

@@ -19,7 +19,7 @@ from exploration.control.procedures.land import LandConfig, land
 from exploration.control.procedures.look import look_closely
 from exploration.control.procedures.settle import SettleConfig, Unsettled
 from exploration.control.procedures.tare import tare
-from exploration.control.sighting import Sighting, brink, ends_by_curving, sight
+from exploration.control.sighting import Sighting, brink, ends_by_curving, sight, strip_ends
 from exploration.control.track_surface import Stroke, StrokeConfig, follow_surface
 from exploration.control.windows import going_on, windows
 from exploration.devices.guard import Collision, Guard, Observation, OverPress
@@ -48,6 +48,7 @@ class PadConfig:
     least_line: float = 4.0  # [mm] of a line that counts as an edge
     part: float = 11.0  # [mm] either way, of what is looked at where the whole shows too much
     averaged: int = 8  # frames of a place that is studied
+    narrow: float = 0.04  # [1/mm] curvature from which a contact may be a strip that ends under the pad
     back: float = 12.0  # [mm] from a touch that met nothing
     lift: float = 8.0  # [mm] before any travel
     alike: float = 0.95  # cosine above which two supporting planes are one
@@ -74,6 +75,7 @@ class Pad:
         self.skin, self.swept = Skin(told), SweptCells(box)
         self.way_back = WayBack(guard)
         self.felt: list[tuple[Floats, Floats]] = []  # (n, 3) touched cells [mm], and how they face
+        self.strip_ends: list[Sighting] = []  # edges that ended a narrow contact under the pad
         self.slipped: list[
             tuple[Floats, Floats]
         ] = []  # (3,) places met and not lain on, and (3,) the ways there
@@ -210,7 +212,10 @@ class Pad:
         told = np.broadcast_to(-pose[:3, 2], cells.shape) if facing is None else facing
         own = slice(None) if self.told is None or not len(cells) else self.told.beside(cells)
         self.felt.append((cells[own], told[own]))
-        felt = feel(self.guard.hold().image)
+        seen = self.guard.hold()
+        felt = feel(seen.image)
+        if felt and felt.curvature[0] > self.config.narrow:
+            self.strip_ends += strip_ends(dwell(self.guard, self.config.averaged), felt)
         offset = np.array([*(felt.centroid if felt else (0.0, 0.0)), 0.0])
         self.here = Support(pose[:3, :3] @ offset + pose[:3, 3], -pose[:3, 2])
         self.covered.add(cells, self.here)

@@ -47,6 +47,7 @@ class StripEnd:
     offset: float  # [mm] from the pad's middle, along the way, level with the contact's middle
     sigma: float  # [mm]
     misfit: float  # chi2 per degree of freedom
+    axis: Floats  # (2,) unit way along the strip, to the end
 
 
 def fit_strip_end(
@@ -85,7 +86,7 @@ def fit_strip_end(
     slope = np.array([1.0, end * np.tan(skew)]) / np.cos(skew)
     sigma = float(np.sqrt(slope @ covariance @ slope))
     offset = float(strip.middle @ heading + end / np.cos(skew))
-    return StripEnd(offset, sigma, misfit) if sigma < config.certain else None
+    return StripEnd(offset, sigma, misfit, strip.axis(skew)) if sigma < config.certain else None
 
 
 def _covariance(strip: _Strip, best: Floats, misfit: float) -> Floats | None:
@@ -147,6 +148,11 @@ class _Strip:
             response=response_of(image, response),
         )
 
+    def axis(self, skew: float) -> Floats:
+        """(2,) unit way along a strip that is turned by a skew [rad] off the heading."""
+        turn = np.array([[np.cos(skew), -np.sin(skew)], [np.sin(skew), np.cos(skew)]])
+        return np.asarray(turn @ self.heading)
+
     def cost(self, state: Floats) -> float:
         """Chi2 of an end [mm from the middle] and a skew [rad]."""
         seen, normal = self._normal(state)
@@ -162,8 +168,7 @@ class _Strip:
     def _normal(self, state: Floats) -> tuple[Floats, Floats]:
         """(n, 2 k) of each spline in each taxel, in sigmas; and the (2 k, 2 k) normal matrix."""
         end, skew = state
-        turn = np.array([[np.cos(skew), -np.sin(skew)], [np.sin(skew), np.cos(skew)]])
-        axis = turn @ self.heading
+        axis = self.axis(skew)
         before = end - self.place @ axis
         aside = self.place @ np.array([-axis[1], axis[0]])
         share = self.response.edge(before, self.response.width(axis)) * self.weight
