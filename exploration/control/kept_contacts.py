@@ -45,7 +45,7 @@ class TrustConfig:
         0.08,
         5.0,
     )  # [rad, response widths] the same of a pad that has not settled
-    curvature: float = 0.4  # [1/mm] beyond which the rubber blurs too much
+    curvature: float = 0.8  # [1/mm] beyond which the rubber blurs too much
     sure: float = 0.08  # of a curvature beyond `narrow`, its greatest relative deviation
     doubtful: float = 1.5  # misfit of a curved patch from which an unseen edge probably cuts it
     floor: tuple[float, float, float] = (

@@ -9,6 +9,7 @@ from exploration.control.procedures.settle import SettleConfig
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.known.told import Told
 from exploration.planning.touching.findings import Done, ExplorerConfig
+from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
 from exploration.planning.ways.search import beside_first, coarse_first, from_above, not_below
 from primitives import pose as se3
@@ -17,6 +18,10 @@ from primitives.arrays import Floats
 _SHORT = 5.0  # [mm] of the end of a sweep, from where something stopped it
 _GOLDEN = 0.6180339887498949  # of what was touched, from one look to the next: spreads them evenly
 _AT_ONE_PLACE = 8  # looks, after which the search goes on where nothing was ever lain on
+_SLENDER = 0.3  # times as wide as long, at most, is contact along a ridge,
+_LONG = 8.0  # [mm] its length at least,
+_ROUND = 0.7  # [rad] the turn about it from one look to the next
+_NARROW = SettleConfig(shifts=0)  # what is narrow is not rolled off
 
 
 class Finding:
@@ -28,6 +33,7 @@ class Finding:
         self.touches = 0  # until it was found
         self.looked = 0  # times that the object was looked for again
         self._met: Floats | None = None  # (4, 4) where it was found
+        self._reach = Reach(self.pad)
         self._left: list[tuple[Floats, Floats]] | None = None  # ways down that were not gone yet
 
     def find(self) -> bool:
@@ -87,26 +93,42 @@ class Finding:
         Where a pad never lay on anything, what passed for a touch may have been a disturbed signal: after some
         looks the search goes on.
         """
-        cells = np.concatenate([np.empty((0, 3)), *(points for points, _ in self.pad.felt)])
-        facing = np.concatenate([np.empty((0, 3)), *(normals for _, normals in self.pad.felt)])
+        felt = [touch for touch in self.pad.felt if len(touch[0])]
         tried = self.looked
         self.looked += 1
         retreat(self.guard, 15.0)
-        if not len(cells) and self.looked % _AT_ONE_PLACE == 0:
+        if not felt and self.looked % _AT_ONE_PLACE == 0:
             met, self.touches = self.find(), self.guard.cost.touches
             if met:
                 return self.study.face_here(), "met something elsewhere"
         here = self.guard.world_from_sensor if self._met is None else self._met
-        point, normal = here[:3, 3], -here[:3, 2]
-        if len(cells):
-            one = int(len(cells) * (tried * _GOLDEN % 1.0))
-            point, normal = cells[one], facing[one]
+        point, normal, ridge = here[:3, 3], -here[:3, 2], None
+        if felt:
+            of = np.repeat(np.arange(len(felt)), [len(cells) for cells, _ in felt])
+            one = int(len(of) * (tried * _GOLDEN % 1.0))
+            cells = felt[of[one]][0]
+            point, normal = (np.concatenate([touch[k] for touch in felt])[one] for k in (0, 1))
+            ridge = _ridge(cells)
+        if ridge is not None:
+            level = se3.pose(self.pad.attitude(normal, ridge), point)
+            turned = se3.turn_about(point, ridge, _ROUND * (-1.0) ** tried) @ level
+            if not self._reach.touch(turned, give=True, settling=_NARROW):
+                return None, "looked for the object again in vain"
+            return self.study.face_here(), "came down where something was touched"
         level = se3.pose(self.pad.attitude(normal, here[:3, 0]), point)
         turn = se3.turn_about(point, level[:3, tried % 2], 0.35 * (-1.0) ** (tried // 2))
         back = turn @ level @ se3.pose(translation=[0.0, 0.0, -15.0])
         self.guard.go_to(back)
-        settling = SettleConfig(shifts=0) if tried % 3 else None  # what is narrow is not rolled off
-        if not self.pad.touch(turn @ level, 15.0, 25.0, settling):
+        if not self.pad.touch(turn @ level, 15.0, 25.0, _NARROW if tried % 3 else None):
             self.guard.go_to(back)
             return None, "looked for the object again in vain"
         return self.study.face_here(), "came down where something was touched"
+
+
+def _ridge(cells: Floats) -> Floats | None:
+    """(3,) unit direction of (n, 3) touched cells that lie along a line; None where they do not."""
+    if len(cells) < 3:
+        return None
+    _, spread, ways = np.linalg.svd(cells - cells.mean(axis=0), full_matrices=False)
+    long = float(np.ptp(cells @ ways[0]))
+    return np.asarray(ways[0]) if spread[1] < _SLENDER * spread[0] and long > _LONG else None
