@@ -29,6 +29,7 @@ from recognition.open_sides import ALONG, open_ended, open_ways
 _FEW = 6  # contacts outside the body, that are no strays
 _SHORT = 4.0  # [mm] that they are outside it, from which it lacks a limb
 _LEFT_OUT = 8  # faces at most
+_POOR = 8  # contacts of a flat face, of which fewer may be those of a thin bar
 _ON = 0.01  # [mm] from a surface, of a triangle that is on it
 _IDLE = 20  # contacts of felt faces that bound nothing, from which walls that nobody felt are doubted
 _LESS_IDLE = 0.5  # times those, as which fewer must be idle without the walls
@@ -38,6 +39,7 @@ _BESIDE = 15.0  # [mm] from all contacts, from which a smooth surface was not fe
 _APART = 0.15  # of the longest side, the same of small objects
 _UNFELT = 0.01  # share of it, from which it does not close the body
 _OPEN = 4.0  # [mm] past all contacts, from which a body with a side that no face ends is cut off
+_FAR = 1.0  # times as far as what was felt is across, past which a body cannot be told to reach
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,8 @@ def best_body(
 
     So is one sooner that has a side which no face ends, not even at a corner that no array comes to.
     Where most contacts lie off it, the `loose` ones of no face among them, flat walls that nobody felt may have
-    cut it: it is tried without them.  Where that is no better, the contacts' hull is taken instead.
+    cut it: it is tried without them.  Where that is no better, the contacts' hull is taken instead.  There is none
+    where all that was felt is a small part of it.
     """
     rest = Contacts.of([]) if loose is None else loose
     make = partial(_assembled, box=box, free=free, stray=rest.points, plates=plates)
@@ -121,6 +124,10 @@ def best_body(
         sooner = replace(_ended(bare, body.felt, make, most), left_out=body.left_out)
         nearer = reach_past(sooner.assembly, contacts) < reach_past(body.assembly, contacts)
         body = sooner if nearer else body
+    reach = reach_past(body.assembly, contacts)
+    if np.isfinite(reach) and reach > _FAR * _across(places):
+        far = NotClosed("the faces that were measured reach far past all that was felt")
+        body = replace(body, assembly=far)
     if (hull := hulled(body.felt, contacts, body.assembly, free)) is not None:
         body = Body(hull, body.felt, (), body.left_out, True)
     smooth = freeform(body.felt, contacts, body.assembly, free, hull is not None)
@@ -131,6 +138,11 @@ def best_body(
             smooth = replace(smooth, warnings=(*smooth.warnings, told))
         body = Body(smooth, body.felt, (), body.left_out, share > _UNFELT)
     return body
+
+
+def _across(places: Floats) -> float:
+    """[mm] from one end of (n, 3) places to the other, about."""
+    return float(np.linalg.norm(np.ptp(places, axis=0))) if len(places) else 0.0
 
 
 def _is_guessed(face: FeltFace) -> bool:
@@ -186,6 +198,8 @@ def _of_faces(felt: Sequence[FeltFace], make: Make, past: float, contacts: Conta
     places = contacts.points[contacts.touch != NOT_FELT]
     if crumbs and isinstance(first.assembly, NotClosed) and (all_on_hull(places) or bends(felt, contacts)):
         return first
+    if isinstance(first.assembly, NotClosed):
+        whole = _less_poor(first, make, past)
     while isinstance(whole.assembly, NotClosed) and len(whole.left_out) < _LEFT_OUT:
         rounds = [face for face in whole.felt if face.fit.kind != "plane"]
         if not rounds or len(whole.felt) < 2:
@@ -195,6 +209,17 @@ def _of_faces(felt: Sequence[FeltFace], make: Make, past: float, contacts: Conta
         found = _closed(rest, make, past)
         whole = Body(found.assembly, rest, found.ends, (*whole.left_out, poorest))
     return first if isinstance(whole.assembly, NotClosed) else whole
+
+
+def _less_poor(body: Body, make: Make, most: float) -> Body:
+    """The body of round faces without flat ones of few contacts, as which a thin bar is read too; else itself."""
+    flat = [face.fit.kind == "plane" for face in body.felt]
+    poor = [is_flat and len(face.contacts) < _POOR for face, is_flat in zip(body.felt, flat, strict=True)]
+    if not any(poor) or all(flat):
+        return body
+    found = _closed(tuple(face for face, left in zip(body.felt, poor, strict=True) if not left), make, most)
+    left_out = tuple(face for face, left in zip(body.felt, poor, strict=True) if left)
+    return body if isinstance(found.assembly, NotClosed) else replace(found, left_out=left_out)
 
 
 def reach_past(assembly: Assembly | NotClosed, contacts: Contacts) -> float:
