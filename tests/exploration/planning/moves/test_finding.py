@@ -1,8 +1,11 @@
 """An object is found from wherever the array has come to in looking for it."""
 
-import numpy as np
+from contextlib import suppress
 
-from exploration.devices.guard import Guard
+import numpy as np
+import pytest
+
+from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.devices.simulated import simulate
 from exploration.planning.faces.attribution import AttributionConfig
 from exploration.planning.known.told import Told
@@ -13,7 +16,7 @@ from exploration.planning.touching.study import Study
 from exploration.planning.ways.routes import Tool
 from exploration.sensing.calibration import Calibration
 from exploration.sensing.spec import load_sensor
-from models.csg import Cube, Sphere
+from models.csg import Cube, Cylinder, Sphere
 from models.scene import Scene, table_under
 from models.solid import Solid
 from primitives import pose as se3
@@ -111,3 +114,33 @@ def test_a_place_that_always_passes_for_a_touch_does_not_hold_the_search():
             break
         finding.look_again()
     assert study.found.graph.faces
+
+
+@pytest.mark.slow
+def test_a_thin_rod_is_come_at_along_itself_from_one_side_and_another():
+    """A pad that leans along it would meet it with its housing."""
+    rod, down = Solid.from_csg(Cylinder(1.5, 80.0).turned("y", np.pi / 2)), np.diag([1.0, -1.0, -1.0])
+    spec, rng = load_sensor("lts210"), np.random.default_rng(0)
+    stage, arrays = simulate(rod, [spec], rng, noise=0.01, start_pose=se3.pose(down, [0.0, 0.0, 60.0]))
+    guard = Guard(stage, arrays, [Calibration.nominal(spec)])
+    box = np.array([-100.0, -100.0, -100.0, 100.0, 100.0, 100.0])
+    pad = Pad(guard, box, lambda kind, detail: None)
+    finding = Finding(Study(pad, Findings(), AttributionConfig()), box, ExplorerConfig(), None)
+    guard.go_to(se3.pose(down, [0.0, 0.0, 8.0]))
+    cells = np.column_stack([np.arange(-12.0, 13.0, 2.0), np.zeros(13), np.full(13, 1.5)])
+    pad.felt.append((cells, np.tile([0.0, 0.0, 1.0], (13, 1))))
+    touch, lain = pad.touch, []
+
+    def noted(target, *how):
+        settled = touch(target, *how)
+        lain.append((target[:3, 2], settled))
+        return settled
+
+    pad.touch = noted
+    for _ in range(3):
+        with suppress(Collision, OverPress):
+            finding.look_again()
+    ways = np.array([way for way, settled in lain if settled])
+    assert len(ways) >= 2
+    assert np.abs(ways[:, 0]).max() < 0.1  # none leans along the rod,
+    assert np.ptp(ways[:, 1]) > 0.5  # and they come from several sides
