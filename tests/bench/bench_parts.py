@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from exploring.trial import Trial, explored, on_one_core
+from exploring.trial import Trial, explored
 
 from models import parts
 
@@ -32,6 +32,7 @@ REACH = os.environ.get("PALPATE_BENCH_REACH", "") == "1"
 WORKERS = int(os.environ.get("PALPATE_BENCH_WORKERS", "1"))
 KEEP = os.environ.get("PALPATE_BENCH_KEEP", "")
 
+_ONE_CORE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 _METRICS = (  # metric, where a run tells it, unit, asked of a built-in part, asked of a file
     ("iou", "truth.iou", "", None, 0.97),  # of a built-in part so much as a skin 0.05 mm thick leaves
     ("iou where an array could reach", "reach.iou", "", None, None),
@@ -71,8 +72,8 @@ def _all(trials: Sequence[Trial]) -> Iterator[tuple[Trial, dict[str, Any]]]:
     if WORKERS == 1:
         yield from ((trial, explored(trial)) for trial in trials)
         return
-    fresh = get_context("spawn")
-    with ProcessPoolExecutor(WORKERS, fresh, initializer=on_one_core, max_tasks_per_child=1) as pool:
+    os.environ |= _ONE_CORE  # before workers begin: libraries read it as they are loaded
+    with ProcessPoolExecutor(WORKERS, get_context("spawn"), max_tasks_per_child=1) as pool:
         running = {pool.submit(explored, trial): trial for trial in trials}
         for ended in as_completed(running):
             error = ended.exception()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -106,9 +105,3 @@ def _reached(part: Solid, told: dict[str, Any], trial: Trial) -> Reach | None:
     housings = [load_sensor(sensor).housing for sensor in trial.sensors]
     tools = [np.array([*h.size[:2], h.size[2] + h.proud]) for h in housings]
     return reach(load_part(trial.folder / "model.stl").solid, placed, tools, felt)
-
-
-def on_one_core() -> None:
-    """Let libraries of this process use one thread."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ[name] = "1"
