@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from exploration.control.procedures.approach import ApproachConfig, retreat
@@ -102,13 +104,7 @@ class Finding:
             if met:
                 return self.study.face_here(), "met something elsewhere"
         here = self.guard.world_from_sensor if self._met is None else self._met
-        point, normal, ridge = here[:3, 3], -here[:3, 2], None
-        if felt:
-            of = np.repeat(np.arange(len(felt)), [len(cells) for cells, _ in felt])
-            one = int(len(of) * (tried * _GOLDEN % 1.0))
-            cells = felt[of[one]][0]
-            point, normal = (np.concatenate([touch[k] for touch in felt])[one] for k in (0, 1))
-            ridge = _ridge(cells)
+        point, normal, ridge = _chosen(felt, tried) if felt else (here[:3, 3], -here[:3, 2], None)
         if ridge is not None:
             level = se3.pose(self.pad.attitude(normal, ridge), point)
             turned = se3.turn_about(point, ridge, _ROUND * (-1.0) ** tried) @ level
@@ -123,6 +119,14 @@ class Finding:
             self.guard.go_to(back)
             return None, "looked for the object again in vain"
         return self.study.face_here(), "came down where something was touched"
+
+
+def _chosen(felt: Sequence[tuple[Floats, Floats]], tried: int) -> tuple[Floats, Floats, Floats | None]:
+    """One of the cells that touches felt, evenly spread over the looks; how it faces, and its touch's ridge."""
+    of = np.repeat(np.arange(len(felt)), [len(cells) for cells, _ in felt])
+    one = int(len(of) * (tried * _GOLDEN % 1.0))
+    point, normal = (np.concatenate([touch[k] for touch in felt])[one] for k in (0, 1))
+    return point, normal, _ridge(felt[of[one]][0])
 
 
 def _ridge(cells: Floats) -> Floats | None:
