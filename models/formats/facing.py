@@ -7,7 +7,7 @@ import numpy as np
 
 from models.solid import Solid
 
-_LINES = 40  # of a grid over each side, at least
+_LINES = 40  # of a grid, each way
 _OFF = 0.31  # of a cell, that a grid is moved, so that no ray runs along what lies in the middle
 
 
