@@ -3,12 +3,14 @@
 An angle moves what it turns by its lever, so that sigma_angle = sigma / lever, the lever being how far the turned
 solid reaches from its origin.  A turn within its sigma of one of the 24 that take axes to axes becomes that turn;
 others are three turns about x, y and z in whole steps of degrees.  What a primitive's own symmetry leaves free (a
-cylinder's roll) is not written down.  Our derivation.
+cylinder's roll) is not written down.  Of a primitive that is square to the axes the places of its sides are
+rounded, not its size and its middle, so that sides which are flush stay so.  Our derivation.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import permutations, product
 from math import floor, log10
 
@@ -65,9 +67,11 @@ def _moved(tree: Placed, sigma: float) -> Csg:
         name = child.name
         child, placed = normal_leaf(child, placed)
         child = child.named(name)
-    made = _rounded(child, sigma)
-    shift = np.array([_steps(x, sigma) for x in placed[:3, 3].tolist()])
     turn = _turn(placed[:3, :3], sigma / float(np.abs(child.bounds()).max()))
+    if isinstance(child, Cube | Cylinder | Cone | Prism) and (np.abs(turn).max(axis=0) == 1.0).all():
+        made, shift = _flush(child, turn, placed[:3, 3], sigma)
+    else:
+        made, shift = _rounded(child, sigma), np.array([_steps(x, sigma) for x in placed[:3, 3].tolist()])
     if not shift.any() and np.array_equal(turn, np.eye(3)):
         return made.named(tree.name) if tree.name else made
     moved = made.placed(pose(turn, shift))
@@ -89,6 +93,41 @@ def _turn(turn: Floats, sigma: float) -> Floats:
         degrees = _steps(float(np.degrees(angle)), float(np.degrees(sigma)))
         out = rotation_exp(axis * np.radians(degrees)) @ out
     return np.asarray(np.round(out, _FINEST) + 0.0)
+
+
+def _flush(
+    primitive: Cube | Cylinder | Cone | Prism, turn: Floats, middle: Floats, sigma: float
+) -> tuple[Csg, Floats]:
+    """A primitive turned by quarters about its (3,) middle, and that, so that its sides end in whole steps."""
+    at = np.array([_steps(x, sigma) for x in middle.tolist()])
+    spans = primitive.size if isinstance(primitive, Cube) else (0.0, 0.0, primitive.height)
+    sizes = []
+    for axis, span in zip(turn.T, spans, strict=True):
+        low, high = (_steps(float(middle @ axis) + end * span, sigma) for end in (-0.5, 0.5))
+        sizes.append(_short(high - low))
+        if high > low:
+            at = np.where(axis == 0.0, at, _short(0.5 * (low + high)) * axis)
+    made = _sized(primitive, sigma)
+    match made:
+        case Cube():
+            x, y, z = (new or old for new, old in zip(sizes, made.size, strict=True))
+            return Cube((x, y, z), made.name), at
+        case Cylinder() | Cone():
+            return replace(made, height=sizes[2] or made.height), at
+        case Prism() if isinstance(primitive, Prism):
+            corners = _corners(primitive, turn, middle, at, sigma)
+            tall = replace(made, height=sizes[2] or made.height)
+            return _kept(lambda: replace(tall, outline=corners), tall), at
+    return made, at
+
+
+def _corners(
+    prism: Prism, turn: Floats, middle: Floats, at: Floats, sigma: float
+) -> tuple[tuple[float, float], ...]:
+    """The outline about `at` of a prism, known about its (3,) middle, whose corners are in whole steps."""
+    world = np.array(prism.outline) @ turn[:, :2].T + middle
+    placed = np.array([[_steps(x, sigma) for x in corner] for corner in world.tolist()])
+    return tuple((_short(x), _short(y)) for x, y in ((placed - at) @ turn[:, :2]).tolist())
 
 
 def _sized(primitive: Primitive, sigma: float) -> Primitive:
@@ -130,6 +169,11 @@ def _kept(make: Callable[[], Primitive], primitive: Primitive) -> Primitive:
         return make()
     except PalpateError:
         return primitive
+
+
+def _short(value: float) -> float:
+    """Less what adding and subtracting has left behind its digits."""
+    return round(value, _FINEST) + 0.0
 
 
 def _steps(value: float, sigma: float) -> float:

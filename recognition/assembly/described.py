@@ -20,6 +20,7 @@ from primitives.evidence import EdgeTrace
 from primitives.pose import quaternion_wxyz
 from primitives.shapes import Plane, Shape
 from recognition.assembly.assemble import Assembly
+from recognition.assembly.own_frame import in_frame, own_frame
 from recognition.assembly.piece import Piece, tree_of
 from recognition.assembly.uncertainty import Sigma, face_sigma, piece_sigma
 
@@ -151,15 +152,18 @@ def _of_mesh(assembly: Assembly) -> dict[str, float]:
 def written_tree(assembly: Assembly) -> Csg:
     """The tree in the digits that its best known size supports, for a person to read and edit.
 
-    Each primitive is named by its place in `primitives`, and by how well its sizes are known.
+    It is drawn in a frame of its own and placed in the world as a whole.  Each primitive is named by its place in
+    `primitives`, and by how well its sizes are known.
     """
     told = [_piece_sigma(piece, assembly) for piece in assembly.pieces]
     known = [sigma for each in told for sigma in _numbers(each.values()) if sigma > 0.0]
+    frame = own_frame(assembly.pieces)
     named = [
-        replace(piece, solid=piece.solid.named(_name(number, piece, sigma)))
+        replace(drawn := in_frame(piece, frame), solid=drawn.solid.named(_name(number, piece, sigma)))
         for number, (piece, sigma) in enumerate(zip(assembly.pieces, told, strict=True))
     ]
-    return rounded_whole(tree_of(named), max(min(known, default=_FINEST), _FINEST))
+    tree = rounded_whole(tree_of(named), max(min(known, default=_FINEST), _FINEST))
+    return tree if np.array_equal(frame, np.eye(4)) else tree.placed(frame)
 
 
 def _name(number: int, piece: Piece, sigma: Sigma) -> str:
