@@ -36,6 +36,7 @@ class SocketsConfig:
     turned: float = 0.08  # [rad] between the way out of an edge and that of its side
     off: float = 0.5  # [mm] of an edge from its side
     share: float = 0.7  # of the edges about the center, that must be of a side
+    within: float = 1.0  # of a side's length, that an edge of it lies along
     beyond: float = 2.5  # [mm] outside the sides, up to which edges are about the center
     inside: tuple[float, float] = (
         2.0,
@@ -86,6 +87,7 @@ def _outward(face: Face) -> Floats:
 
 
 _PLACED = ("point", "outward")
+_ACROSS = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 def _mouth(points: Floats, ways: Floats, config: SocketsConfig) -> _Mouth | None:
@@ -122,14 +124,17 @@ def _through(
         out = ways[side[kept]]
         rows, seen = np.column_stack([out, -np.ones(len(out))]), (out * points[kept]).sum(axis=1)
         (x, y, inside), _, rank, _ = np.linalg.lstsq(rows, seen, rcond=None)
-        off = np.abs(rows @ [x, y, inside] - seen)
         if rank < 3:
             return None
-        if off.max() < config.off:
+        along = np.abs(((points[kept] - [x, y]) @ _ACROSS * out).sum(axis=1))
+        off = np.abs(rows @ [x, y, inside] - seen)
+        beside = along > config.within * inside * np.tan(0.5 * step)
+        if off.max() < config.off and not beside.any():
             low, high = config.inside
             mouth = _Mouth(np.array([x, y]), float(inside), ways)
             return (mouth, int(kept.sum())) if low < inside < high else None
-        kept[np.flatnonzero(kept)[int(np.argmax(off))]] = False
+        worst = [int(np.argmax(off))] if off.max() >= config.off else np.flatnonzero(beside)
+        kept[np.flatnonzero(kept)[worst]] = False
     return None
 
 

@@ -96,3 +96,14 @@ def test_edges_far_along_the_lines_of_a_socket_are_of_none(sides):
     far = [(replace(r, point=r.point + 60.0 * r.tangent), own) for r, own in near]
     assert len(sockets(near, [TOP, FLOOR])) == sides
     assert sockets(far, [TOP, FLOOR]) == []
+
+
+def test_edges_past_the_ends_of_a_side_are_no_edges_of_it():
+    """As of the neck of a T-slot, whose walls are in line with the sides of a square below it."""
+    square = edges(np.arange(4) * np.pi / 2.0, 7.0, np.random.default_rng(4), noise=0.0, slide=0.0)
+    neck = [
+        (replace(r, point=r.point + 8.0 * Z[[1, 2, 0]]), own) for r, own in square if abs(r.outward[0]) > 0.9
+    ]
+    ends = [(r, own) for r, own in square if abs(r.outward[1]) > 0.9]
+    assert len(sockets(square, [TOP, FLOOR])) == 4
+    assert sockets([*neck, *ends[:1]], [TOP, FLOOR]) == []
