@@ -3,9 +3,9 @@
 A wall ends at a rim on each face that it meets, and lies in the plane of both: across t1 x t2 where the rims are
 not parallel, else across t x (p2 - p1).  Two rims are of one wall where that plane holds both, runs as the
 object's other faces do or stands upright on two that are parallel, and both faces are open to the same side of
-it.  Rims on opposite faces that would make a gap many times as deep as it is wide are those of two shallow ones,
-as of letters engraved on both.  That is likely and not measured, so the wall is marked as inferred (our
-derivation).
+it.  An upright one runs as those faces do where its rims are too short to tell that it does not.  Rims on opposite
+faces that would make a gap many times as deep as it is wide are those of two shallow ones, as of letters engraved
+on both.  That is likely and not measured, so the wall is marked as inferred (our derivation).
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ from primitives.arrays import Floats
 from primitives.evidence import Contacts
 from primitives.patch_graph import Face
 
+_SLOPE = float(np.sqrt(12.0))  # a line's direction errs by this times its offset's error, over its length
+
 
 @dataclass(frozen=True)
 class RimWallsConfig:
@@ -40,6 +42,8 @@ class RimWallsConfig:
     coplanar: float = 0.4  # [mm] of one rim from the other's wall
     known: float = 0.998  # least cosine between a wall's direction and one that the object has
     faces: float = 0.9  # most cosine between the faces of the two rims
+    turn: float = 0.03  # [rad] error of a rim's direction that its own sigma does not tell
+    sigmas: float = 3.0  # standard deviations of it, within which a wall runs as the object's faces do
     slender: float = 5.0  # times as deep as it is wide, from which a gap is none that reaches through
 
 
@@ -109,19 +113,34 @@ def _across(a: Sighting, b: Sighting, ways: Sequence[Floats], config: RimWallsCo
     normal = normal / length * np.sign(normal @ a.outward)
     if normal @ b.outward < 0.5 or normal @ a.outward < 0.5:
         return None
-    nearest = max(ways, key=lambda way: abs(float(way @ normal)), default=normal)
-    known = abs(float(nearest @ normal)) > config.known
-    turned = nearest if known else _upright(a, b, normal, config)
+    turned = _known(normal, ways, config.known)
+    if turned is None:
+        turned = _upright(a, b, normal, ways, config)
     if turned is None or abs(float(apart @ turned)) > config.coplanar:
         return None
     return np.asarray(turned * np.sign(turned @ normal))
 
 
-def _upright(a: Sighting, b: Sighting, normal: Floats, config: RimWallsConfig) -> Floats | None:
-    """(3,) of a wall straight down from one rim to another that looks the same way; None where it leans."""
+def _upright(
+    a: Sighting, b: Sighting, normal: Floats, ways: Sequence[Floats], config: RimWallsConfig
+) -> Floats | None:
+    """(3,) of a wall straight down from one rim to another that looks the same way; None where it leans.
+
+    Where the rims are too short to tell it from a way that the object has, it is that.
+    """
     alike = float(a.outward @ b.outward) > config.known and float(a.normal @ b.normal) < -config.known
     if not alike or abs(float(normal @ a.normal)) > config.parallel:
         return None
-    upright = a.outward + b.outward
+    turn, other = (np.hypot(_SLOPE * rim.sigma / rim.length, config.turn) for rim in (a, b))
+    upright = a.outward / turn**2 + b.outward / other**2
     upright = upright - float(upright @ a.normal) * a.normal
-    return np.asarray(upright / np.linalg.norm(upright))
+    upright = upright / float(np.linalg.norm(upright))
+    unsure = float(turn * other / np.hypot(turn, other))
+    known = _known(upright, ways, float(np.cos(config.sigmas * unsure)))
+    return np.asarray(upright if known is None else known * np.sign(known @ upright))
+
+
+def _known(normal: Floats, ways: Sequence[Floats], alike: float) -> Floats | None:
+    """(3,) of the object's ways the one nearest to a normal, or to its reverse; None of cosines under `alike`."""
+    nearest = max(ways, key=lambda way: abs(float(way @ normal)), default=None)
+    return nearest if nearest is not None and abs(float(nearest @ normal)) > alike else None

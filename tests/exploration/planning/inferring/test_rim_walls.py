@@ -186,3 +186,14 @@ def test_a_wall_goes_down_to_the_object_s_back_but_in_a_gap_far_deeper_than_it_i
     assert np.ptp(deep.points[:, 2]) > 55.0
     shallow = upright_walls([(side, 0), (looks_back, 0)], [back])
     assert [float(np.ptp(wall.points[:, 2])) < 3.0 for wall in shallow] == [True, True]
+
+
+def test_short_rims_tell_no_lean_that_the_object_does_not_have():
+    """As of one taken from a picture near a corner: 4 degrees aslant, 10 and 5 mm long."""
+    lean = np.array([np.cos(0.07), 0.0, np.sin(0.07)])
+    near = Sighting(np.array([-8.0, 25.0, 8.0]), np.cross(Y, lean), lean, Y, 0.04, 10.0), 1
+    far = Sighting(np.array([-8.0, -25.0, 8.0]), np.cross(-Y, lean), lean, -Y, 0.16, 5.0), 2
+    (wall,) = rim_walls([near, far], FACES)
+    assert (wall.normals @ X > 0.9999).all()
+    (leaning,) = rim_walls([(replace(rim, length=12.0, sigma=0.02), own) for rim, own in (near, far)], FACES)
+    assert (leaning.normals @ lean > 0.9999).all()
