@@ -4,8 +4,8 @@ A touched patch yields a few points whose information is that of the fit and no 
 covariance of (d0, gx, gy) and C^-1 = N [[1, c^t], [c, S + c c^t]], the four points c +- sqrt(2 l) e, (l, e) the
 eigenpairs of S, each of variance 4/N, have just this information: sums of 1, of (x - c) and of (x - c)(x - c)^t
 over 4/N are N, 0 and N S.  So the plane fitted to their positions has the patch's own covariance.  Their
-normals come from that same fit: each is given twice the gradient's sigma, so that the four together say it once
-more and no oftener; whoever fits positions and normals of a flat patch at once counts its tilt twice.
+normals come from that same fit, and are as unsure as it is about the axis that it knows least, that of a narrow
+strip: each is given 2 sqrt(2) of that sigma, so that the four together add half to what their positions say.
 """
 
 from dataclasses import replace
@@ -18,6 +18,8 @@ from exploration.sensing.touch import Touch
 from primitives.arrays import Floats, frozen
 from primitives.evidence import Contacts
 from primitives.pose import inverse, transform_points
+
+_FOUR = 2.0 * float(np.sqrt(2.0))  # times a tilt's sigma, for each of four normals that share it
 
 
 def contacts_of(
@@ -73,5 +75,5 @@ def _design(surface: LocalSurface) -> tuple[Floats, Floats, Floats]:
     values, vectors = np.linalg.eigh(information[1:, 1:] / count - np.outer(center, center))
     arms = np.sqrt(2 * np.maximum(values, 0.0)) * vectors
     xy = center + np.concatenate([arms.T, -arms.T])
-    normal = 2 * float(np.sqrt(np.mean(np.diag(surface.covariance)[1:3])))
+    normal = _FOUR * float(np.sqrt(np.linalg.eigvalsh(surface.covariance[1:3, 1:3])[-1]))
     return xy, np.full(4, 2 / np.sqrt(count)), np.full(4, normal)

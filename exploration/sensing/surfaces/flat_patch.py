@@ -54,7 +54,7 @@ def flat_patch(
         plane[0] + at @ plane[1:],
         np.tile(plane[1:], (4, 1)),
         each,
-        each / np.sqrt(float(values.mean())),
+        float(np.sqrt(2.0 / values.min())) * each,  # as `sensing/contacts.py` has it
         world_from_sensor,
         touch,
         stroke,

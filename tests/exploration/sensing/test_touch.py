@@ -38,6 +38,23 @@ def test_a_plane_fitted_to_flat_contacts_has_the_patchs_own_covariance(frames):
     assert (contacts.sensor == 1).all()
 
 
+def test_contacts_of_a_narrow_strip_are_as_unsure_of_its_lean_as_that_scatters(frames):
+    """About its length: few taxels tell it."""
+    rng = np.random.default_rng(11)
+    leans, told = [], []
+    for _ in range(60):
+        middle = rng.uniform(-2.0, 2.0)
+        touch = perceive(frames(lambda x, y, at=middle: 0.5 * (abs(x - at) < 4.8), rng))
+        contacts = contacts_of(touch, np.eye(4))
+        if len(contacts) == 4:
+            away = contacts.points[:, 0] - contacts.points[:, 0].mean()
+            placed, normals = (away**2 / contacts.sigma**2).sum(), (contacts.normal_sigma**-2.0).sum()
+            leans.append(contacts.normals[0, 0])
+            told.append((placed + normals) ** -0.5)
+    assert len(leans) > 40
+    assert 0.7 < np.std(leans) / np.median(told) < 1.5
+
+
 def test_contacts_lie_on_the_object_within_their_sigma(frames):
     rng = np.random.default_rng(2)
     z = []
