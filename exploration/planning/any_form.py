@@ -2,10 +2,10 @@
 
 Three kinds of things are open.  A wall that ended a stroke, and no known face explains: the pad turns to face it.
 A rim that no known face explains: the pad rolls over it.  Surface that goes on where nothing was felt: the pad
-strokes toward it, or comes down on it.  What stopped a stroke and cannot be faced is climbed; what was met and
-belongs to no face is followed until it makes one.  Last comes what a draft of the object has and nobody felt.
-Inside edges are where two touched faces meet, because no taxel looks sideways.  What was tried in vain a few
-times is given up, and left unknown.
+strokes toward it, or comes down on it.  What stopped a stroke and cannot be faced is climbed; what the skin ran
+into on its way is touched; what was met and belongs to no face is followed until it makes one.  Last comes what a
+draft of the object has and nobody felt.  Inside edges are where two touched faces meet, because no taxel looks
+sideways.  What was tried in vain a few times is given up, and left unknown.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from exploration.planning.inferring.far_ends import WHERE_TO_LOOK, far_ends, nar
 from exploration.planning.inferring.inferred_walls import stops_of
 from exploration.planning.moves.along_land import AlongLand
 from exploration.planning.moves.bores import Bores
+from exploration.planning.moves.bumped import Bumped
 from exploration.planning.moves.climbing import Climbing
 from exploration.planning.moves.drafted import Drafted
 from exploration.planning.moves.entering import Entering
@@ -91,6 +92,7 @@ class AnyForm:
         self._wall_tops, self._lands = WallTops(study, self.reach), AlongLand(study, self.reach)
         self._nameless, self._overhung = Nameless(study, self.reach), Overhung()
         self._climbing, self._vain = Climbing(study, self.reach), 0
+        self._bumped = Bumped(study, self.reach)
         self._looking = Looking(study, self.reach, LOOK_AGAIN if later else LookingConfig())
         self._drafted: Drafted | None = None
         if draft is not None:
@@ -180,6 +182,7 @@ class AnyForm:
             self._soonest(lain, rims)
             or self._climbing.next(lain)
             or self._come_down(left)
+            or self._bumped.next()
             or self._lands.next()
             or self._nameless.next()
             or (self._looking.next() if self._entering else self._look(frontier))

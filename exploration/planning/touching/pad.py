@@ -27,6 +27,7 @@ from exploration.planning.known.skin import Skin
 from exploration.planning.known.swept_cells import SweptCells
 from exploration.planning.known.told import Told
 from exploration.planning.known.touched import Touched
+from exploration.planning.touching.bumps import Bump
 from exploration.planning.touching.way_back import WayBack
 from exploration.planning.ways.routes import Tool
 from exploration.planning.ways.transit import Support, TransitConfig, box_supports, keeps_clear, way
@@ -79,6 +80,7 @@ class Pad:
         self.slipped: list[
             tuple[Floats, Floats]
         ] = []  # (3,) places met and not lain on, and (3,) the ways there
+        self.bumps: list[Bump] = []  # where the skin was stopped on its way
         self.most: int | None = None  # touches that are allowed
         self._tools = tuple(tools) or tuple(Tool.of_size(sensor.array.size) for sensor in guard.sensors)
         guard.learners = (*guard.learners, self._watch)

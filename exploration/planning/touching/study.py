@@ -22,6 +22,7 @@ from exploration.planning.faces.faceted import rounded
 from exploration.planning.faces.low_rims import whole_rims
 from exploration.planning.faces.scatter import scatter_of
 from exploration.planning.faces.uprighted import uprighted
+from exploration.planning.touching.bumps import bump_of
 from exploration.planning.touching.findings import Findings
 from exploration.planning.touching.pad import Pad
 from primitives.arrays import Floats
@@ -166,8 +167,10 @@ class Study:
         return graph.next_id
 
     def back_off(self, fault: Fault) -> None:
-        """Warn of a fault that ended a move, and take in what its stroke had felt until then."""
+        """Warn of a fault that ended a move, note where, and take in what its stroke had felt until then."""
         self.found.warnings.append(str(fault))
+        if (bump := bump_of(fault)) is not None:
+            self.pad.bumps.append(bump)
         if len(fault.kept):
             self.take_in(fault.kept)
 
