@@ -69,7 +69,7 @@ def fits_of_touches(faces: Sequence[Felt]) -> list[Fit]:
     equations = _all(faces)
     errors = _restricted_likelihood(list(equations.values()))
     if errors is None:
-        return [with_shared_error(face.fit, face.contacts) for face in faces]
+        return [with_shared_error(face.fit, _behind(face)) for face in faces]
     return [
         equations[i].solved(errors) if i in equations else _beside(face, errors)
         for i, face in enumerate(faces)
@@ -83,8 +83,8 @@ def touch_errors(faces: Sequence[Felt]) -> TouchErrors | None:
 
 def _beside(face: Felt, errors: TouchErrors) -> Fit:
     """The fit of a face that tells nothing of touches, moved as a whole where it was made out from them."""
-    fit = with_shared_error(face.fit, face.contacts)
-    if not (face.contacts.touch == NOT_FELT).all():
+    fit = with_shared_error(face.fit, _behind(face))
+    if (face.contacts.touch != NOT_FELT).any():
         return fit
     covariance, moves = np.array(fit.covariance), np.arange(len(fit.shape.translations))
     covariance[moves, moves] += errors.touch**2 + 0.5 * errors.reading**2
@@ -98,11 +98,17 @@ def _beside(face: Felt, errors: TouchErrors) -> Fit:
 def _all(faces: Sequence[Felt]) -> dict[int, Equations]:
     """The equations of each face that tells of touches."""
     made = {
-        i: Equations(face.fit, sound(face.fit, face.contacts))
+        i: Equations(face.fit, sound(face.fit, felt))
         for i, face in enumerate(faces)
-        if _by_touches(face.contacts)
+        if _by_touches(felt := _behind(face))
     }
     return {i: equations for i, equations in made.items() if equations.determined}
+
+
+def _behind(face: Felt) -> Contacts:
+    """What says where a face is: what was felt of it; of one that nobody felt, all that it was inferred from."""
+    felt = face.contacts.touch != NOT_FELT
+    return face.contacts.select(felt) if felt.any() else face.contacts
 
 
 def _by_touches(contacts: Contacts) -> bool:

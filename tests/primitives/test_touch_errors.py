@@ -212,6 +212,20 @@ def test_what_was_not_felt_stays_where_it_was_put():
     assert not np.allclose(found[0].covariance, with_shared_error(felt.fit, felt.contacts).covariance)
 
 
+def test_what_was_inferred_of_a_felt_face_moves_it_nowhere_and_makes_it_neither_surer_nor_less_sure():
+    """It says how far the face goes: of one felt in one touch, 200 of these told of 0.95 mm for 0.04."""
+    rng = np.random.default_rng(9)
+    for touches in (1, 4):
+        face = plate(rng, touches, 0.03, most=3)
+        aside = face.contacts.points[rng.integers(0, len(face.contacts), 200)] + [0.0, 0.0, 0.08]
+        more = Contacts.of(aside, np.tile([0.0, 0.0, 1.0], (200, 1)), 0.1, 0.02, touch=NOT_FELT)
+        both = Face(face.fit, Contacts.concatenate([face.contacts, more]))
+        (alone,), (found,) = fits_of_touches([face]), fits_of_touches([both])
+        assert np.allclose(found.covariance, alone.covariance)
+        assert np.allclose(found.shape.origin, alone.shape.origin)
+        assert np.allclose(found.shape.direction, alone.shape.direction)
+
+
 def test_no_faces_have_no_fits():
     assert fits_of_touches([]) == []
 
