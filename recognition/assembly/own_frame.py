@@ -6,12 +6,12 @@ rounding leaves shared.  The model as a whole is then put where it was felt.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from models.csg import Cube, Polyhedron, Prism, Sphere
+from models.csg import Prism, Sphere
 from primitives.arrays import Floats
 from primitives.pose import frame_along, inverse, pose, rotation_exp
 from recognition.assembly.piece import Piece
@@ -25,8 +25,7 @@ def own_frame(pieces: Sequence[Piece]) -> Floats:
     """(4, 4) world_from_model; the world's own where a surface without a shape is among the pieces."""
     if any(piece.kind == "mesh" for piece in pieces):
         return np.eye(4)
-    turns = [turn for piece in pieces for turn in _turns(piece)]
-    turn = max(turns, key=lambda turn: sum(_is_square(piece, turn) for piece in pieces))
+    turn = max(map(_turn, pieces), key=lambda turn: sum(_is_square(piece, turn) for piece in pieces))
     first = in_frame(pieces[0], pose(turn))
     corner = first.placed.bounds()[0]
     at = first.world_from_piece[:3, 3]
@@ -53,28 +52,25 @@ def in_frame(piece: Piece, world_from_model: Floats) -> Piece:
     )
 
 
-def _turns(piece: Piece) -> Iterator[Floats]:
-    """(3, 3) rotations that a piece is square to."""
+def _turn(piece: Piece) -> Floats:
+    """(3, 3) rotation that a piece is square to: a prism along its longest side, what is round about its axis."""
     turn = piece.world_from_piece[:3, :3]
+    if isinstance(piece.solid, Sphere):
+        return np.eye(3)
     if isinstance(piece.solid, Prism):
         outline = np.array(piece.solid.outline)
         sides = np.roll(outline, -1, axis=0) - outline
-        for x, y in sides[np.argsort(-np.linalg.norm(sides, axis=1))[:1]]:
-            turn = turn @ rotation_exp([0.0, 0.0, float(np.arctan2(y, x))])
-    if isinstance(piece.solid, Sphere):
-        yield np.eye(3)
-    else:
-        yield frame_along(turn[:, 2]) if piece.kind in _ROUND else turn
+        x, y = sides[int(np.argmax(np.linalg.norm(sides, axis=1)))]
+        return np.asarray(turn @ rotation_exp([0.0, 0.0, float(np.arctan2(y, x))]))
+    return frame_along(turn[:, 2]) if piece.kind in _ROUND else turn
 
 
 def _is_square(piece: Piece, turn: Floats) -> bool:
     """Whether a piece has its sides along the axes of a (3, 3) rotation, or its own axis along one."""
-    own = turn.T @ piece.world_from_piece[:3, :3]
-    if isinstance(piece.solid, Cube | Polyhedron):
-        return all(_along_an_axis(own[:, k]) for k in range(3))
-    if isinstance(piece.solid, Prism):
-        return any(all(_along_an_axis((turn.T @ each)[:, k]) for k in range(3)) for each in _turns(piece))
-    return isinstance(piece.solid, Sphere) or _along_an_axis(own[:, 2])
+    own = turn.T @ _turn(piece)
+    if isinstance(piece.solid, Sphere):
+        return True
+    return all(map(_along_an_axis, own[:, 2:].T if piece.kind in _ROUND else own.T))
 
 
 def _along_an_axis(direction: Floats) -> bool:
