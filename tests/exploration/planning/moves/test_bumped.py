@@ -6,10 +6,11 @@ import pytest
 from exploration.control.procedures.approach import retreat
 from exploration.devices.guard import Collision, Guard, OverPress
 from exploration.devices.simulated import simulate
+from exploration.planning.any_form import AnyForm
 from exploration.planning.faces.attribution import AttributionConfig
 from exploration.planning.moves.bumped import Bumped
 from exploration.planning.touching.bumps import bump_of
-from exploration.planning.touching.findings import Findings
+from exploration.planning.touching.findings import ExplorerConfig, Findings
 from exploration.planning.touching.pad import Pad
 from exploration.planning.touching.reach import Reach
 from exploration.planning.touching.study import Study
@@ -70,3 +71,9 @@ def test_what_is_known_by_now_or_was_tried_is_left(run_into_a_post):
     (bump,) = study.pad.bumps
     study.loose = Contacts.of(bump.point[None] + [1.0, 0.0, 1.0])
     assert bumped.next() is None
+
+
+def test_exploring_goes_there_where_nothing_else_is_open(run_into_a_post):
+    study, _ = run_into_a_post
+    retreat(study.pad.guard, 20.0)
+    assert next(AnyForm(study, ExplorerConfig()).run()) == "touched what an array had run into"
