@@ -42,6 +42,7 @@ class SettleConfig:
 
 
 AS_IT_CAME = SettleConfig(rolls=False)
+NARROW = SettleConfig(shifts=0)  # what is known to be narrow is not shifted across
 
 
 @dataclass(frozen=True)

@@ -87,7 +87,7 @@ def _outward(face: Face) -> Floats:
 
 
 _PLACED = ("point", "outward")
-_ACROSS = np.array([[0.0, -1.0], [1.0, 0.0]])
+_QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns rows back by that
 
 
 def _mouth(points: Floats, ways: Floats, config: SocketsConfig) -> _Mouth | None:
@@ -126,7 +126,7 @@ def _through(
         (x, y, inside), _, rank, _ = np.linalg.lstsq(rows, seen, rcond=None)
         if rank < 3:
             return None
-        along = np.abs(((points[kept] - [x, y]) @ _ACROSS * out).sum(axis=1))
+        along = np.abs(((points[kept] - [x, y]) @ _QUARTER * out).sum(axis=1))
         off = np.abs(rows @ [x, y, inside] - seen)
         beside = along > config.within * inside * np.tan(0.5 * step)
         if off.max() < config.off and not beside.any():

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from exploration.control.procedures.settle import SettleConfig
+from exploration.control.procedures.settle import NARROW
 from exploration.planning.touching.bumps import Bump
 from exploration.planning.touching.findings import Attempts, Done
 from exploration.planning.touching.reach import Reach
@@ -23,7 +23,6 @@ _TOUCHED = 4.0  # [mm] from a contact, within which a place is known
 _BACK = 2.0  # [mm] before the place, that the array may need to come on at
 _OVER = 20.0  # [mm] over it, from where it is come down on
 _ACROSS = 0.7  # most cosine between the way to it and that of the pad's x axis
-_NARROW = SettleConfig(shifts=0)  # what is narrow is not rolled off
 
 
 class Bumped:
@@ -52,7 +51,7 @@ class Bumped:
     def _touch(self, at: Floats, poses: list[Floats]) -> Done:
         self._tried.note(at)
         for pose in poses:
-            if self.reach.descend(pose, _OVER, _NARROW):
+            if self.reach.descend(pose, _OVER, NARROW):
                 return self.study.face_here(), "touched what an array had run into"
         return None, "nothing was touched where an array had run into something"
 

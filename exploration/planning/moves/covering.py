@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exploration.control.procedures.settle import SettleConfig
+from exploration.control.procedures.settle import NARROW
 from exploration.control.track_surface import Stroke
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.touching.findings import Attempts, Done, ExplorerConfig
@@ -78,9 +78,7 @@ class Covering:
         hint = pad.guard.world_from_sensor[:3, 0]
         target = se3.pose(se3.frame_along(-normal, hint), point)
         pad.travel(target, Support(point, normal), standoff)
-        self._missed = not pad.touch(
-            target, standoff, overtravel, settling=SettleConfig(shifts=0) if last else None
-        )
+        self._missed = not pad.touch(target, standoff, overtravel, settling=NARROW if last else None)
         if self._missed:
             return None, "nothing was where the faces so far predict the surface"
         if last:
@@ -95,7 +93,7 @@ class Covering:
         self.doubted[face] = self.doubted.get(face, 0) + 1
         target = se3.pose(se3.frame_along(-normal, pad.guard.world_from_sensor[:3, 0]), point)
         pad.travel(target, Support(point, normal), 8.0)
-        if not pad.touch(target, 8.0, 10.0, settling=SettleConfig(shifts=0)):
+        if not pad.touch(target, 8.0, 10.0, settling=NARROW):
             return None, "nothing was where a face is in doubt"
         found = self.study.take_in(pad.feel())
         return found, "touched a face again that is in doubt"
@@ -121,7 +119,7 @@ class Covering:
         standoff = 8.0 + float(((opened.points[around] - point) @ normal).max())
         target = se3.pose(se3.frame_along(-normal, pad.guard.world_from_sensor[:3, 0]), point)
         pad.travel(target, Support(point, normal), standoff)
-        if not pad.touch(target, standoff, self.config.region, settling=SettleConfig(shifts=0)):
+        if not pad.touch(target, standoff, self.config.region, settling=NARROW):
             return None, "pressed where a corner is missing and met nothing"
         return self.study.face_here(), "pressed where less is than the faces so far predict"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exploration.control.procedures.settle import SettleConfig
+from exploration.control.procedures.settle import NARROW
 from exploration.control.sighting import Sighting
 from exploration.planning.open.frontier import Predicted
 from exploration.planning.touching.findings import Done, ExplorerConfig, outward_normal
@@ -101,7 +101,7 @@ class Crossing:
         if self._is_barred(target):
             return None, "what lies beside leaves no room between two faces"
         self.study.pad.travel(target, Support(sighting.point, sighting.normal), standoff=_STANDOFF)
-        settling = SettleConfig(shifts=0)
+        settling = NARROW
         if not self.study.pad.touch(target, standoff=_STANDOFF, overtravel=16.0, settling=settling):
             return None, "pressed between two faces and met nothing"
         return self.study.face_here(), "pressed between two faces"

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from exploration.control.procedures.approach import ApproachConfig, retreat
-from exploration.control.procedures.settle import SettleConfig
+from exploration.control.procedures.settle import NARROW
 from exploration.devices.guard import Collision, OverPress
 from exploration.planning.known.told import Told
 from exploration.planning.touching.findings import Done, ExplorerConfig
@@ -23,7 +23,6 @@ _AT_ONE_PLACE = 8  # looks, after which the search goes on where nothing was eve
 _SLENDER = 0.3  # times as wide as long, at most, is contact along a ridge,
 _LONG = 8.0  # [mm] its length at least,
 _ROUND = 0.7  # [rad] the turn about it from one look to the next
-_NARROW = SettleConfig(shifts=0)  # what is narrow is not rolled off
 
 
 class Finding:
@@ -108,14 +107,14 @@ class Finding:
         if ridge is not None:
             level = se3.pose(self.pad.attitude(normal, ridge), point)
             turned = se3.turn_about(point, ridge, _ROUND * (-1.0) ** tried) @ level
-            if not self._reach.touch(turned, give=True, settling=_NARROW):
+            if not self._reach.touch(turned, give=True, settling=NARROW):
                 return None, "looked for the object again in vain"
             return self.study.face_here(), "came down where something was touched"
         level = se3.pose(self.pad.attitude(normal, here[:3, 0]), point)
         turn = se3.turn_about(point, level[:3, tried % 2], 0.35 * (-1.0) ** (tried // 2))
         back = turn @ level @ se3.pose(translation=[0.0, 0.0, -15.0])
         self.guard.go_to(back)
-        if not self.pad.touch(turn @ level, 15.0, 25.0, _NARROW if tried % 3 else None):
+        if not self.pad.touch(turn @ level, 15.0, 25.0, NARROW if tried % 3 else None):
             self.guard.go_to(back)
             return None, "looked for the object again in vain"
         return self.study.face_here(), "came down where something was touched"

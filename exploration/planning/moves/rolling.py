@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from exploration.control.procedures.settle import SettleConfig
+from exploration.control.procedures.settle import NARROW
 from exploration.control.sighting import Sighting
 from exploration.planning.touching.findings import Attempts, Done, SeenRim, outward_normal
 from exploration.planning.touching.reach import Reach
@@ -69,7 +69,7 @@ class Rolling:
         self._tried.note(rim.point)
         beyond, settling = (0.5 - config.overlap) * min(pad.size), None
         if (thick := self._thickness(rim)) is not None:
-            beyond, settling = 0.5 * thick, SettleConfig(shifts=0)
+            beyond, settling = 0.5 * thick, NARROW
         rolls = config.rolls[tried:] + config.rolls[:tried]
         for give, roll, aside in product((False, True), rolls, config.asides):
             angle = np.radians(roll)
