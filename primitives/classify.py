@@ -161,7 +161,7 @@ def _turn(out: Floats) -> float:
 
 
 def _faces_one_way(lot: Contacts, out: Floats, options: RankOptions) -> bool:
-    """Whether contacts look one way; where they do not tell, whether (n, 2) ways `out` of an axis are one."""
+    """Whether contacts look one way, but for strays; where they do not tell, whether (n, 2) ways `out` are one."""
     told = lot.has_normal
     ways = (
         lot.normals[told]
@@ -171,9 +171,8 @@ def _faces_one_way(lot: Contacts, out: Floats, options: RankOptions) -> bool:
     mean = ways.mean(axis=0)
     length = float(np.linalg.norm(mean))
     unsure = 3.0 * float(np.median(lot.normal_sigma[told])) if told.any() else 0.0
-    return length > 0.0 and float(np.quantile(ways @ mean / length, 0.1)) > np.cos(
-        max(options.one_way, unsure)
-    )
+    most = float(np.quantile(ways @ mean / length, 0.2)) if length > 0.0 else 0.0
+    return most > np.cos(max(options.one_way, unsure))
 
 
 def _off_flat(points: Floats) -> float:
