@@ -101,8 +101,7 @@ class Crossing:
         if self._is_barred(target):
             return None, "what lies beside leaves no room between two faces"
         self.study.pad.travel(target, Support(sighting.point, sighting.normal), standoff=_STANDOFF)
-        settling = NARROW
-        if not self.study.pad.touch(target, standoff=_STANDOFF, overtravel=16.0, settling=settling):
+        if not self.study.pad.touch(target, standoff=_STANDOFF, overtravel=16.0, settling=NARROW):
             return None, "pressed between two faces and met nothing"
         return self.study.face_here(), "pressed between two faces"
 
