@@ -47,7 +47,8 @@ class RankOptions:
         8,
     )  # contacts of each of two flat sides that may be a cone's, a cylinder's
     as_near: float = 1.1  # times its misfit, likewise,
-    one_way: float = 0.12  # [rad] between the ways that the contacts of one side look, likewise
+    one_way: float = 0.12  # [rad] between the ways that the contacts of one side look, likewise,
+    aside: float = 0.2  # but for such a share of them, as of a pad that lay half over its rim
     far_worse: float = 4.0  # times its chi2, from which another shape is none either
     unmodeled: bool = True  # whether to let the best fit's excess chi2 stand for unmodeled error
     fit: FitOptions = field(default_factory=lambda: FitOptions(gain=1e-5, iterations=15, starts=2))
@@ -171,8 +172,8 @@ def _faces_one_way(lot: Contacts, out: Floats, options: RankOptions) -> bool:
     mean = ways.mean(axis=0)
     length = float(np.linalg.norm(mean))
     unsure = 3.0 * float(np.median(lot.normal_sigma[told])) if told.any() else 0.0
-    most = float(np.quantile(ways @ mean / length, 0.2)) if length > 0.0 else 0.0
-    return most > np.cos(max(options.one_way, unsure))
+    facing = float(np.quantile(ways @ mean / length, options.aside)) if length > 0.0 else 0.0
+    return bool(facing > np.cos(max(options.one_way, unsure)))
 
 
 def _off_flat(points: Floats) -> float:
