@@ -151,7 +151,8 @@ def two_flats(found: Fit, contacts: Contacts, options: RankOptions) -> bool:
         return False
     near = options.as_near * max(found.rms, float(np.median(contacts.sigma)))
     lots = [(contacts.select(lot), out[lot]) for lot in (side, ~side)]
-    return all(_off_flat(lot.points) < near and _faces_one_way(lot, away, options) for lot, away in lots)
+    off = np.sqrt(sum(len(lot) * _off_flat(lot.points) ** 2 for lot, _ in lots) / len(contacts))
+    return bool(off < near) and all(_faces_one_way(lot, away, options) for lot, away in lots)
 
 
 def _turn(out: Floats) -> float:

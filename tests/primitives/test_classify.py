@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from primitives.classify import RankOptions, rank
+from primitives.classify import RankOptions, rank, two_flats
 from primitives.evidence import Contacts
+from primitives.fit import fit
 from primitives.shapes import Cone, Cylinder, Sphere, Torus
 
 
@@ -158,6 +159,24 @@ def test_two_flat_sides_beside_a_corner_are_no_cone_and_nothing_else_that_is_far
     unsure = 0.04 if strays else 0.1
     touched = Contacts.of(points + 0.02 * rng.standard_normal(points.shape), normals, 0.06, unsure)
     assert all(one.fit.kind != "cone" and one.fit.chi2 < 10 * one.fit.dof for one in rank(touched))
+
+
+def test_of_two_flat_sides_the_one_that_was_felt_less_may_scatter_more():
+    rng, sides = np.random.default_rng(3), []
+    for count, along, out, scatter in (
+        (72, [0, 1, 0], [-1, 0, 0], 0.015),
+        (36, [1, 0, 0], [0, -1, 0], 0.045),
+    ):
+        places = np.outer(rng.uniform(5.0, 60.0, count), along)
+        places[:, 2] = rng.uniform(-1.5, 1.5, count)
+        normals = np.tile(np.array(out, dtype=float), (count, 1))
+        sides.append(
+            Contacts.of(places + scatter * rng.standard_normal((count, 1)) * normals, normals, 0.03, 0.1)
+        )
+    touched = Contacts.concatenate(sides)
+    cone = fit("cone", touched)
+    assert cone.rms < 0.045 / RankOptions().as_near
+    assert two_flats(cone, touched, RankOptions())
 
 
 @pytest.mark.parametrize("count", [4, 6])
