@@ -30,10 +30,12 @@ def coincident(state: State) -> list[Proposal]:
 
 def parallel(state: State) -> list[Proposal]:
     """Directions that are one."""
+    reach = state.options.reach
     out: list[Proposal] = []
     for i, j, a, b in _pairs(state):
-        if a.tilts and b.tilts and np.linalg.norm(np.cross(a.direction, b.direction)) < state.options.reach:
-            out.append(Proposal("parallel", (i, j), _aligned(frame_along(a.direction)[:, :2]), 2))
+        if a.tilts and b.tilts and np.linalg.norm(np.cross(a.direction, b.direction)) < reach:
+            aligned = _aligned(frame_along(a.direction)[:, :2])
+            out.append(Proposal("parallel", (i, j), aligned, 2, among=2.0 * reach))
     return out
 
 
@@ -45,7 +47,7 @@ def perpendicular(state: State) -> list[Proposal]:
 
     reach = state.options.reach
     return [
-        Proposal("perpendicular", (i, j), upright)
+        Proposal("perpendicular", (i, j), upright, among=2.0 * reach)
         for i, j, a, b in _pairs(state)
         if a.tilts and b.tilts and abs(float(a.direction @ b.direction)) < reach
     ]

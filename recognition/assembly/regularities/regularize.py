@@ -6,12 +6,17 @@ update with a perfect measurement, as in Simon 2010, "Kalman filtering with stat
 
     chi2 = h' (H P H')^-1 h,    H = dh/dx,
 
-and is refused where chi2 exceeds its quantile.  That two directions nearly agree is rare by chance; that two
-radii do is not: of those h = 0 must also be likelier, with the spread that it has, than among sizes drawn at
-random.  At the end, and wherever a step left what it should meet, x is polished by Gauss-Newton onto all accepted
-constraints, and its covariance is P conditioned on them, so that sizes which span two faces gain from both.  A
-misalignment that was really measured is kept.  Sizes that together lie on one grid of round numbers are then put
-on it, and keep their covariance: no workshop meets a number.
+and is accepted where h is likelier, with the spread S = H P H' that it has where the relation was meant, than
+among k values drawn at random within the range w that is looked at, given the odds b that one so near is meant:
+
+    chi2 <= 2 (k ln w + ln b) - ln det(2 pi S).
+
+Two directions that nearly agree are thus allowed more deviations than two radii: they rarely do by chance, and the
+lean of a narrow side is known less well than is stated.  Of faces that may be one or share an axis chi2 is held
+against its quantile.  At the end, and wherever a step left what it should meet, x is polished by Gauss-Newton onto
+all accepted constraints, and its covariance is P conditioned on them, so that sizes which span two faces gain from
+both.  A misalignment that was really measured is kept.  Sizes that together lie on one grid of round numbers are
+then put on it, and keep their covariance: no workshop meets a number.
 """
 
 from __future__ import annotations

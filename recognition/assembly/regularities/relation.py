@@ -17,11 +17,15 @@ Constraint = Callable[..., Floats]  # of the shapes that it relates: (k,) zeros 
 class RegularityOptions:
     """What may be regularized."""
 
-    significance: float = (
-        1e-3  # a true relation is refused this often, but for sizes also where it may be chance:
-    )
-    odds: Mapping[str, float] = field(  # so many pairs that are near it are meant, to one that is not
-        default_factory=lambda: {"equal radius": 20.0, "tangent": 10.0, "evenly spaced": 20.0}
+    significance: float = 1e-3  # faces that are one, or on one axis, are refused this often
+    odds: Mapping[str, float] = field(  # of the others so many that are near it are meant, to one that is not
+        default_factory=lambda: {
+            "parallel": 20.0,
+            "perpendicular": 20.0,
+            "equal radius": 20.0,
+            "tangent": 10.0,
+            "evenly spaced": 20.0,
+        }
     )
     reach: float = 0.1  # [rad] and share of size: never bend by more, however uncertain the fit
     floor: float = 1e-4  # [rad] and, tenfold, [mm]: errors that no covariance knows of
@@ -41,7 +45,9 @@ class Proposal:
     faces: tuple[int, ...]  # fits, each once
     constraint: Constraint
     told: int = 1  # the first so many values say how far the faces are from it
-    among: float | None = None  # [mm] over which values lie at random where it does not hold; None: anywhere
+    among: float | None = (
+        None  # [mm, rad] over which values lie at random where it does not hold; None: unknown
+    )
 
 
 @dataclass(frozen=True)

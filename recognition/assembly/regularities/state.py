@@ -104,9 +104,7 @@ class State:
         met = float(np.abs(value).max()) <= self.options.implied
         cost = 0.0 if met else self.cost(value, slope)
         spread = slope @ self.posterior @ slope.T
-        if not cost <= chdtri(len(value), self.options.significance) or self._by_chance(
-            proposal, cost, spread
-        ):
+        if not cost <= self._dearest(proposal, spread):
             return
         relation = self._relation(proposal, cost, slope)
         if float(np.diag(spread).max()) <= self.options.implied**2:
@@ -132,14 +130,13 @@ class State:
         _, slope = self.value_and_slope(proposal.faces, proposal.constraint)
         return float(np.trace(slope @ self.posterior @ slope.T))
 
-    def _by_chance(self, proposal: Proposal, cost: float, spread: Floats) -> bool:
-        """Whether values that lie at random over `among` [mm] come as near to zero, given the odds of its kind."""
+    def _dearest(self, proposal: Proposal, spread: Floats) -> float:
+        """chi2 up to which a relation is likelier meant than that values at random over `among` come as near."""
         if proposal.among is None:
-            return False
+            return float(chdtri(len(spread), self.options.significance))
         spread = spread + self.options.implied**2 * np.eye(len(spread))
-        likely = cost + float(np.log(np.linalg.det(2.0 * np.pi * spread)))
-        meant = self.options.odds.get(proposal.kind, 1.0)
-        return not likely <= 2.0 * (len(spread) * np.log(proposal.among) + np.log(meant))
+        odds = len(spread) * np.log(proposal.among) + np.log(self.options.odds.get(proposal.kind, 1.0))
+        return float(2.0 * odds - np.log(np.linalg.det(2.0 * np.pi * spread)))
 
     def _relation(self, proposal: Proposal, cost: float, slope: Floats) -> Relation:
         """With what the faces were measured to be."""

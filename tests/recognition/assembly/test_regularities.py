@@ -75,6 +75,21 @@ def test_a_real_misalignment_is_kept(angle):
         assert between > np.deg2rad(0.1)
 
 
+@pytest.mark.parametrize(("deviations", "meant"), [(4.0, True), (12.0, False)])
+def test_the_better_known_a_direction_is_the_more_deviations_it_may_be_off(deviations, meant):
+    up = np.array([0, 0, 1.0])
+    floor, lean = Plane(np.zeros(3), up), rotation_exp([deviations * 3e-4, 0, 0]) @ up
+    step, side = (
+        Plane(np.array([0, 0, -20.0]), lean),
+        Plane(np.array([0, 40.0, 0]), np.cross(lean, [-1.0, 0, 0])),
+    )
+    for other, kind in ((step, "parallel"), (side, "perpendicular")):
+        found = regularize([given(floor, tilt=2e-4), given(other, tilt=2e-4)])
+        assert counts(found) == ({kind: 1} if meant else {})
+    badly = Plane(np.array([0, 0, -20.0]), rotation_exp([4.0 * 0.015, 0, 0]) @ up)
+    assert counts(regularize([given(floor, tilt=0.01), given(badly, tilt=0.01)])) == {}
+
+
 def test_what_is_badly_known_is_bent_and_what_is_well_known_stays():
     sure = given(Plane(np.zeros(3), np.array([0, 0, 1.0])), tilt=1e-5)
     leaning = rotation_exp([0.004, 0.0, 0.0]) @ np.array([0, 0, -1.0])
