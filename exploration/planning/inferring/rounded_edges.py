@@ -8,7 +8,8 @@ the angle between their normals, contact ends at
 
 from there.  Where both walls end as far from their common edge, or one does and the other was felt about as far
 from it last, and nothing of either was felt much nearer, the edge is rounded, or cut off by a chamfer so small
-that it was not felt (our derivation).
+that it was not felt (our derivation).  A wall that ends where a third one stands, or would if it went on that far,
+as the side of a plate does under what hangs over it, tells of an edge with that.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ class RoundedEdgesConfig:
 
     turns: tuple[float, float] = (0.5, 2.2)  # [rad] from one wall's normal to the other's
     ends: tuple[float, float] = (1.5, 8.0)  # [mm] from where the walls would meet
+    flush: float = 1.0  # [mm] past a third wall, up to which one ends there
     toward: float = 0.97  # least cosine between a rim's way out and the straight way there
     alike: float = 0.15  # of the distances of both walls' ends, that they differ from each other at most
     least: int = 2  # rims of a wall, at so many places
@@ -90,7 +92,8 @@ def _walls(rims: Sequence[SeenRim], faces: Sequence[Face]) -> Iterator[_Wall]:
 
 def _ended(one: _Wall, other: _Wall, walls: Sequence[_Wall], config: RoundedEdgesConfig) -> Floats:
     """(n, 2) [mm] along the common edge, and from it, of the rims that show it rounded; none where it is not."""
-    own, others = _ends(one, other, walls, config), _ends(other, one, walls, config) * [-1.0, 1.0]
+    own, elsewhere = _ends(one, other, walls, config)
+    others, others_elsewhere = (ends * [-1.0, 1.0] for ends in _ends(other, one, walls, config))
     felt, felt_other = _from_edge(one, other, one.felt), _from_edge(other, one, other.felt) * [-1.0, 1.0]
     if _enough(own, config) and _enough(others, config):
         far = float(np.median(own[:, 1])), float(np.median(others[:, 1]))
@@ -102,8 +105,9 @@ def _ended(one: _Wall, other: _Wall, walls: Sequence[_Wall], config: RoundedEdge
             return ends[:0]
         bare = all(_nearest(ends, places, config) > config.nearer * max(far) for places in (felt, felt_other))
         return ends if bare else ends[:0]
-    for ends, mine, theirs in ((own, felt, felt_other), (others, felt_other, felt)):
-        if _enough(ends, config):
+    sides = ((own, others_elsewhere, felt, felt_other), (others, elsewhere, felt_other, felt))
+    for ends, against, mine, theirs in sides:
+        if _enough(ends, config) and not len(_beside(ends, against, config)):
             last = config.nearer * float(np.median(ends[:, 1]))
             near, nearest = _nearest(ends, mine, config), _nearest(ends, theirs, config)
             if near > last and last < nearest < float(np.median(ends[:, 1])) + config.short:
@@ -111,16 +115,23 @@ def _ended(one: _Wall, other: _Wall, walls: Sequence[_Wall], config: RoundedEdge
     return own[:0]
 
 
-def _ends(own: _Wall, other: _Wall, walls: Sequence[_Wall], config: RoundedEdgesConfig) -> Floats:
-    """(n, 2) [mm] along the common edge, and from it, of the rims of a wall that look straight to it first."""
-    ahead = {id(wall): _ahead(own, wall, config) for wall in walls if wall is not own}
-    first = np.min([*ahead.values()], axis=0)
-    mine = ahead[id(other)]
-    places = _from_edge(own, other, own.points)
-    return np.asarray(places[np.isfinite(mine) & (mine <= first)])
+def _ends(
+    own: _Wall, other: _Wall, walls: Sequence[_Wall], config: RoundedEdgesConfig
+) -> tuple[Floats, Floats]:
+    """(n, 2) [mm] along the common edge, and from it, of the rims of a wall that look straight to it first.
+
+    And of those that look to a third wall first.
+    """
+    mine = _ahead(own, other, config.ends[0], config)
+    thirds = [
+        _ahead(own, wall, -config.flush, config) for wall in walls if wall is not own and wall is not other
+    ]
+    first = mine <= np.min([mine, *thirds], axis=0)
+    places, looks = _from_edge(own, other, own.points), np.isfinite(mine)
+    return places[looks & first], places[looks & ~first]
 
 
-def _ahead(own: _Wall, other: _Wall, config: RoundedEdgesConfig) -> Floats:
+def _ahead(own: _Wall, other: _Wall, least: float, config: RoundedEdgesConfig) -> Floats:
     """(n,) [mm] from the rims of a wall straight to where another would meet it; inf where it does not."""
     across = other.normal - other.normal @ own.normal * own.normal
     slope = float(np.linalg.norm(across))
@@ -128,7 +139,7 @@ def _ahead(own: _Wall, other: _Wall, config: RoundedEdgesConfig) -> Floats:
         return np.full(len(own.points), np.inf)
     before = _from_edge(own, other, own.points)[:, 1]
     toward = own.outward @ (across / slope) > config.toward
-    return np.where(toward & (before > config.ends[0]) & (before < config.ends[1]), before, np.inf)
+    return np.where(toward & (before > least) & (before < config.ends[1]), before, np.inf)
 
 
 def _from_edge(own: _Wall, other: _Wall, points: Floats) -> Floats:
@@ -144,8 +155,12 @@ def _enough(ends: Floats, config: RoundedEdgesConfig) -> bool:
 
 def _nearest(ends: Floats, felt: Floats, config: RoundedEdgesConfig) -> float:
     """[mm] from the edge that a wall was felt nearest, beside some rims; inf where it was not."""
-    beside = np.abs(ends[:, 0][:, None] - felt[:, 0]).min(axis=0) < config.together
-    return float(felt[beside, 1].min(initial=np.inf))
+    return float(_beside(ends, felt, config)[:, 1].min(initial=np.inf))
+
+
+def _beside(ends: Floats, places: Floats, config: RoundedEdgesConfig) -> Floats:
+    """Those of (m, 2) places that are beside one of (n, 2) rims, along the edge."""
+    return np.asarray(places[np.abs(ends[:, 0][:, None] - places[:, 0]).min(axis=0) < config.together])
 
 
 def _laid(one: _Wall, other: _Wall, turn: float, ends: Floats, config: RoundedEdgesConfig) -> Contacts:

@@ -120,3 +120,15 @@ def test_what_goes_on_to_the_edge_is_a_step_and_what_was_felt_far_away_tells_not
     unlike = Corner(np.pi / 2, (far + 1.0, 2.0 * far + 1.0))
     assert not rounded_edges([*unlike.rims(0, far), *unlike.rims(1, 2.0 * far)], unlike.faces)
     assert not rounded_edges([], unlike.faces)
+
+
+def test_a_wall_that_ends_at_the_side_of_a_plate_does_so_under_what_hangs_over_it_too() -> None:
+    far = end(6.0, np.pi / 2)
+    corner = Corner(np.pi / 2, (far + 2.0, far + 2.0))
+    rims = [*corner.rims(0, far), *corner.rims(1, far)]
+    front = corner.faces[0].contacts
+    back = far * corner.normals[0] @ corner.world[:3, :3].T
+    along = 30.0 * corner.world[:3, 2]
+    side = Contacts.of(front.points - back + along, front.normals, 0.01, 0.01)
+    assert len(rounded_edges(rims, corner.faces)) == 1
+    assert not rounded_edges(rims, [*corner.faces, ranked_face(2, side, MergeOptions())])
