@@ -9,6 +9,7 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+import trimesh
 from exploring.reachable import Reach, reach
 
 from exploration.devices.simulated import PoseNoise, simulate
@@ -104,4 +105,5 @@ def _reached(part: Solid, told: dict[str, Any], trial: Trial) -> Reach | None:
     placed = part.placed(from_quaternion(where["quaternion_wxyz"], where["translation_mm"]))
     housings = [load_sensor(sensor).housing for sensor in trial.sensors]
     tools = [np.array([*h.size[:2], h.size[2] + h.proud]) for h in housings]
-    return reach(load_part(trial.folder / "model.stl").solid, placed, tools, felt)
+    model = trimesh.load_mesh(trial.folder / "model.stl")  # of any number of pieces
+    return reach(Solid.from_mesh(model.vertices, model.faces), placed, tools, felt)
