@@ -22,6 +22,7 @@ _GOLDEN = 0.6180339887498949  # of what was touched, from one look to the next: 
 _AT_ONE_PLACE = 8  # looks, after which the search goes on where nothing was ever lain on
 _SLENDER = 0.3  # times as wide as long, at most, is contact along a ridge,
 _LONG = 8.0  # [mm] its length at least,
+_ALONG = 0.9  # of a unit normal along a ridge, and it tells no side of it
 _ROUND = 0.7  # [rad] the turn about it from one look to the next
 
 
@@ -121,11 +122,18 @@ class Finding:
 
 
 def _chosen(felt: Sequence[tuple[Floats, Floats]], tried: int) -> tuple[Floats, Floats, Floats | None]:
-    """One of the cells that touches felt, evenly spread over the looks; how it faces, and its touch's ridge."""
+    """One of the cells that touches felt, evenly spread over the looks; how it faces, and its touch's ridge.
+
+    A pad half over a ridge's end takes it to face along it; the side that it faces besides is kept.
+    """
     of = np.repeat(np.arange(len(felt)), [len(cells) for cells, _ in felt])
     one = int(len(of) * (tried * _GOLDEN % 1.0))
     point, normal = (np.concatenate([touch[k] for touch in felt])[one] for k in (0, 1))
-    return point, normal, _ridge(felt[of[one]][0])
+    ridge = _ridge(felt[of[one]][0])
+    if ridge is None or abs(normal @ ridge) > _ALONG:
+        return point, normal, None
+    across = normal - (normal @ ridge) * ridge
+    return point, across / np.linalg.norm(across), ridge
 
 
 def _ridge(cells: Floats) -> Floats | None:

@@ -128,7 +128,7 @@ def test_a_thin_rod_is_come_at_along_itself_from_one_side_and_another():
     finding = Finding(Study(pad, Findings(), AttributionConfig()), box, ExplorerConfig(), None)
     guard.go_to(se3.pose(down, [0.0, 0.0, 8.0]))
     cells = np.column_stack([np.arange(-12.0, 13.0, 2.0), np.zeros(13), np.full(13, 1.5)])
-    pad.felt.append((cells, np.tile([0.0, 0.0, 1.0], (13, 1))))
+    pad.felt.append((cells, np.tile([0.6, 0.0, 0.8], (13, 1))))  # taken to lean, as at a rod's end
     touch, lain = pad.touch, []
 
     def noted(target, *how):
