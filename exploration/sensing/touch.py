@@ -4,7 +4,7 @@ The frame is read as a smooth surface and as one that its lines cut, and the lik
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, sqrt
 from types import MappingProxyType
 
@@ -28,7 +28,7 @@ from exploration.sensing.lines.region_fit import RegionFit
 from exploration.sensing.lines.single_edge import NOTHING as NO_EDGE
 from exploration.sensing.lines.single_edge import first_look
 from exploration.sensing.response import response_of
-from exploration.sensing.surfaces.flank import DOUBTED, flank_of
+from exploration.sensing.surfaces.flank import DOUBTED, crest_of, flank_of
 from exploration.sensing.surfaces.footprint import PLANE, Footprint, fit_footprint
 from exploration.sensing.surfaces.local_surface import (
     LocalSurface,
@@ -40,6 +40,7 @@ from exploration.sensing.surfaces.local_surface import (
 from exploration.sensing.surfaces.lone_noise import unexplained
 from exploration.sensing.surfaces.order import Ordered, order_contact
 from exploration.sensing.surfaces.smooth_fit import SmoothContact, fit_dome, held, smooth_contact
+from exploration.sensing.surfaces.smooth_shapes import DOME
 from primitives.arrays import frozen
 
 UNREADABLE = "the frame holds values that are not finite, or no living taxel"
@@ -83,10 +84,14 @@ def perceive(image: TactileImage, max_lines: int = 3) -> Touch:
         dome = held(contact, dome)
     ordered = order_contact(contact, dome)
     smooth = ordered_surface(image, contact, ordered)
+    if (crest := crest_of(image, smooth)) is not None:
+        fit, log_odds = crest
+        ordered = replace(ordered, shape=DOME, fit=fit, chi2=fit.chi2, evidence=ordered.evidence + log_odds)
+        smooth = surface_of(image, contact.mask, fit, True)
     readings: list[Reading] = []
     if verdict != NO_EDGE:
-        if not _explained(smooth):
-            return _with_outline(image, max_lines, contact, dome, ordered, smooth, ())
+        if crest is not None or not _explained(smooth):
+            return _with_outline(image, max_lines, contact, dome, ordered, smooth, (), crest is not None)
         if not _plain(image, dome):
             readings = rivals(image, ordered)
         seen = any(reading.kind == "ridge" for reading in readings)
@@ -109,6 +114,7 @@ def _with_outline(
     ordered: Ordered,
     smooth: LocalSurface,
     rivals_: Sequence[Reading],
+    crest: bool = False,
 ) -> Touch:
     """A frame that no smooth surface explains, or that edges explain as well."""
     outline = find_outline(image, max_lines, smooth=dome)
@@ -118,7 +124,7 @@ def _with_outline(
         )
         if stands is None:
             return _touch(image, contact, kinds, (), smooth)
-        return _strip_or_flank(image, contact, kinds, outline, smooth)
+        return _strip_or_flank(image, contact, kinds, outline, smooth, crest)
     if _explained(smooth):
         return _touch(image, contact, probabilities(contact, ordered, smooth, rivals_)[0], (), smooth)
     return _as_far_as_explained(image, max_lines, contact, ordered, smooth, outline)
@@ -130,6 +136,7 @@ def _strip_or_flank(
     kinds: dict[str, float],
     outline: Outline,
     smooth: LocalSurface,
+    crest: bool = False,
 ) -> Touch:
     """A flat face in its outline, or the flank that is felt nearly like it."""
     assert outline.fit is not None
@@ -138,6 +145,8 @@ def _strip_or_flank(
         limit = outline.chi2 + STRIP + UNKNOWN * (contact.depth.size - outline.dof)
         felt = softened(image) if outline.fit.region.signs else image  # what the outline was fitted to
         flank = flank_of(felt, smooth, limit, outline.lines, len(outline.arcs))
+    if crest and (flank is None or smooth.chi2 < flank.chi2):
+        flank = smooth
     if flank is None or flank.chi2 > outline.chi2 + STRIP + UNKNOWN * (flank.dof - outline.dof):
         doubted = outline.fit.region == BOSS and kinds["edge"] < PIN * kinds["curved"]
         face = smooth if doubted else _flat_face(image, contact, outline.fit)

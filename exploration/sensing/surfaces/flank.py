@@ -1,4 +1,4 @@
-"""The flank of a cylinder or cone under the pad, where a paraboloid does not explain what is felt.
+"""The flank of a cylinder or cone, or the crest of a ring, where a paraboloid does not explain what is felt.
 
 A paraboloid's own outline is an ellipse.  Where a ridge runs into an edge its outline is cut square, the fitted
 paraboloid bends down along the ridge to follow, and its top comes out too high, by 0.03 to 0.05 mm where the pad
@@ -11,7 +11,7 @@ each other the strip is tried against a flank (`cone_flank`) whose contact they 
 
 from collections.abc import Sequence
 from itertools import combinations
-from math import atan2, cos, sin, sqrt
+from math import atan2, cos, log, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,9 @@ import numpy as np
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.line import Line
 from exploration.sensing.surfaces.anatomy import SIGNIFICANT
+from exploration.sensing.surfaces.bent_ridge import TURNING, BentRidge, fit_bent_ridge
 from exploration.sensing.surfaces.cone_flank import ConeFlank, fit_cone_flank
+from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.local_surface import LocalSurface, surface_of
 from primitives.arrays import Floats
 
@@ -32,6 +34,25 @@ BOX = 0.8  # of a parabola's half width: half the width of a box that is felt li
 LEAST_BENT = 0.005  # [1/mm] curvature that the fit starts from
 SAME = 0.3  # [sine of the angle] up to which a strip and a smooth surface have one ridge
 INSET = 0.5  # [mm] from the outermost touched taxel at which an end is looked for
+
+
+def crest_of(image: TactileImage, smooth: LocalSurface) -> tuple[Footprint, float] | None:
+    """The dome that a ridge which turns has in the middle of the contact, and log evidence of its turn; none where
+    a ridge that does not turn explains the frame nearly as well, or this does not.
+    """
+    ridge = _ridge(smooth)
+    if ridge is None:
+        return None
+    d0, slope, k, angle, _, middle = _top(smooth, ridge)
+    bent = fit_bent_ridge(image, np.array([d0, slope, k, angle, 0.0, middle, 0.0]))
+    if bent.chi2 + WORTH > smooth.chi2:
+        return None
+    bent = fit_bent_ridge(image, bent.parameters, fine=True)
+    if not _explains(bent):
+        return None
+    along = _along(image, smooth, bent.parameters[3])
+    dome = bent.dome(float(np.clip(bent.deepest(float(along.mean())), along.min(), along.max())))
+    return dome, log(sqrt(float(bent.covariance[6, 6])) / TURNING)
 
 
 class End(NamedTuple):
@@ -103,7 +124,7 @@ def _bent(flank: ConeFlank) -> bool:
     return bool(flank.parameters[2] > SIGNIFICANT * np.sqrt(flank.covariance[2, 2]))
 
 
-def _explains(flank: ConeFlank) -> bool:
+def _explains(flank: ConeFlank | BentRidge) -> bool:
     return flank.converged and flank.chi2 < flank.dof + EXPLAINED * sqrt(2 * max(0, flank.dof))
 
 
