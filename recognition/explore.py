@@ -32,9 +32,10 @@ from recognition.draft import draft
 from recognition.live import so_far
 from recognition.reconstruct import Reconstruction, reconstruct
 from recognition.report.against import drawn_truth, off_truth
+from recognition.report.drawn import drawn
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
-from recognition.report.run_report import ReportFrames, ReportMesh, RunReport
+from recognition.report.run_report import ReportFrames, RunReport
 from recognition.report.skin_pictures import of_faces
 from recognition.running.evidence_log import EvidenceLog
 from recognition.running.folder import RunFolder
@@ -192,7 +193,7 @@ def _report(
     if isinstance(assembly, NotClosed) or boundary is None:
         model = felt_faces(made.faces, made.contacts.points, made.face_of_contact)
     else:
-        model = ReportMesh(assembly.solid.vertices, assembly.solid.triangles, boundary.of_triangle)
+        model = drawn(assembly.solid, boundary.of_triangle)
     return RunReport(
         summary=summary,
         settings=settings(options),

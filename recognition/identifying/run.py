@@ -26,6 +26,7 @@ from recognition.matching import Belief
 from recognition.matching.next_touch.choose import Choice, separating
 from recognition.recognizing.answer import objects, why
 from recognition.report.against import drawn_truth, off_truth
+from recognition.report.drawn import drawn
 from recognition.report.page import write_report
 from recognition.report.run_report import ReportMesh, RunReport
 from recognition.running.felt_run import FeltRun, felt_run
@@ -170,4 +171,4 @@ def _model(identifier: Identifier, library: Library) -> ReportMesh | None:
     if best is None:
         return None
     solid = library[best.name].solid.placed(best.pose)
-    return ReportMesh(solid.vertices, solid.triangles, LabeledFaces.of(solid).of_triangle)
+    return drawn(solid, LabeledFaces.of(solid).of_triangle)

@@ -23,9 +23,10 @@ from recognition.reconstructing.facing_out import facing_out
 from recognition.reconstructing.options import ReconstructSourceOptions
 from recognition.reconstructing.scatter import scatter
 from recognition.reconstructing.surfaces import surfaces
+from recognition.report.drawn import drawn
 from recognition.report.felt import felt_faces
 from recognition.report.page import write_report
-from recognition.report.run_report import EMPTY_FRAMES, ReportMesh, RunReport
+from recognition.report.run_report import EMPTY_FRAMES, RunReport
 from recognition.running.folder import RunFolder
 from recognition.running.progress import Progress
 from recognition.running.summary import counted
@@ -168,7 +169,7 @@ def _report(options: ReconstructSourceOptions, summary: dict[str, Any], made: Re
         model = felt_faces(made.faces, made.contacts.points, made.face_of_contact)
     else:
         solid = made.assembly.solid
-        model = ReportMesh(solid.vertices, solid.triangles, made.boundary.of_triangle)
+        model = drawn(solid, made.boundary.of_triangle)
     shown = _thinned(len(made.contacts))
     return RunReport(
         summary=summary,

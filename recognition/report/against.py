@@ -5,6 +5,7 @@ from __future__ import annotations
 from models.part import Part
 from models.solid import Solid
 from recognition.report.deviation import deviation
+from recognition.report.drawn import drawn
 from recognition.report.run_report import Deviation, ReportMesh
 from recognition.truth import LabeledFaces
 
@@ -15,7 +16,7 @@ def drawn_truth(part: Part, solid: Solid) -> ReportMesh:
     """The part at its pose, in facets as coarse as a drawing allows where it was made from a tree."""
     if part.csg is not None:
         solid = Solid.from_csg(part.csg, _DRAWN_FACET).placed(solid.pose)
-    return ReportMesh(solid.vertices, solid.triangles, LabeledFaces.of(solid).of_triangle)
+    return drawn(solid, LabeledFaces.of(solid).of_triangle)
 
 
 def off_truth(model: ReportMesh | None, solid: Solid) -> Deviation | None:

@@ -20,6 +20,7 @@ from primitives.arrays import Floats, Ints
 from primitives.errors import PalpateError
 from primitives.pose import from_quaternion
 from recognition.report.against import drawn_truth, off_truth
+from recognition.report.drawn import drawn
 from recognition.report.page import write_report
 from recognition.report.recorded import Recorded, recorded, resolved_specs
 from recognition.report.relabeled import labeled_mesh
@@ -141,7 +142,7 @@ def _decided(summary: dict[str, Any], settings: dict[str, Any]) -> ReportMesh | 
     except (KeyError, PalpateError):
         return None
     solid = solid.placed(pose_of(pose))
-    return ReportMesh(solid.vertices, solid.triangles, LabeledFaces.of(solid).of_triangle)
+    return drawn(solid, LabeledFaces.of(solid).of_triangle)
 
 
 def pose_of(told: dict[str, Any]) -> Floats:
