@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from models.part import load_part
 from models.rays.triangle_tree import TriangleTree
 from primitives.arrays import Floats, Ints
+from recognition.report.drawn import drawn
 from recognition.report.run_report import ReportMesh
 
 _CREASE = np.cos(np.radians(15.0))  # of the angle between triangles of one smooth part
@@ -29,7 +30,7 @@ def labeled_mesh(path: Path, points: Floats, faces: Ints) -> ReportMesh | None:
         landed = smooth[TriangleTree(vertices, triangles).nearest(points[told]).triangle]
         for part in np.unique(landed):
             label[smooth == part] = np.bincount(faces[told][landed == part]).argmax()
-    return ReportMesh(vertices, triangles, label)
+    return drawn(solid, label)
 
 
 def smooth_parts(vertices: Floats, triangles: Ints) -> Ints:
