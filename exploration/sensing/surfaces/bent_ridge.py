@@ -13,73 +13,46 @@ A paraboloid's ridge runs through the middle of such a contact's crescent, 0.05 
 Levenberg's steps on all unknowns, with weak priors on k, c and b.
 """
 
-from dataclasses import dataclass
-
 import numba
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.surfaces.anatomy import SIGNIFICANT, STRAIGHT
 from exploration.sensing.surfaces.footprint import CURVATURE, Footprint
-from exploration.sensing.surfaces.normal_equations import expect, gather, invert
+from exploration.sensing.surfaces.levenberg import Equations, carried, descended
+from exploration.sensing.surfaces.normal_equations import expect, gather
 from exploration.sensing.surfaces.pressed_field import geometry
-from primitives.arrays import Floats, frozen
+from primitives.arrays import Floats
 
 TURNING = 0.05  # [1/mm] standard deviation of b before touch
 STEEPEST = 0.04  # squared cosine of the steepest slope across
-STEPS = 40
-GAINED = 0.02  # [chi2] a step that gains less is the last
-_UNKNOWNS = 7
-_MOVED = (1e-4, 1e-6, 1e-6, 1e-5, 1e-6, 1e-4, 1e-6)  # of each parameter, for derivatives
+MOVED = (1e-4, 1e-6, 1e-6, 1e-5, 1e-6, 1e-4, 1e-6)  # of each parameter, for derivatives
 
 
-@dataclass(frozen=True)
-class BentRidge:
-    """The best one for a frame."""
+def fit_bent_ridge(image: TactileImage, start: Floats, fine: bool = False) -> Footprint:
+    """Fit from `start` (7,), (d0 [mm], s, k [1/mm], angle of the ridge, c [1/mm], m [mm], b [1/mm]).
 
-    parameters: Floats  # (7,) d0 [mm], s, k [1/mm], angle of the ridge [rad], c [1/mm], m [mm], b [1/mm]
-    covariance: Floats  # (7, 7)
-    chi2: float  # Huber's
-    dof: int
-    converged: bool
-    residual: Floats  # (rows, columns) [sigma]
-
-    def deepest(self, without: float) -> float:
-        """[mm] u of the deepest place of its ridge, or `without` where that is not surely curved along it."""
-        slope, bent, sigma = self.parameters[1], self.parameters[4], np.sqrt(self.covariance[4, 4])
-        return float(slope / bent) if bent > max(STRAIGHT, SIGNIFICANT * sigma) else without
-
-    def dome(self, at: float) -> Footprint:
-        """The dome that touches it in second order on its ridge where u is `at` [mm]."""
-        turn = np.empty((6, _UNKNOWNS))
-        for k, moved in enumerate(_MOVED):
-            step = np.zeros(_UNKNOWNS)
-            step[k] = moved
-            turn[:, k] = (_touching(self.parameters + step, at) - _touching(self.parameters - step, at)) / (
-                2 * moved
-            )
-        covariance = turn @ self.covariance @ turn.T
-        touching = _touching(self.parameters, at)
-        return Footprint(touching, covariance, self.chi2, self.dof, self.converged, self.residual)
-
-
-def fit_bent_ridge(image: TactileImage, start: Floats, fine: bool = False) -> BentRidge:
-    """Fit from `start` (7,); what it states of a tube thinner than 20 mm is only true on `fine` cells."""
+    What it states of a tube thinner than 20 mm is only true on `fine` cells.
+    """
     array = image.array
-    x, y, to_columns, to_rows = geometry(
-        array.rows, array.columns, array.pitch, image.spread, image.margin, fine
-    )
-    p, covariance, chi2, count, converged, residual = _fit(
-        image.depth,
-        image.sigma,
-        x,
-        y,
-        np.ascontiguousarray(to_columns[0]),
-        np.ascontiguousarray(to_rows[0]),
-        np.array(start, dtype=float),
-        frozen([CURVATURE, CURVATURE, TURNING]),
-    )
-    return BentRidge(p, covariance, chi2, count - _UNKNOWNS, converged, residual)
+    x, y, *shares = geometry(array.rows, array.columns, array.pitch, image.spread, image.margin, fine)
+    to_columns, to_rows = (np.ascontiguousarray(share[0]) for share in shares)
+
+    def equations(p: Floats) -> Equations:
+        return Equations(*_equations(image.depth, image.sigma, x, y, to_columns, to_rows, p))
+
+    return descended(equations, np.array(start, dtype=float))
+
+
+def deepest(ridge: Footprint, without: float) -> float:
+    """[mm] u of the deepest place of a ridge, or `without` where that is not surely curved along it."""
+    slope, bent, sigma = ridge.parameters[1], ridge.parameters[4], np.sqrt(ridge.covariance[4, 4])
+    return float(slope / bent) if bent > max(STRAIGHT, SIGNIFICANT * sigma) else without
+
+
+def dome(ridge: Footprint, at: float) -> Footprint:
+    """The dome that touches it in second order on the ridge where u is `at` [mm]."""
+    return carried(ridge, lambda p: _touching(p, at), MOVED)
 
 
 def _touching(p: Floats, at: float) -> Floats:
@@ -135,75 +108,18 @@ def _fields(x: Floats, y: Floats, p: Floats, out: Floats) -> None:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _weighed(
-    depth: Floats,
-    sigma: Floats,
-    x: Floats,
-    y: Floats,
-    to_columns: Floats,
-    to_rows: Floats,
-    p: Floats,
-    expected: Floats,
-    fields: Floats,
-    normal: Floats,
-    rhs: Floats,
-    residual: Floats,
-) -> tuple[float, int]:
-    """Normal equations of the taxels and of what is expected."""
+def _equations(
+    depth: Floats, sigma: Floats, x: Floats, y: Floats, to_columns: Floats, to_rows: Floats, p: Floats
+) -> tuple[float, int, Floats, Floats, Floats]:
+    """Those of the taxels and of what is expected."""
     n = len(p)
-    model = np.empty((1 + n, depth.shape[0], depth.shape[1]))
+    fields, model = np.empty((1 + n, y.shape[1], x.shape[1])), np.empty((1 + n, *depth.shape))
+    normal, rhs, residual = np.zeros((n, n)), np.zeros(n), np.zeros(depth.shape)
     _fields(x, y, p, fields)
     for k in range(1 + n):
         model[k] = to_rows @ fields[k] @ to_columns
     chi2, count = gather(depth, sigma, model, normal, rhs, residual)
-    for k in range(3):
-        at = 2 * (k + 1)
-        chi2 += expect(p[at], expected[k], at, normal, rhs)
-    return chi2, count
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _fit(
-    depth: Floats,
-    sigma: Floats,
-    x: Floats,
-    y: Floats,
-    to_columns: Floats,
-    to_rows: Floats,
-    start: Floats,
-    expected: Floats,
-) -> tuple[Floats, Floats, float, int, bool, Floats]:
-    m = len(start)
-    normal, rhs, residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
-    next_normal, next_rhs, next_residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
-    grid, fields = (x, y, to_columns, to_rows), np.empty((1 + m, y.shape[1], x.shape[1]))
-    p = start.copy()
-    chi2, count = _weighed(depth, sigma, *grid, p, expected, fields, normal, rhs, residual)
-    damping, converged = 1e-3, False
-    for _ in range(STEPS):
-        damped = normal.copy()
-        for a in range(m):
-            damped[a, a] *= 1.0 + damping
-        ok, inverse = invert(damped)
-        if not ok:
-            damping = max(1e-3, damping * 10.0)
-            if damping > 1e6:
-                break
-            continue
-        step = inverse @ rhs
-        trial = p + step
-        new, count = _weighed(
-            depth, sigma, *grid, trial, expected, fields, next_normal, next_rhs, next_residual
-        )
-        if new < chi2:
-            converged = chi2 - new < GAINED
-            p, chi2 = trial, new
-            normal[:], rhs[:], residual[:] = next_normal, next_rhs, next_residual
-            damping *= 0.1
-        else:
-            converged = np.dot(step, rhs) < GAINED
-            damping = max(1e-3, damping * 10.0)
-        if converged or damping > 1e8:
-            break
-    ok, covariance = invert(normal)
-    return p, covariance, chi2, count, converged and ok, residual
+    chi2 += expect(p[2], CURVATURE, 2, normal, rhs)
+    chi2 += expect(p[4], CURVATURE, 4, normal, rhs)
+    chi2 += expect(p[6], TURNING, 6, normal, rhs)
+    return chi2, count, normal, rhs, residual

@@ -13,14 +13,13 @@ U = u + b v^2 / 2 (1 + b u) even along a cone's own circles.
 Levenberg's steps on all unknowns, with a weak prior on k, b and the turn f of each end.
 """
 
-from dataclasses import dataclass
-
 import numba
 import numpy as np
 
 from exploration.sensing.frame import TactileImage
-from exploration.sensing.surfaces.footprint import CURVATURE, FINE, HOPE, Footprint
-from exploration.sensing.surfaces.normal_equations import expect, gather, invert
+from exploration.sensing.surfaces.footprint import CURVATURE, FINE, Footprint
+from exploration.sensing.surfaces.levenberg import Equations, carried, descended
+from exploration.sensing.surfaces.normal_equations import expect, gather
 from exploration.sensing.surfaces.pressed_field import geometry
 from primitives.arrays import Floats
 
@@ -29,56 +28,29 @@ SHARPENING = 0.1  # [1/mm] standard deviation of b before touch: few cones are t
 TURN = 0.3  # [rad] of an end from straight across
 NEAREST = 0.2  # of the way to the apex that is left at the end of the pad
 STEEPEST = 0.04  # squared cosine of the steepest slope across
-STEPS = 40
-GAINED = 0.02  # [chi2] a step that gains less is the last
 MOVED = (1e-4, 1e-6, 1e-6, 1e-5, 1e-6, 1e-4)  # of each parameter, for derivatives
 
 
-@dataclass(frozen=True)
-class ConeFlank:
-    """The best flank for one frame."""
+def fit_cone_flank(image: TactileImage, start: Floats, sides: Floats, limit: float = np.inf) -> Footprint:
+    """Fit from `start` (6 + 2 n,), (d0 [mm], s, k [1/mm], angle of the ruling, b [1/mm], m [mm], (o, f) each).
 
-    parameters: (
-        Floats  # (6 + 2 n,) d0 [mm], s, k [1/mm], angle of the ruling [rad], b [1/mm], m [mm], (o, f) each
-    )
-    covariance: Floats  # (6 + 2 n, 6 + 2 n)
-    chi2: float  # Huber's
-    dof: int
-    converged: bool
-    residual: Floats  # (rows, columns) [sigma]
-
-    def paraboloid(self, at: float) -> Footprint:
-        """The ridge that touches it in second order where u is `at` [mm]."""
-        p = self.parameters[:OWN]
-        turn = np.empty((6, OWN))
-        for k in range(OWN):
-            step = np.zeros(OWN)
-            step[k] = MOVED[k]
-            turn[:, k] = (_touching(p + step, at) - _touching(p - step, at)) / (2 * MOVED[k])
-        covariance = turn @ self.covariance[:OWN, :OWN] @ turn.T
-        return Footprint(_touching(p, at), covariance, self.chi2, self.dof, self.converged, self.residual)
-
-
-def fit_cone_flank(image: TactileImage, start: Floats, sides: Floats, limit: float = np.inf) -> ConeFlank:
-    """Fit from `start` (6 + 2 n,); `sides` (n,) is +1 where an end's material lies towards greater u.
-
-    A fit is given up, unconverged, once its steps promise too little for chi2 to come below `limit`.
+    `sides` (n,) is +1 where an end's material lies towards greater u.  A fit is given up, unconverged, once its
+    steps promise too little for chi2 to come below `limit`.
     """
-    array = image.array
+    array, sides = image.array, np.asarray(sides, dtype=float)
     fine = float(image.sigma.min()) < FINE * float(image.depth.max())
-    grid = geometry(array.rows, array.columns, array.pitch, image.spread, image.margin, fine)
-    p, covariance, chi2, count, converged, residual = _fit(
-        image.depth,
-        image.sigma,
-        grid[0],
-        grid[1],
-        np.ascontiguousarray(grid[2][0]),
-        np.ascontiguousarray(grid[3][0]),
-        np.array(start, dtype=float),
-        np.asarray(sides, dtype=float),
-        limit,
-    )
-    return ConeFlank(p, covariance, chi2, count - len(p), converged, residual)
+    x, y, *shares = geometry(array.rows, array.columns, array.pitch, image.spread, image.margin, fine)
+    to_columns, to_rows = (np.ascontiguousarray(share[0]) for share in shares)
+
+    def equations(p: Floats) -> Equations:
+        return Equations(*_equations(image.depth, image.sigma, x, y, to_columns, to_rows, p, sides))
+
+    return descended(equations, np.array(start, dtype=float), limit)
+
+
+def paraboloid(flank: Footprint, at: float) -> Footprint:
+    """The ridge that touches a flank in second order where u is `at` [mm]."""
+    return carried(flank, lambda p: _touching(p, at), MOVED)
 
 
 def _touching(p: Floats, at: float) -> Floats:
@@ -150,7 +122,7 @@ def _fields(x: Floats, y: Floats, p: Floats, sides: Floats, out: Floats) -> None
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _weighed(
+def _equations(
     depth: Floats,
     sigma: Floats,
     x: Floats,
@@ -159,14 +131,11 @@ def _weighed(
     to_rows: Floats,
     p: Floats,
     sides: Floats,
-    fields: Floats,
-    normal: Floats,
-    rhs: Floats,
-    residual: Floats,
-) -> tuple[float, int]:
-    """Normal equations of the taxels and of what is expected."""
+) -> tuple[float, int, Floats, Floats, Floats]:
+    """Those of the taxels and of what is expected."""
     n = len(p)
-    model = np.empty((1 + n, depth.shape[0], depth.shape[1]))
+    fields, model = np.empty((1 + n, y.shape[1], x.shape[1])), np.empty((1 + n, *depth.shape))
+    normal, rhs, residual = np.zeros((n, n)), np.zeros(n), np.zeros(depth.shape)
     _fields(x, y, p, sides, fields)
     for k in range(1 + n):
         model[k] = to_rows @ fields[k] @ to_columns
@@ -175,52 +144,4 @@ def _weighed(
     chi2 += expect(p[4], SHARPENING, 4, normal, rhs)
     for k in range(OWN + 1, n, 2):
         chi2 += expect(p[k], TURN, k, normal, rhs)
-    return chi2, count
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _fit(
-    depth: Floats,
-    sigma: Floats,
-    x: Floats,
-    y: Floats,
-    to_columns: Floats,
-    to_rows: Floats,
-    start: Floats,
-    sides: Floats,
-    limit: float,
-) -> tuple[Floats, Floats, float, int, bool, Floats]:
-    m = len(start)
-    normal, rhs, residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
-    next_normal, next_rhs, next_residual = np.zeros((m, m)), np.zeros(m), np.zeros(depth.shape)
-    grid, fields = (x, y, to_columns, to_rows), np.empty((1 + m, y.shape[1], x.shape[1]))
-    p = start.copy()
-    chi2, count = _weighed(depth, sigma, *grid, p, sides, fields, normal, rhs, residual)
-    damping, converged = 1e-3, False
-    for _ in range(STEPS):
-        damped = normal.copy()
-        for a in range(m):
-            damped[a, a] *= 1.0 + damping
-        ok, inverse = invert(damped)
-        if not ok:
-            damping = max(1e-3, damping * 10.0)
-            if damping > 1e6:
-                break
-            continue
-        step = inverse @ rhs
-        if damping < 1.0 and chi2 - HOPE * np.dot(step, rhs) > limit:
-            break
-        trial = p + step
-        new, count = _weighed(depth, sigma, *grid, trial, sides, fields, next_normal, next_rhs, next_residual)
-        if new < chi2:
-            converged = chi2 - new < GAINED
-            p, chi2 = trial, new
-            normal[:], rhs[:], residual[:] = next_normal, next_rhs, next_residual
-            damping *= 0.1
-        else:
-            converged = np.dot(step, rhs) < GAINED
-            damping = max(1e-3, damping * 10.0)
-        if converged or damping > 1e8:
-            break
-    ok, covariance = invert(normal)
-    return p, covariance, chi2, count, converged and ok, residual
+    return chi2, count, normal, rhs, residual

@@ -19,8 +19,8 @@ import numpy as np
 from exploration.sensing.frame import TactileImage
 from exploration.sensing.lines.line import Line
 from exploration.sensing.surfaces.anatomy import SIGNIFICANT
-from exploration.sensing.surfaces.bent_ridge import TURNING, BentRidge, fit_bent_ridge
-from exploration.sensing.surfaces.cone_flank import ConeFlank, fit_cone_flank
+from exploration.sensing.surfaces.bent_ridge import TURNING, deepest, dome, fit_bent_ridge
+from exploration.sensing.surfaces.cone_flank import fit_cone_flank, paraboloid
 from exploration.sensing.surfaces.footprint import Footprint
 from exploration.sensing.surfaces.local_surface import LocalSurface, surface_of
 from primitives.arrays import Floats
@@ -51,8 +51,8 @@ def crest_of(image: TactileImage, smooth: LocalSurface) -> tuple[Footprint, floa
     if not _explains(bent):
         return None
     along = _along(image, smooth, bent.parameters[3])
-    dome = bent.dome(float(np.clip(bent.deepest(float(along.mean())), along.min(), along.max())))
-    return dome, log(sqrt(float(bent.covariance[6, 6])) / TURNING)
+    at = float(np.clip(deepest(bent, float(along.mean())), along.min(), along.max()))
+    return dome(bent, at), log(sqrt(float(bent.covariance[6, 6])) / TURNING)
 
 
 class End(NamedTuple):
@@ -90,12 +90,12 @@ def flank_of(
         return None
     best = min(found, key=lambda flank: flank.chi2)
     middle = float(_along(image, smooth, best.parameters[3]).mean())
-    return surface_of(image, smooth.mask, best.paraboloid(middle), True)
+    return surface_of(image, smooth.mask, paraboloid(best, middle), True)
 
 
 def _fitted(
     image: TactileImage, smooth: LocalSurface, start: Floats, ends: list[End], limit: float, more: bool
-) -> ConeFlank:
+) -> Footprint:
     """The flank with these ends, and with those where the contact ends, if `more` and they pay."""
     best = _with_ends(image, start, ends, np.inf if more else limit)
     if not more or _explains(best):
@@ -114,18 +114,18 @@ def _fitted(
     return best
 
 
-def _with_ends(image: TactileImage, start: Floats, ends: Sequence[End], limit: float) -> ConeFlank:
+def _with_ends(image: TactileImage, start: Floats, ends: Sequence[End], limit: float) -> Footprint:
     cuts = [value for end in ends for value in (end.offset, end.turn)]
     return fit_cone_flank(image, np.array([*start, *cuts]), np.array([end.side for end in ends]), limit)
 
 
-def _bent(flank: ConeFlank) -> bool:
+def _bent(flank: Footprint) -> bool:
     """Whether it is surely round: a flat face is a flank too, of no curvature."""
     return bool(flank.parameters[2] > SIGNIFICANT * np.sqrt(flank.covariance[2, 2]))
 
 
-def _explains(flank: ConeFlank | BentRidge) -> bool:
-    return flank.converged and flank.chi2 < flank.dof + EXPLAINED * sqrt(2 * max(0, flank.dof))
+def _explains(fit: Footprint) -> bool:
+    return fit.converged and fit.chi2 < fit.dof + EXPLAINED * sqrt(2 * max(0, fit.dof))
 
 
 def _facing(lines: Sequence[Line]) -> tuple[Line, Line] | None:

@@ -30,9 +30,9 @@ PLANE, ROUND, PARABOLOID = "plane", "round", "paraboloid"
 
 @dataclass(frozen=True)
 class Footprint:
-    """The best parameters of the forward model for one frame."""
+    """The best parameters of a forward model for one frame."""
 
-    parameters: Floats  # (6 + 2 n,) d0 [mm], gx, gy, kxx, kxy, kyy [1/mm], then (angle, offset) per line
+    parameters: Floats  # (n,); of this one d0 [mm], gx, gy, kxx, kxy, kyy [1/mm], (angle, offset) per line
     covariance: Floats  # same order; zero rows for what was held
     chi2: float  # Huber's
     dof: int

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from exploration.sensing.contacts import contacts_of
-from exploration.sensing.surfaces.bent_ridge import fit_bent_ridge
+from exploration.sensing.surfaces.bent_ridge import dome, fit_bent_ridge
+from exploration.sensing.surfaces.flank import crest_of
+from exploration.sensing.surfaces.local_surface import fit_surface
 from exploration.sensing.touch import perceive
 from primitives import pose as se3
 
@@ -38,7 +40,7 @@ def aslant(ring_from_pad):
 
 
 def on_tube(around, rng):
-    """(4, 4) of a pad on the tube, `around` [rad] it from its crest, leaning and turned at random."""
+    """(4, 4) of a pad on the tube, `around` [rad] from its crest, leaning and turned at random."""
     out = np.array([np.sin(around), 0.0, np.cos(around)])
     frame = se3.frame_along(-out + [*rng.normal(0.0, 0.03, 2), 0.0], rng.normal(size=3))
     pad = se3.pose(frame, RING * np.array([1.0, 0.0, 0.0]) + (TUBE - rng.uniform(0.3, 0.7)) * out)
@@ -69,7 +71,7 @@ def test_parameters_miss_by_what_is_stated(frames):
 
 def test_the_dome_on_its_ridge_touches_it_in_second_order(make_frames):
     ridge = fit_bent_ridge(make_frames(noise=0.001)(lying()), np.array([0.4, 0.0, 0.1, 0.5, 0.0, 0.0, 0.0]))
-    d0, gx, gy, kxx, kxy, kyy = ridge.dome(8.0).parameters
+    d0, gx, gy, kxx, kxy, kyy = dome(ridge, 8.0).parameters
     u, w = 8.0, RING + 0.7 - np.sqrt(RING**2 - 64.0)
     along, across = np.array([np.cos(ANGLE), np.sin(ANGLE)]), np.array([-np.sin(ANGLE), np.cos(ANGLE)])
     place = u * along + w * across
@@ -78,6 +80,17 @@ def test_the_dome_on_its_ridge_touches_it_in_second_order(make_frames):
     assert np.array([gx, gy]) - bent @ place == pytest.approx([0.0, 0.0], abs=0.01)
     toward = (u * along - RING * across + (w - 0.7) * across) / RING  # from the ring's center
     assert toward @ bent @ toward == pytest.approx(ridge.parameters[2], rel=0.01)
+
+
+def test_a_ridge_that_does_not_turn_is_no_rings_crest(frames):
+    rng = np.random.default_rng(1)
+    for radius in (6.6, 15.0, 40.0):
+        for _ in range(20):
+            field = frames.cylinder(radius, rng.uniform(0.0, np.pi), rng.uniform(-4.0, 4.0))
+            image = frames(field, rng)
+            assert crest_of(image, fit_surface(image)) is None
+    image = frames(lying(), rng)
+    assert crest_of(image, fit_surface(image)) is not None
 
 
 @pytest.mark.parametrize("around", [0.2, 0.0, -0.2, -0.4])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exploration.sensing.surfaces.cone_flank import fit_cone_flank
+from exploration.sensing.surfaces.cone_flank import fit_cone_flank, paraboloid
 from exploration.sensing.touch import perceive
 
 ANGLE, DEPTH = 0.5, 0.5
@@ -65,7 +65,7 @@ def test_the_paraboloid_touches_it_wherever_asked(frames):
     truth = np.array([DEPTH, 0.01, 0.08, ANGLE, 0.03, 0.5])
     flank = fit_cone_flank(frames(cone(0.4, 30.0)), truth, np.empty(0))
     for at in (-5.0, 0.0, 8.0):
-        hessian = flank.paraboloid(at).parameters[[3, 4, 5]]
+        hessian = paraboloid(flank, at).parameters[[3, 4, 5]]
         assert hessian[0] + hessian[2] == pytest.approx(flank.parameters[2] / (1 + flank.parameters[4] * at))
 
 
