@@ -9,11 +9,8 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
-
 from models.boundary import labeled_boundary
 from models.brep import Brep
-from models.display import display_mesh
 from models.explained import freeform_area_fraction, unassigned_area_fraction
 from models.formats.units import Units
 from models.freeform_symmetry import symmetry_of_solid
@@ -23,6 +20,7 @@ from models.library.settings import read_settings
 from models.part import Part, load_part
 from primitives.errors import PalpateError
 from recognition.report.boundary_page import boundary_html
+from recognition.report.drawn import drawn
 from recognition.report.run_report import ReportMesh
 
 _MARK = b"palpate"  # what every page of ours says in its first lines
@@ -98,8 +96,7 @@ def _summary(part: Part, brep: Brep) -> dict[str, Any]:
 
 def _mesh(part: Part) -> ReportMesh:
     _, face = labeled_boundary(part.solid)
-    vertices, triangles, of_face = display_mesh(part.solid, face)
-    return ReportMesh(vertices, np.asarray(triangles, dtype=np.int64), of_face)
+    return drawn(part.solid, face)
 
 
 def _refuse(path: Path) -> None:
