@@ -18,6 +18,7 @@ from perception.edges import OURS, Asked, Finder, edge_rows, false_rows, many_ro
 from perception.hostile import hostile_rows
 from perception.noise import Noise
 from perception.real import real_rows
+from perception.rings import ring_rows
 from perception.surfaces import curvature_rows
 from perception.times import time_rows
 
@@ -58,7 +59,19 @@ MANY = {
 }
 WITHOUT = {"flat": presses.flat, "empty": presses.empty, "sphere": presses.ball, "cylinder": presses.bar}
 BUILT = ("lts210", "dsa", "fingertip", "square32")
-ROWS = ("times", *EDGES, *MANY, "disc-hole", "false", "false-others", "hostile", "curvature", "built", "real")
+ROWS = (
+    "times",
+    *EDGES,
+    *MANY,
+    "disc-hole",
+    "false",
+    "false-others",
+    "hostile",
+    "curvature",
+    "rings",
+    "built",
+    "real",
+)
 
 
 def run(rows: tuple[str, ...] = ROWS, frames: int = FRAMES) -> list[dict[str, Any]]:
@@ -120,6 +133,7 @@ _OTHER_ROWS = {
     "false-others": _false_others,
     "hostile": lambda frames: hostile_rows(find_lines, PLAIN, frames),
     "curvature": lambda frames: curvature_rows(PLAIN, frames // 10),
+    "rings": lambda frames: ring_rows(PLAIN, frames // 20),
     "built": _built,
     "real": lambda frames: real_rows(methods()),
 }

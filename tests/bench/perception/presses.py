@@ -21,6 +21,7 @@ OPENINGS = tuple(np.radians((60.0, 90.0, 120.0)))
 BALLS = (10.0, 15.0, 25.0, 40.0, 80.0, 150.0, 200.0)  # [mm]
 BARS = (30.0, 45.0, 70.0, 120.0, 200.0, 300.0, 500.0)  # [mm] wider than the pad
 LEAN = 0.01  # [rad] 1 sigma of a pad that should lie flat
+ASLANT = 0.03  # [rad] the same of one that comes to a ring
 Maker = Callable[[np.random.Generator], Scene]
 
 
@@ -121,6 +122,16 @@ def bar(
     n |= {"radius": radius or float(rng.choice(BARS))}
     unknown = ("turn", "offset", "radius", "depth", "tilt_x", "tilt_y", "background")
     return _without_lines(spec, n, lambda n: solids.bar(n["radius"]), unknown)
+
+
+def ring(
+    rng: np.random.Generator, radius: float, tube: float, around: float, spec: SensorSpec = PAD
+) -> Scene:
+    """A ring, `around` [rad] from its crest uppermost."""
+    gx, gy = rng.normal(0.0, ASLANT, 2)
+    n = numbers(turn=_turn(rng), offset=rng.uniform(-3.0, 3.0), depth=PRESS, tilt_x=gx, tilt_y=gy)
+    n |= {"radius": radius, "tube": tube, "around": around}
+    return _without_lines(spec, n, lambda n: solids.ring(n["radius"], n["tube"], n["around"]), LOCAL)
 
 
 def wider(kind: Callable[..., Scene], spec: SensorSpec, rng: np.random.Generator) -> Scene:

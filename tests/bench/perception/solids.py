@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from models.csg import Csg, Cube, Cylinder, Prism
+from models.csg import Csg, Cube, Cylinder, Prism, Torus
 from models.solid import Solid
 from primitives.arrays import Ints
 
@@ -151,3 +151,13 @@ def _rings_joined(rings: int) -> Ints:
 def bar(radius: float) -> Solid:
     """A cylinder along x that rises to z = 0."""
     return _solid(Cylinder(radius, 2 * FAR).turned("y", np.pi / 2).at(0, 0, -radius), TURNED * radius)
+
+
+@lru_cache(maxsize=64)
+def ring(radius: float, tube: float, around: float) -> Solid:
+    """A ring whose tube runs along x at the origin and rises to z = 0 there; it bends towards greater y.
+
+    What lies uppermost is `around` [rad] from the ring's crest, towards its outside.
+    """
+    tree = Torus(radius, tube).at(0, radius, 0).turned("x", -around).at(0, 0, -tube)
+    return _solid(tree, 1e-4 * tube)
